@@ -1,0 +1,104 @@
+// Noise for the built-in scenes: gradient noise over integer hashes, the same on every machine.
+// Based on [Perlin 2002] (interpolation) and [Jarzynski and Olano 2020] (the pcg hash).
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+namespace umbrage::noise {
+
+inline std::uint32_t hash(std::uint32_t x) {
+  const std::uint32_t state = x * 747796405u + 2891336453u;
+  const std::uint32_t word = ((state >> ((state >> 28) + 4u)) ^ state) * 277803737u;
+  return (word >> 22) ^ word;
+}
+inline std::uint32_t hash(int x, int y, std::uint32_t seed = 0) {
+  return hash(std::uint32_t(x) + hash(std::uint32_t(y) + hash(seed)));
+}
+inline std::uint32_t hash(int x, int y, int z, std::uint32_t seed = 0) {
+  return hash(std::uint32_t(x) + hash(std::uint32_t(y) + hash(std::uint32_t(z) + hash(seed))));
+}
+
+/// A hash as a number in [0, 1).
+inline float unit(std::uint32_t h) { return float(h >> 8) * 0x1p-24f; }
+
+/// A sequence of numbers from a seed.
+struct Random {
+  std::uint32_t state = 0;
+  float next() { return unit(hash(state++)); }
+  float between(float low, float high) { return low + (high - low) * next(); }
+};
+
+inline float fade(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f); }
+
+/// Gradient noise in the plane, about -1 to 1, mean 0, one feature per unit. With a period (in units), it repeats.
+inline float gradient(glm::vec2 p, std::uint32_t seed, int period = 0) {
+  const int ix = int(std::floor(p.x)), iy = int(std::floor(p.y));
+  const float fx = p.x - float(ix), fy = p.y - float(iy);
+  const auto wrap = [period](int i) { return period > 0 ? ((i % period) + period) % period : i; };
+  const auto corner = [&](int dx, int dy) {
+    // Sixteen directions: a table of eight shows as streaks along the axes.
+    static constexpr float kX[16] = {1.0f,  0.924f,  0.707f,  0.383f,  0.0f, -0.383f, -0.707f, -0.924f,
+                                     -1.0f, -0.924f, -0.707f, -0.383f, 0.0f, 0.383f,  0.707f,  0.924f};
+    static constexpr float kY[16] = {0.0f, 0.383f,  0.707f,  0.924f,  1.0f,  0.924f,  0.707f,  0.383f,
+                                     0.0f, -0.383f, -0.707f, -0.924f, -1.0f, -0.924f, -0.707f, -0.383f};
+    const std::uint32_t h = hash(wrap(ix + dx), wrap(iy + dy), seed) >> 28;
+    return kX[h] * (fx - float(dx)) + kY[h] * (fy - float(dy));
+  };
+  const float u = fade(fx), v = fade(fy);
+  const float low = corner(0, 0) + u * (corner(1, 0) - corner(0, 0));
+  const float high = corner(0, 1) + u * (corner(1, 1) - corner(0, 1));
+  return 1.4f * (low + v * (high - low));
+}
+
+/// Value noise in space, -1 to 1, one feature per unit.
+inline float value(glm::vec3 p, std::uint32_t seed) {
+  const int ix = int(std::floor(p.x)), iy = int(std::floor(p.y)), iz = int(std::floor(p.z));
+  const float u = fade(p.x - float(ix)), v = fade(p.y - float(iy)), w = fade(p.z - float(iz));
+  const auto row = [&](int dy, int dz) {
+    const float a = unit(hash(ix, iy + dy, iz + dz, seed)), b = unit(hash(ix + 1, iy + dy, iz + dz, seed));
+    return a + u * (b - a);
+  };
+  const float near = row(0, 0) + v * (row(1, 0) - row(0, 0)), far = row(0, 1) + v * (row(1, 1) - row(0, 1));
+  return 2.0f * (near + w * (far - near)) - 1.0f;
+}
+
+/// A sum of octaves of gradient noise, each twice as fine and `gain` times as high; about -1 to 1.
+inline float fractal(glm::vec2 p, int octaves, std::uint32_t seed, int period = 0, float gain = 0.5f) {
+  float sum = 0.0f, height = 1.0f, total = 0.0f;
+  for (int i = 0; i < octaves; ++i) {
+    sum += height * gradient(p, seed + std::uint32_t(i), period);
+    total += height;
+    height *= gain;
+    p *= 2.0f;
+    period *= 2;
+  }
+  return sum / total;
+}
+
+/// Cells round scattered points: distance to the nearest point and to the second nearest, and the nearest's hash.
+struct Cell {
+  float nearest = 1e9f, second = 1e9f;
+  std::uint32_t id = 0;
+};
+inline Cell cells(glm::vec2 p, std::uint32_t seed, int period = 0) {
+  const int ix = int(std::floor(p.x)), iy = int(std::floor(p.y));
+  const auto wrap = [period](int i) { return period > 0 ? ((i % period) + period) % period : i; };
+  Cell cell;
+  for (int y = iy - 1; y <= iy + 1; ++y)
+    for (int x = ix - 1; x <= ix + 1; ++x) {
+      const std::uint32_t h = hash(wrap(x), wrap(y), seed);
+      const glm::vec2 point(float(x) + unit(h), float(y) + unit(hash(h)));
+      const float distance = glm::length(p - point);
+      if (distance < cell.nearest) {
+        cell = {distance, cell.nearest, h};
+      } else if (distance < cell.second) {
+        cell.second = distance;
+      }
+    }
+  return cell;
+}
+
+}  // namespace umbrage::noise
