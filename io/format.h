@@ -1,0 +1,41 @@
+// What the image formats share: the entry of each in the table, the choice of planes for a picture, limits on what is
+// read, and files that appear whole or not at all.
+#pragma once
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <vector>
+
+#include "io/image_file.h"
+
+namespace umbrage {
+
+extern const ImageFormat kPng, kExr, kPfm;
+
+/// Larger pictures are refused before memory is asked for: no camera makes them, damaged headers do.
+inline constexpr std::int64_t kMaxSide = 65536, kMaxPixels = std::int64_t(1) << 28;
+
+/// Whether a size read from a file is sane; the error names the file.
+Result<void> check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height);
+
+/// The planes of a picture: color.r, color.g, color.b and, if wanted and there, color.a; or the only plane.
+Result<std::vector<const Plane*>> picture_planes(const std::filesystem::path& file, const Image& image,
+                                                 bool with_alpha);
+
+/// An image with planes for `channels` values per pixel: one is `grey`, more are color.r, color.g, color.b, color.a.
+Image picture(int width, int height, int channels);
+
+/// Lets `write` fill a file beside `file`, then renames it. On any failure the new file is removed and an older `file`
+/// stays as it was. Devices and pipes are written to directly. `write` may leave errors of the disk to this function.
+Result<void> write_whole(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
+
+/// An open file that closes itself.
+struct CloseFile {
+  void operator()(std::FILE* stream) const { std::fclose(stream); }
+};
+using InputFile = std::unique_ptr<std::FILE, CloseFile>;
+
+/// Opens a file to read; the error names it and says why not. `size` becomes its length in bytes.
+Result<InputFile> open_to_read(const std::filesystem::path& file, std::int64_t& size);
+
+}  // namespace umbrage

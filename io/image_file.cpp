@@ -1,0 +1,221 @@
+// The table of image formats, the choice among them, and files that appear whole or not at all.
+#include "io/image_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include "core/suggest.h"
+#include "io/format.h"
+
+namespace umbrage {
+namespace fs = std::filesystem;
+namespace {
+
+/// "a, b or c".
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return text;
+}
+
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
+  return text;
+}
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+bool allowed(const fs::path& path, int access) { return ::faccessat(AT_FDCWD, path.c_str(), access, AT_EACCESS) == 0; }
+
+/// The name of the file that is filled before it becomes `file`. The counter keeps threads apart, the process number
+/// programs; the name is cut so that the addition still fits where names may have 255 bytes.
+fs::path part_of(const fs::path& file) {
+  static std::atomic<int> count = 0;
+  constexpr std::size_t kLongestStem = 200;
+  return folder_of(file) /
+         fmt::format("{}.part-{}-{}", file.filename().string().substr(0, kLongestStem), ::getpid(), count++);
+}
+
+Error write_error(const fs::path& file, int cause) {
+  return file_error("'{}' cannot be written: {}", file.string(), std::strerror(cause));
+}
+
+/// Runs `write` on the stream and closes it. Exceptions, of a library or for want of memory, end here.
+Result<void> fill(const fs::path& file, std::FILE* stream, const std::function<Result<void>(std::FILE*)>& write) {
+  errno = 0;
+  Result<void> done;
+  try {
+    done = write(stream);
+  } catch (const std::exception& exception) {
+    done = file_error("'{}' cannot be written: {}", file.string(), exception.what());
+  }
+  // A short write is known here by its cause; what a library made of it says less.
+  int cause = std::ferror(stream) ? errno : 0;
+  if (std::fclose(stream) != 0 && cause == 0) cause = errno;
+  if (cause != 0) return write_error(file, cause);
+  return done;
+}
+
+}  // namespace
+
+std::span<const ImageFormat> image_formats() {
+  static const ImageFormat table[] = {kPng, kPfm};
+  return table;
+}
+
+Result<const ImageFormat*> format_of(const fs::path& file) {
+  std::string ending = lower_case(file.extension().string());
+  if (!ending.empty()) ending.erase(0, 1);
+  std::vector<std::string> endings, dotted;
+  for (const ImageFormat& format : image_formats()) {
+    if (format.extension == ending) return &format;
+    endings.emplace_back(format.extension);
+    dotted.push_back("." + endings.back());
+  }
+  if (ending.empty())
+    return file_error("'{}' has no ending that names an image format: it should be {}", file.string(), listed(dotted));
+  const std::string nearest = suggestion(ending, endings);
+  const bool near = nearest.find("did you mean") != std::string::npos;
+  return file_error("'{}' ends in '.{}', which is no image format here: it should be {}{}", file.string(), ending,
+                    listed(dotted), near ? nearest : "");
+}
+
+Result<void> check_writable(const fs::path& file) {
+  std::error_code ignored;
+  if (file.empty()) return file_error("the name of the file to write is empty");
+  if (!file.has_filename() || fs::is_directory(file, ignored))
+    return file_error("'{}' is a folder: name a file in it", file.string());
+  const fs::path folder = folder_of(file);
+  if (!fs::is_directory(folder, ignored)) {
+    const bool there = fs::exists(folder, ignored);
+    return file_error("'{}' cannot be written: '{}' {}", file.string(), folder.string(),
+                      there ? "is not a folder" : "does not exist; create that folder first");
+  }
+  const bool exists = fs::exists(file, ignored);
+  if (exists && !allowed(file, W_OK))
+    return file_error("'{}' cannot be written: the file is there and write-protected", file.string());
+  if ((!exists || fs::is_regular_file(file, ignored)) && !allowed(folder, W_OK | X_OK))
+    return file_error("'{}' cannot be written: {} on folder '{}'", file.string(), std::strerror(errno),
+                      folder.string());
+  return {};
+}
+
+Result<void> check_size(const fs::path& file, std::int64_t width, std::int64_t height) {
+  if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide && width * height <= kMaxPixels) return {};
+  return file_error("'{}' says that it is {} x {} pixels: 1 to {} a side and at most {} in all can be read",
+                    file.string(), width, height, kMaxSide, kMaxPixels);
+}
+
+Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Image& image, bool with_alpha) {
+  if (image.width < 1 || image.height < 1)
+    return file_error("'{}' cannot be written: the image is {} x {} pixels", file.string(), image.width, image.height);
+  std::vector<const Plane*> planes = {image.find("color.r"), image.find("color.g"), image.find("color.b")};
+  if (std::find(planes.begin(), planes.end(), nullptr) == planes.end()) {
+    if (const Plane* alpha = image.find("color.a"); alpha && with_alpha) planes.push_back(alpha);
+    return planes;
+  }
+  if (image.planes.size() == 1) return std::vector<const Plane*>{&image.planes[0]};
+  std::string names;
+  for (const std::string& name : image.names) names += (names.empty() ? "" : ", ") + name;
+  return file_error(
+      "'{}' cannot be written: a picture needs the planes color.r, color.g and color.b, or one plane alone, and this "
+      "image has {}; an .exr file takes any planes",
+      file.string(), names.empty() ? "none" : names);
+}
+
+Image picture(int width, int height, int channels) {
+  Image image(width, height);
+  if (channels == 1) {
+    image.add("grey");
+    return image;
+  }
+  constexpr std::string_view kNames[] = {"color.r", "color.g", "color.b", "color.a"};
+  for (int c = 0; c < channels; ++c) image.add(kNames[c]);
+  return image;
+}
+
+Result<void> write_whole(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
+  if (Result<void> ok = check_writable(file); !ok) return ok;
+  std::error_code code;
+  // A link stays a link: what it points at is replaced.
+  const fs::path resolved = fs::canonical(file, code);
+  const fs::path target = code ? file : resolved;
+  if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
+    std::FILE* stream = std::fopen(target.c_str(), "wb");
+    return stream ? fill(file, stream, write) : write_error(file, errno);
+  }
+  fs::path part;
+  std::FILE* stream = nullptr;
+  constexpr int kAttempts = 16;  // a killed program of the same number may have left such names
+  for (int i = 0; i < kAttempts && !stream; ++i) {
+    part = part_of(target);
+    stream = std::fopen(part.c_str(), "wbx");
+    if (!stream && errno != EEXIST) break;
+  }
+  if (!stream) return write_error(file, errno);
+  Result<void> done = fill(file, stream, write);
+  if (done) {
+    fs::rename(part, target, code);
+    if (!code) return {};
+    done = write_error(file, code.value());
+  }
+  fs::remove(part, code);
+  return done;
+}
+
+Result<InputFile> open_to_read(const fs::path& file, std::int64_t& size) {
+  std::error_code code;
+  const fs::file_status status = fs::status(file, code);
+  if (!fs::exists(status)) return file_error("'{}' does not exist", file.string());
+  if (!fs::is_regular_file(status))
+    return file_error("'{}' is {}, not an image file", file.string(),
+                      fs::is_directory(status) ? "a folder" : "a device or pipe");
+  InputFile stream(std::fopen(file.c_str(), "rb"));
+  if (!stream) return file_error("'{}' cannot be opened: {}", file.string(), std::strerror(errno));
+  size = std::int64_t(fs::file_size(file, code));
+  if (code) return file_error("'{}' cannot be read: {}", file.string(), code.message());
+  return stream;
+}
+
+Result<void> write_image(const fs::path& file, const Image& image, const WriteSettings& settings) {
+  const Result<const ImageFormat*> format = format_of(file);
+  return format ? (*format)->write(file, image, settings) : format.error();
+}
+
+Result<Image> read_image(const fs::path& file) {
+  try {
+    std::int64_t size = 0;
+    Result<InputFile> stream = open_to_read(file, size);
+    if (!stream) return stream.error();
+    char start[8] = {};
+    const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
+    stream->reset();
+    std::vector<std::string> endings;
+    for (const ImageFormat& format : image_formats()) {
+      if (format.recognises(std::string_view(start, got))) return format.read(file);
+      endings.push_back("." + std::string(format.extension));
+    }
+    return file_error("'{}' {}: its content should be that of {}", file.string(),
+                      size == 0 ? "is empty" : "is no image that can be read", listed(endings));
+  } catch (const std::bad_alloc&) {
+    return file_error("'{}' cannot be read: its pixels need more memory than there is", file.string());
+  }
+}
+
+Result<void> write_text(const fs::path& file, std::string_view text) {
+  return write_whole(file, [&](std::FILE* stream) -> Result<void> {
+    std::fwrite(text.data(), 1, text.size(), stream);
+    return {};
+  });
+}
+
+}  // namespace umbrage

@@ -1,0 +1,52 @@
+// Image files: one source file per format behind one function to write and one to read.
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/result.h"
+
+namespace umbrage {
+
+struct WriteSettings {
+  int bits = 8;       ///< PNG: 8 or 16
+  bool half = false;  ///< EXR: half instead of float
+  /// EXR: written as worldToCamera and worldToNDC, which OpenEXR defines left-handed with +z forward.
+  const Camera* camera = nullptr;
+};
+
+/// An image file format.
+struct ImageFormat {
+  std::string_view extension, summary;  ///< without the dot, lower case
+  Result<void> (*write)(const std::filesystem::path&, const Image&, const WriteSettings&);
+  Result<Image> (*read)(const std::filesystem::path&);
+  bool (*recognises)(std::string_view start);  ///< by the first 8 bytes of a file
+};
+
+std::span<const ImageFormat> image_formats();
+
+/// The format that a path's ending names, or an error that lists the endings. Call it before long work starts.
+Result<const ImageFormat*> format_of(const std::filesystem::path& file);
+
+/// Whether a file can be created at `file`: its folder exists and is writable, and it is not itself a folder.
+Result<void> check_writable(const std::filesystem::path& file);
+
+/// Writes the image whole or not at all (beside, then renamed).
+/// PNG: planes color.r, color.g, color.b and, if there, color.a as they are, clamped to [0, 1], NaN as 0; or the only
+/// plane, as grey. PFM: the same, float, without alpha. EXR: every plane; color.r/g/b/a become R, G, B, A; `depth`
+/// becomes depth.Z; names ending in .r .g .b .a .x .y .z get that letter in upper case; with `half`, depth and id
+/// planes are float all the same. Errors: kFile.
+Result<void> write_image(const std::filesystem::path& file, const Image& image, const WriteSettings& settings = {});
+
+/// Reads an image of any of the formats, told apart by content; the same names back. A single plane of PNG or PFM is
+/// called `grey`. PNG values are in [0, 1], not linearised. What EXR parts and windows become is said in exr.cpp.
+/// Errors: kFile.
+Result<Image> read_image(const std::filesystem::path& file);
+
+/// Writes text whole or not at all.
+Result<void> write_text(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace umbrage

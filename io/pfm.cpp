@@ -1,0 +1,104 @@
+// PFM, float maps: a text header ("PF" colour or "Pf" grey, width, height, scale), then rows of floats, the bottom one
+// first. A negative scale says little-endian. Its magnitude is not applied: writers put anything there, and readers
+// that care for depth want the numbers as stored. Based on Debevec's description (HDR Shop).
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "io/format.h"
+
+namespace umbrage {
+namespace fs = std::filesystem;
+namespace {
+
+static_assert(sizeof(float) == 4);
+
+void swap_bytes(std::vector<float>& values) {
+  for (float& value : values) {
+    std::uint32_t bits = std::bit_cast<std::uint32_t>(value);
+    value = std::bit_cast<float>((bits >> 24) | ((bits >> 8) & 0xff00u) | ((bits << 8) & 0xff0000u) | (bits << 24));
+  }
+}
+
+Result<void> write(const fs::path& file, const Image& image, const WriteSettings&) {
+  const Result<std::vector<const Plane*>> planes = picture_planes(file, image, false);
+  if (!planes) return planes.error();
+  return write_whole(file, [&](std::FILE* stream) -> Result<void> {
+    const int channels = int(planes->size());
+    const bool little = std::endian::native == std::endian::little;
+    fmt::print(stream, "{}\n{} {}\n{}\n", channels == 1 ? "Pf" : "PF", image.width, image.height,
+               little ? "-1.0" : "1.0");
+    std::vector<float> row(std::size_t(image.width) * channels);
+    for (int y = image.height - 1; y >= 0; --y) {
+      for (int c = 0; c < channels; ++c)
+        for (int x = 0; x < image.width; ++x) row[std::size_t(x) * channels + c] = (*planes)[c]->at(x, y);
+      if (std::fwrite(row.data(), sizeof(float), row.size(), stream) != row.size()) return {};
+    }
+    return {};
+  });
+}
+
+/// The next word of the header, without the white space before it and with the one character after it.
+std::string word(std::FILE* stream) {
+  constexpr std::size_t kLongest = 32;
+  std::string text;
+  for (int c = std::fgetc(stream); c != EOF && text.size() <= kLongest; c = std::fgetc(stream)) {
+    const bool space = c == ' ' || (c >= '\t' && c <= '\r');
+    if (space && !text.empty()) break;
+    if (!space) text.push_back(char(c));
+  }
+  return text;
+}
+
+/// A number that is the whole word, or NaN.
+double number(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  return text.empty() || *end ? std::nan("") : value;
+}
+
+Result<Image> read(const fs::path& file) {
+  std::int64_t size = 0;
+  Result<InputFile> stream = open_to_read(file, size);
+  if (!stream) return stream.error();
+  std::FILE* in = stream->get();
+  const std::string kind = word(in);
+  if (kind != "PF" && kind != "Pf")
+    return file_error("'{}' is no PFM file: it should begin with PF or Pf", file.string());
+  const std::string words[3] = {word(in), word(in), word(in)};
+  const double width = number(words[0]), height = number(words[1]), scale = number(words[2]);
+  if (!(std::abs(width) < 1e9 && width == std::floor(width)) ||
+      !(std::abs(height) < 1e9 && height == std::floor(height)))
+    return file_error("'{}' has the size '{} {}' in its header: it should be two whole numbers", file.string(),
+                      words[0], words[1]);
+  if (!(std::isfinite(scale) && scale != 0.0))
+    return file_error("'{}' has the scale '{}' in its header: it should be a number other than 0", file.string(),
+                      words[2]);
+  if (Result<void> sane = check_size(file, std::int64_t(width), std::int64_t(height)); !sane) return sane.error();
+  const int channels = kind == "PF" ? 3 : 1;
+  const std::int64_t needed = std::int64_t(width) * std::int64_t(height) * channels * 4;
+  const std::int64_t there = size - std::ftell(in);
+  if (there < needed)
+    return file_error("'{}' is cut short: {} x {} pixels are {} bytes and it has {}", file.string(), width, height,
+                      needed, there);
+  Image image = picture(int(width), int(height), channels);
+  const bool foreign = (scale < 0.0) != (std::endian::native == std::endian::little);
+  std::vector<float> row(std::size_t(image.width) * channels);
+  for (int y = image.height - 1; y >= 0; --y) {
+    if (std::fread(row.data(), sizeof(float), row.size(), in) != row.size())
+      return file_error("'{}' cannot be read: row {} is missing", file.string(), y);
+    if (foreign) swap_bytes(row);
+    for (int c = 0; c < channels; ++c)
+      for (int x = 0; x < image.width; ++x) image.planes[c].at(x, y) = row[std::size_t(x) * channels + c];
+  }
+  return image;
+}
+
+bool recognises(std::string_view start) { return start.starts_with("PF") || start.starts_with("Pf"); }
+
+}  // namespace
+
+const ImageFormat kPfm = {"pfm", "float maps, grey or RGB", write, read, recognises};
+
+}  // namespace umbrage
