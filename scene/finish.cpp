@@ -1,0 +1,364 @@
+// Normals, clean triangles and bounds. Normals are weighted by the angle of the face at the vertex
+// [Thürmer and Wüthrich 1998], so that they do not depend on how a polygon was cut into triangles.
+#include "scene/finish.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "core/check.h"
+
+namespace umbrage {
+namespace {
+
+using Index = std::uint32_t;
+constexpr Index kNone = std::numeric_limits<Index>::max();
+
+/// A triangle is degenerate when its doubled area is below this share of its longest edge squared: its width is then
+/// a ten-millionth of its length, the precision of a float, and its normal is noise.
+constexpr double kDegenerate = 1e-7;
+
+/// Squares of lengths above this are infinite in a float; coordinates beyond it count as not finite.
+constexpr float kLargestCoordinate = 1e18f;
+
+/// A normal of a file shorter than this is taken for missing.
+constexpr float kShortestNormal = 1e-12f;
+
+constexpr glm::vec3 kAnyNormal{0.0f, 1.0f, 0.0f};
+
+bool usable(const glm::vec3& p) {
+  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
+         std::abs(p.z) <= kLargestCoordinate;
+}
+
+struct Face {
+  glm::vec3 normal{0.0f};      ///< unit, or zero for a face without area
+  float angle[3] = {0, 0, 0};  ///< at its corners, radians
+};
+
+bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const glm::dvec3 ab = glm::dvec3(b) - glm::dvec3(a), ac = glm::dvec3(c) - glm::dvec3(a), bc = ac - ab;
+  const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(bc, bc)});
+  const glm::dvec3 area = glm::cross(ab, ac);
+  return !(glm::dot(area, area) > kDegenerate * kDegenerate * longest * longest);
+}
+
+Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const glm::dvec3 ab = glm::dvec3(b) - glm::dvec3(a), ac = glm::dvec3(c) - glm::dvec3(a), bc = ac - ab;
+  const glm::dvec3 area = glm::cross(ab, ac);
+  const double length = std::sqrt(glm::dot(area, area));
+  Face face;
+  if (!(length > 0.0) || !std::isfinite(length)) return face;
+  face.normal = glm::vec3(area / length);
+  // Ratios first: products of tiny lengths would leave the range of a float.
+  const double largest = std::max({length, std::abs(glm::dot(ab, ac)), std::abs(glm::dot(ab, bc))});
+  const float sine = float(length / largest);
+  face.angle[0] = std::atan2(sine, float(glm::dot(ab, ac) / largest));
+  face.angle[1] = std::atan2(sine, float(-glm::dot(ab, bc) / largest));
+  face.angle[2] = std::max(0.0f, std::numbers::pi_v<float> - face.angle[0] - face.angle[1]);
+  return face;
+}
+
+/// The bits of a float, the same for 0 and -0.
+std::uint32_t bits_of(float x) { return std::bit_cast<std::uint32_t>(x + 0.0f); }
+
+std::uint64_t mixed(std::uint64_t x) {
+  x ^= x >> 32;
+  x *= 0xd6e8feb86659fd93ull;
+  x ^= x >> 32;
+  return x;
+}
+
+/// Numbers things by equality: result[i] is the number of thing i, numbers count from zero in order of appearance.
+template <class Hash, class Equal>
+std::vector<Index> numbered(std::size_t count, Index& distinct, Hash hash, Equal equal) {
+  const std::size_t slots = std::bit_ceil(std::max<std::size_t>(16, count + count / 2));
+  struct Slot {
+    Index thing, number;
+  };
+  std::vector<Slot> table(slots, Slot{kNone, 0});
+  std::vector<Index> number_of(count);
+  distinct = 0;
+  for (Index i = 0; i < count; ++i) {
+    std::size_t slot = hash(i) & (slots - 1);
+    while (table[slot].thing != kNone && !equal(table[slot].thing, i)) slot = (slot + 1) & (slots - 1);
+    if (table[slot].thing == kNone) table[slot] = {i, distinct++};
+    number_of[i] = table[slot].number;
+  }
+  return number_of;
+}
+
+std::uint64_t hash_of(const glm::vec3& p) {
+  return mixed(mixed(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)) + bits_of(p.z));
+}
+std::uint64_t hash_of(const glm::vec2& p) { return mixed(std::uint64_t(bits_of(p.x)) << 32 | bits_of(p.y)); }
+bool same(const glm::vec3& a, const glm::vec3& b) {
+  return bits_of(a.x) == bits_of(b.x) && bits_of(a.y) == bits_of(b.y) && bits_of(a.z) == bits_of(b.z);
+}
+bool same(const glm::vec2& a, const glm::vec2& b) {
+  return bits_of(a.x) == bits_of(b.x) && bits_of(a.y) == bits_of(b.y);
+}
+
+/// Groups the corners around one point: `group[i]` is the first corner of i's group. Two corners belong together when
+/// their faces share an edge there and meet within the crease angle.
+struct CornerGroups {
+  struct Spoke {
+    Index neighbor, corner;
+  };
+  std::vector<Spoke> spokes;
+  std::vector<Index> group;
+
+  Index root(Index i) {
+    while (group[i] != i) i = group[i] = group[group[i]];
+    return i;
+  }
+
+  void make(const Index* corners, Index count, const std::vector<Index>& indices, const std::vector<Index>& point_of,
+            const std::vector<Face>& faces, float crease_cos) {
+    spokes.clear();
+    group.resize(count);
+    std::iota(group.begin(), group.end(), 0u);
+    for (Index i = 0; i < count; ++i) {
+      const Index first = corners[i] / 3 * 3, turn = corners[i] % 3;
+      spokes.push_back({point_of[indices[first + (turn + 1) % 3]], i});
+      spokes.push_back({point_of[indices[first + (turn + 2) % 3]], i});
+    }
+    std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
+      return a.neighbor != b.neighbor ? a.neighbor < b.neighbor : a.corner < b.corner;
+    });
+    constexpr std::size_t kMostFacesCompared = 8;  // bounds the work where thousands of faces share one edge
+    std::size_t run = 0;
+    for (std::size_t i = 1; i < spokes.size(); ++i) {
+      if (spokes[i].neighbor != spokes[run].neighbor) run = i;
+      for (std::size_t j = std::max(run, i - std::min(i, kMostFacesCompared)); j < i; ++j) {
+        const Index a = spokes[i].corner, b = spokes[j].corner;
+        if (glm::dot(faces[corners[a] / 3].normal, faces[corners[b] / 3].normal) < crease_cos) continue;
+        const Index root_a = root(a), root_b = root(b);
+        group[std::max(root_a, root_b)] = std::min(root_a, root_b);
+      }
+    }
+    for (Index i = 0; i < count; ++i) group[i] = root(i);
+  }
+};
+
+/// Keeps the vertices for which `used` is set, in order.
+void compact(Mesh& mesh, const std::vector<std::uint8_t>& used) {
+  std::vector<Index> number_of(used.size(), kNone);
+  Index count = 0;
+  for (Index v = 0; v < used.size(); ++v) {
+    if (!used[v]) continue;
+    mesh.positions[count] = mesh.positions[v];
+    if (!mesh.normals.empty()) mesh.normals[count] = mesh.normals[v];
+    if (!mesh.uvs.empty()) mesh.uvs[count] = mesh.uvs[v];
+    number_of[v] = count++;
+  }
+  mesh.positions.resize(count);
+  if (!mesh.normals.empty()) mesh.normals.resize(count);
+  if (!mesh.uvs.empty()) mesh.uvs.resize(count);
+  for (Index& index : mesh.indices) index = number_of[index];
+}
+
+/// Removes triangles that cannot be drawn and vertices that none uses. Returns how many triangles went.
+std::size_t clean_triangles(Mesh& mesh) {
+  const std::size_t before = (mesh.indices.size() + 2) / 3;
+  std::vector<std::uint8_t> used(mesh.positions.size(), 0);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const Index a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
+    if (std::max({a, b, c}) >= mesh.positions.size()) continue;
+    const glm::vec3 &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];
+    if (!usable(p) || !usable(q) || !usable(r) || is_degenerate(p, q, r)) continue;
+    mesh.indices[kept++] = a;
+    mesh.indices[kept++] = b;
+    mesh.indices[kept++] = c;
+    used[a] = used[b] = used[c] = 1;
+  }
+  mesh.indices.resize(kept);
+  if (std::find(used.begin(), used.end(), 0) != used.end()) compact(mesh, used);
+  return before - kept / 3;
+}
+
+/// Makes the given normals unit, and replaces those that are zero or not finite by the average of the faces that use
+/// the vertex. Returns false when there is no good one among them.
+bool repair_normals(Mesh& mesh) {
+  std::vector<Index> bad;
+  for (Index v = 0; v < mesh.normals.size(); ++v) {
+    const glm::dvec3 normal(mesh.normals[v]);
+    const double length = glm::length(normal);
+    if (length > kShortestNormal && std::isfinite(length)) {
+      mesh.normals[v] = glm::vec3(normal / length);
+    } else {
+      bad.push_back(v);
+      mesh.normals[v] = glm::vec3(0.0f);
+    }
+  }
+  if (bad.size() == mesh.normals.size()) return false;
+  if (bad.empty()) return true;
+  std::vector<std::uint8_t> is_bad(mesh.normals.size(), 0);
+  for (Index v : bad) is_bad[v] = 1;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const Index* corner = &mesh.indices[i];
+    if (!is_bad[corner[0]] && !is_bad[corner[1]] && !is_bad[corner[2]]) continue;
+    const Face face = face_of(mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]);
+    for (int k = 0; k < 3; ++k) {
+      if (is_bad[corner[k]]) mesh.normals[corner[k]] += face.angle[k] * face.normal;
+    }
+  }
+  for (Index v : bad) {
+    const float length = glm::length(mesh.normals[v]);
+    mesh.normals[v] = length > kShortestNormal ? mesh.normals[v] / length : kAnyNormal;
+  }
+  return true;
+}
+
+}  // namespace
+
+void make_normals(Mesh& mesh, float crease_angle_deg) {
+  const std::vector<Index>& indices = mesh.indices;
+  for (Index index : indices) check_less(index, mesh.positions.size(), "vertex index");
+  const bool has_uvs = mesh.uvs.size() == mesh.positions.size() && !mesh.uvs.empty();
+  const Index corner_count = Index(indices.size());
+  const float crease_deg = std::clamp(crease_angle_deg, 0.0f, 180.0f);
+  constexpr float kRounding = 1e-5f;  // faces that are parallel but for rounding stay together at a crease angle of 0
+  const float crease_cos = std::cos(glm::radians(crease_deg)) - kRounding;
+  const float half_crease_cos = std::cos(glm::radians(crease_deg / 2.0f));
+  const bool all_smooth = crease_deg >= 180.0f;
+
+  // Vertices at one place are one point; those that agree in texture coordinate too can become one vertex again.
+  Index point_count = 0, vertex_count = 0;
+  const std::vector<glm::vec3>& positions = mesh.positions;
+  const std::vector<Index> point_of = numbered(
+      positions.size(), point_count, [&](Index i) { return hash_of(positions[i]); },
+      [&](Index i, Index j) { return same(positions[i], positions[j]); });
+  std::vector<Index> joined;
+  if (has_uvs) {
+    joined = numbered(
+        positions.size(), vertex_count, [&](Index i) { return mixed(hash_of(mesh.uvs[i]) + point_of[i]); },
+        [&](Index i, Index j) { return point_of[i] == point_of[j] && same(mesh.uvs[i], mesh.uvs[j]); });
+  } else {
+    vertex_count = point_count;
+  }
+  const std::vector<Index>& vertex_of = has_uvs ? joined : point_of;
+
+  std::vector<Face> faces(corner_count / 3);
+  for (Index f = 0; f < faces.size(); ++f) {
+    faces[f] = face_of(positions[indices[3 * f]], positions[indices[3 * f + 1]], positions[indices[3 * f + 2]]);
+  }
+
+  // The corners around each point, one list after the other.
+  std::vector<Index> first_corner(point_count + 1, 0), corners(corner_count);
+  for (Index corner = 0; corner < corner_count; ++corner) ++first_corner[point_of[indices[corner]] + 1];
+  for (Index p = 0; p < point_count; ++p) first_corner[p + 1] += first_corner[p];
+  {
+    std::vector<Index> next(first_corner.begin(), first_corner.end() - 1);
+    for (Index corner = 0; corner < corner_count; ++corner) corners[next[point_of[indices[corner]]]++] = corner;
+  }
+
+  Mesh made;
+  made.positions.reserve(vertex_count);
+  made.normals.reserve(vertex_count);
+  if (has_uvs) made.uvs.reserve(vertex_count);
+  std::vector<Index> new_index(corner_count);
+  // The new vertex that the latest group of corners made of each old one; groups are numbered one after the other.
+  struct Latest {
+    Index group = kNone, vertex = 0;
+  };
+  std::vector<Latest> latest(vertex_count);
+  Index group_number = 0;
+
+  const auto add_group = [&](const Index* members, Index count) {
+    glm::vec3 sum(0.0f);
+    for (Index i = 0; i < count; ++i) sum += faces[members[i] / 3].angle[members[i] % 3] * faces[members[i] / 3].normal;
+    float length = glm::length(sum);
+    for (Index i = 0; i < count && !(length > kShortestNormal); ++i) {
+      sum = faces[members[i] / 3].normal;
+      length = glm::length(sum);
+    }
+    const glm::vec3 normal = length > kShortestNormal ? sum / length : kAnyNormal;
+    for (Index i = 0; i < count; ++i) {
+      const Index old = indices[members[i]];
+      Latest& made_of = latest[vertex_of[old]];
+      if (made_of.group != group_number) {
+        made_of = {group_number, Index(made.positions.size())};
+        made.positions.push_back(positions[old]);
+        made.normals.push_back(normal);
+        if (has_uvs) made.uvs.push_back(mesh.uvs[old]);
+      }
+      new_index[members[i]] = made_of.vertex;
+    }
+    ++group_number;
+  };
+
+  CornerGroups groups;
+  std::vector<Index> order, members;
+  for (Index p = 0; p < point_count; ++p) {
+    const Index* around = corners.data() + first_corner[p];
+    const Index count = first_corner[p + 1] - first_corner[p];
+    if (count == 0) continue;
+    // Most points are smooth: where all faces lie within half the angle of their mean, each pair lies within the angle.
+    bool smooth = true;
+    if (!all_smooth) {
+      glm::vec3 mean(0.0f);
+      for (Index i = 0; i < count; ++i) mean += faces[around[i] / 3].normal;
+      const float least = half_crease_cos * glm::length(mean);
+      for (Index i = 0; i < count && smooth; ++i) smooth = glm::dot(mean, faces[around[i] / 3].normal) >= least;
+      smooth = smooth && least > 0.0f;
+    }
+    if (smooth) {
+      add_group(around, count);
+      continue;
+    }
+    groups.make(around, count, indices, point_of, faces, crease_cos);
+    order.resize(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return groups.group[a] < groups.group[b]; });
+    for (Index i = 0; i < count;) {
+      members.clear();
+      const Index group = groups.group[order[i]];
+      for (; i < count && groups.group[order[i]] == group; ++i) members.push_back(around[order[i]]);
+      add_group(members.data(), Index(members.size()));
+    }
+  }
+  mesh.positions = std::move(made.positions);
+  mesh.normals = std::move(made.normals);
+  mesh.uvs = std::move(made.uvs);
+  mesh.indices = std::move(new_index);
+}
+
+std::size_t finish_scene(Scene& scene, float crease_angle_deg) {
+  std::size_t dropped = 0;
+  if (scene.materials.empty()) scene.materials.emplace_back();
+  for (Material& material : scene.materials) {
+    if (material.texture < 0 || material.texture >= int(scene.textures.size())) material.texture = kNoTexture;
+  }
+  for (Mesh& mesh : scene.meshes) {
+    if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
+    if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
+    if (mesh.material < 0 || mesh.material >= int(scene.materials.size())) mesh.material = 0;
+    dropped += clean_triangles(mesh);
+    if (mesh.indices.empty()) continue;
+    if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg);
+    for (glm::vec2& uv : mesh.uvs) {
+      if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.0f);
+    }
+  }
+  std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.indices.empty(); });
+  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+  for (const Mesh& mesh : scene.meshes) {
+    for (const glm::vec3& p : mesh.positions) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  }
+  scene.bounds_min = scene.meshes.empty() ? glm::vec3(0.0f) : low;
+  scene.bounds_max = scene.meshes.empty() ? glm::vec3(0.0f) : high;
+  return dropped;
+}
+
+}  // namespace umbrage

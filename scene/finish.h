@@ -1,0 +1,16 @@
+// What every scene goes through once its meshes stand: normals, clean triangles, bounds.
+#pragma once
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Makes smooth normals for a mesh without them: angle-weighted face normals [Thürmer and Wüthrich 1998], averaged
+/// over the faces around a vertex that meet within `crease_angle_deg`; vertices at equal positions are joined first,
+/// and split again along creases.
+void make_normals(Mesh& mesh, float crease_angle_deg);
+
+/// Drops triangles that are degenerate, out of range or not finite, makes missing normals, removes empty meshes, and
+/// fills in the bounds. Returns how many triangles were dropped.
+std::size_t finish_scene(Scene& scene, float crease_angle_deg = 60.0f);
+
+}  // namespace umbrage

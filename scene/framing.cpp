@@ -1,0 +1,240 @@
+// Framing: fits the camera to the projected extent of the scene's vertices, so that the picture is filled whatever the
+// model's shape.
+#include "scene/framing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+namespace umbrage {
+namespace {
+
+constexpr float kMargin = 0.06f;            ///< share of the picture left free on each side
+constexpr float kAzimuthDeg = 30.0f;        ///< to the right of the model's front
+constexpr float kElevationDeg = 20.0f;      ///< above the horizon
+constexpr float kFlatElevationDeg = 45.0f;  ///< for scenes that lie flat, which from 20 degrees are a thin strip
+constexpr float kFlat = 0.3f;               ///< height over width below which the camera begins to rise
+constexpr float kViewAngleDeg = 30.0f;      ///< vertical; narrow enough to keep shapes true
+constexpr float kLeastAngleDeg = 0.01f, kMostAngleDeg = 175.0f;
+constexpr float kNearest = 0.02f;  ///< least distance from eye to scene, as a share of its radius
+
+bool is_direction(const glm::vec3& v) {
+  const float length = glm::length(v);
+  return length > 0.0f && std::isfinite(length);
+}
+
+glm::vec3 unit_or(const std::optional<glm::vec3>& wish, const glm::vec3& otherwise) {
+  if (wish && is_direction(*wish)) return glm::normalize(*wish);
+  return is_direction(otherwise) ? glm::normalize(otherwise) : glm::vec3(0.0f, 1.0f, 0.0f);
+}
+
+/// Where models face: +z, as most files with +y up have it, or -y where z is up.
+glm::vec3 front_of(const glm::vec3& up) {
+  constexpr float kNearlyParallel = 0.9f;
+  const glm::vec3 front = std::abs(up.z) < kNearlyParallel ? glm::vec3(0, 0, 1) : glm::vec3(0, -1, 0);
+  return glm::normalize(front - glm::dot(front, up) * up);
+}
+
+/// From the scene towards the camera, where nobody said.
+glm::vec3 default_side(const Scene& scene, const glm::vec3& up) {
+  const glm::vec3 front = front_of(up), right = glm::cross(up, front);
+  const glm::vec3 size = scene.bounds_max - scene.bounds_min;
+  const float height = glm::dot(size, glm::abs(up));
+  const float width = std::max(glm::dot(size, glm::abs(front)), glm::dot(size, glm::abs(right)));
+  const float flatness = width > 0.0f ? std::clamp(1.0f - height / (kFlat * width), 0.0f, 1.0f) : 0.0f;
+  const float elevation = glm::radians(kElevationDeg + flatness * (kFlatElevationDeg - kElevationDeg));
+  const float azimuth = glm::radians(kAzimuthDeg);
+  return std::cos(elevation) * (std::cos(azimuth) * front + std::sin(azimuth) * right) + std::sin(elevation) * up;
+}
+
+glm::vec3 rotated(const glm::vec3& v, const glm::vec3& axis, float angle_deg) {
+  return glm::vec3(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), axis) * glm::vec4(v, 0.0f));
+}
+
+/// Turns `side` about `up` and then towards it. Past the pole the picture would flip; it stops short of it.
+glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float elevation_deg) {
+  if (azimuth_deg != 0.0f) side = rotated(side, up, azimuth_deg);
+  if (elevation_deg != 0.0f) {
+    constexpr float kHighestDeg = 89.9f;
+    const float distance = glm::length(side);
+    const float now = glm::degrees(std::asin(std::clamp(glm::dot(side, up) / distance, -1.0f, 1.0f)));
+    const glm::vec3 flat = side - glm::dot(side, up) * up;
+    const glm::vec3 level = is_direction(flat) ? glm::normalize(flat) : front_of(up);
+    const float goal = glm::radians(std::clamp(now + elevation_deg, -kHighestDeg, kHighestDeg));
+    side = distance * (std::cos(goal) * level + std::sin(goal) * up);
+  }
+  return side;
+}
+
+template <class Visit>
+void for_each_vertex(const Scene& scene, Visit visit) {
+  for (const Mesh& mesh : scene.meshes) {
+    for (const glm::vec3& p : mesh.positions) visit(p);
+  }
+  if (scene.meshes.empty()) {
+    visit(scene.bounds_min);
+    visit(scene.bounds_max);
+  }
+}
+
+struct Interval {
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
+  void add(double x) {
+    low = std::min(low, x);
+    high = std::max(high, x);
+  }
+  double middle() const { return 0.5 * (low + high); }
+  double size() const { return high - low; }
+};
+
+/// What a fit leaves: the middle of the picture at the scene's depth, and the distance of the eye from there.
+struct Fit {
+  glm::vec3 target;
+  float distance = 1.0f;
+  float height = 1.0f;  ///< of the window, orthographic
+};
+
+/// Axes of a camera that looks along `-side`, relative to `origin`.
+struct Axes {
+  glm::dvec3 origin, right, up, forward;
+  glm::dvec3 view(const glm::vec3& p) const {
+    const glm::dvec3 q = glm::dvec3(p) - origin;
+    return {glm::dot(right, q), glm::dot(up, q), glm::dot(forward, q)};
+  }
+};
+
+Axes axes_of(const glm::vec3& origin, const glm::vec3& side, const glm::vec3& up) {
+  const Camera camera = orthographic_camera(side, glm::vec3(0.0f), up, 1.0f, 1.0f);
+  return {glm::dvec3(origin), glm::dvec3(glm::row(camera.view_from_world, 0)),
+          glm::dvec3(glm::row(camera.view_from_world, 1)), -glm::dvec3(glm::row(camera.view_from_world, 2))};
+}
+
+/// Fits a camera that looks along -side. With `keep_middle` the origin of the axes stays in the middle of the picture.
+Fit fit_orthographic(const Scene& scene, const Axes& axes, float aspect, bool keep_middle) {
+  Interval x, y, z;
+  for_each_vertex(scene, [&](const glm::vec3& p) {
+    const glm::dvec3 q = axes.view(p);
+    x.add(q.x), y.add(q.y), z.add(q.z);
+  });
+  if (keep_middle) x.add(-x.low), x.add(-x.high), y.add(-y.low), y.add(-y.high);
+  const double radius = std::max(double(scene.radius()), 1e-30);
+  Fit fit;
+  fit.target = glm::vec3(axes.origin + x.middle() * axes.right + y.middle() * axes.up);
+  fit.distance = float(std::max(2.0 * radius, radius - z.low));
+  fit.height = float(std::max({y.size(), x.size() / aspect, 1e-6 * radius}) / (1.0 - 2.0 * kMargin));
+  return fit;
+}
+
+/// The same in perspective. The four planes of the view cone, each pushed out to the vertex that touches it, give the
+/// eye's place in closed form: one pass over the vertices. Only the axis that has room to spare is then centred in
+/// the picture by iteration.
+Fit fit_perspective(const Scene& scene, const Axes& axes, float angle_deg, float aspect, bool keep_middle) {
+  const double tan_y = std::tan(glm::radians(double(angle_deg)) / 2.0) * (1.0 - 2.0 * kMargin), tan_x = tan_y * aspect;
+  constexpr double kLowest = std::numeric_limits<double>::lowest();
+  double right = kLowest, left = kLowest, top = kLowest, bottom = kLowest;
+  Interval z;
+  for_each_vertex(scene, [&](const glm::vec3& p) {
+    const glm::dvec3 q = axes.view(p);
+    right = std::max(right, q.x - tan_x * q.z);
+    left = std::max(left, -q.x - tan_x * q.z);
+    top = std::max(top, q.y - tan_y * q.z);
+    bottom = std::max(bottom, -q.y - tan_y * q.z);
+    z.add(q.z);
+  });
+  const double radius = std::max(double(scene.radius()), 1e-30);
+  double eye_x = 0.0, eye_y = 0.0, eye_z = z.low - kNearest * radius;
+  if (keep_middle) {
+    eye_z = std::min({eye_z, -kNearest * radius, -right / tan_x, -left / tan_x, -top / tan_y, -bottom / tan_y});
+  } else {
+    eye_x = 0.5 * (right - left);
+    eye_y = 0.5 * (top - bottom);
+    eye_z = std::min({eye_z, -0.5 * (right + left) / tan_x, -0.5 * (top + bottom) / tan_y});
+    constexpr int kRounds = 3;  // each cuts the offset to a few per cent of what it was
+    for (int round = 0; round < kRounds; ++round) {
+      Interval x, y;
+      double depth_left = 1.0, depth_right = 1.0, depth_bottom = 1.0, depth_top = 1.0;
+      for_each_vertex(scene, [&](const glm::vec3& p) {
+        const glm::dvec3 q = axes.view(p);
+        const double depth = q.z - eye_z, u = (q.x - eye_x) / depth, v = (q.y - eye_y) / depth;
+        if (u < x.low) x.low = u, depth_left = depth;
+        if (u > x.high) x.high = u, depth_right = depth;
+        if (v < y.low) y.low = v, depth_bottom = depth;
+        if (v > y.high) y.high = v, depth_top = depth;
+      });
+      // A step s moves the extremes by -s / depth; this one makes them equal and opposite.
+      eye_x += (x.low + x.high) / (1.0 / depth_left + 1.0 / depth_right);
+      eye_y += (y.low + y.high) / (1.0 / depth_bottom + 1.0 / depth_top);
+    }
+  }
+  Fit fit;
+  fit.target = glm::vec3(axes.origin + eye_x * axes.right + eye_y * axes.up);
+  fit.distance = float(-eye_z);
+  return fit;
+}
+
+Camera camera_at(const glm::vec3& eye, const glm::vec3& target, const glm::vec3& up, float angle_deg, float height,
+                 float aspect, const Framing& framing) {
+  Camera camera = framing.orthographic ? orthographic_camera(eye, target, up, height, aspect)
+                                       : perspective_camera(eye, target, up, angle_deg, aspect);
+  const float zoom = framing.zoom > 0.0f && std::isfinite(framing.zoom) ? framing.zoom : 1.0f;
+  for (float* edge : {&camera.left, &camera.right, &camera.bottom, &camera.top}) *edge /= zoom;
+  return camera;
+}
+
+/// A camera whose place is given: no fit; an orthographic window is as large as the view cone at the target.
+Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float angle_deg, float aspect,
+              const Framing& framing) {
+  if (is_direction(eye - target)) {
+    eye = target + turned(eye - target, up, framing.azimuth_deg, framing.elevation_deg);
+  }
+  const float height = 2.0f * glm::distance(eye, target) * std::tan(glm::radians(angle_deg) / 2.0f);
+  return camera_at(eye, target, up, angle_deg, height, aspect, framing);
+}
+
+}  // namespace
+
+Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {
+  const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
+  const glm::vec3 up = unit_or(framing.view_up, scene.up);
+  const bool by_view = !scene.views.empty() && !framing.position && !framing.focal_point && !framing.direction;
+  const float wished_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
+  const float angle_deg = std::clamp(wished_angle, kLeastAngleDeg, kMostAngleDeg);
+  if (by_view) return placed(scene.views[0].eye, scene.views[0].target, up, angle_deg, aspect, framing);
+
+  if (framing.position) {
+    glm::vec3 target = framing.focal_point.value_or(scene.center());
+    if (!framing.focal_point && framing.direction && is_direction(*framing.direction)) {
+      const float to_center = glm::distance(*framing.position, scene.center());
+      target = *framing.position +
+               (to_center > 0.0f ? to_center : std::max(scene.radius(), 1.0f)) * glm::normalize(*framing.direction);
+    }
+    return placed(*framing.position, target, up, angle_deg, aspect, framing);
+  }
+  const bool has_direction = framing.direction && is_direction(*framing.direction);
+  glm::vec3 side = has_direction ? -glm::normalize(*framing.direction) : default_side(scene, up);
+  side = turned(side, up, framing.azimuth_deg, framing.elevation_deg);
+  const Axes axes = axes_of(framing.focal_point.value_or(scene.center()), side, up);
+  const bool keep_middle = framing.focal_point.has_value();
+  const Fit fit = framing.orthographic ? fit_orthographic(scene, axes, aspect, keep_middle)
+                                       : fit_perspective(scene, axes, angle_deg, aspect, keep_middle);
+  return camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, aspect, framing);
+}
+
+std::vector<Light> default_lights(const Scene&, const Camera& camera) {
+  constexpr float kLeftDeg = 35.0f, kUpDeg = 40.0f;
+  constexpr float kKey = 0.7f;  // with the default ambient light of 0.3, white turned to the light is just white
+  const float left = glm::radians(kLeftDeg), up = glm::radians(kUpDeg);
+  const glm::vec3 in_view(-std::cos(up) * std::sin(left), std::sin(up), std::cos(up) * std::cos(left));
+  Light key;
+  key.direction = glm::normalize(glm::transpose(glm::mat3(camera.view_from_world)) * in_view);
+  key.color = glm::vec3(kKey);
+  key.casts_shadow = true;
+  return {key};
+}
+
+}  // namespace umbrage

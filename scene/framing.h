@@ -1,0 +1,26 @@
+// Framing: where the camera stands when nobody said, and the options that move it.
+#pragma once
+#include <optional>
+
+#include "core/camera.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// What a person may say of the camera; what is not said is chosen. Positions in scene units, angles in degrees.
+struct Framing {
+  std::optional<glm::vec3> position, focal_point, view_up, direction;
+  std::optional<float> view_angle_deg;        ///< vertical field of view
+  float azimuth_deg = 0.0f, elevation_deg = 0.0f;
+  float zoom = 1.0f;                          ///< above 1: the model fills more of the picture
+  bool orthographic = false;
+};
+
+/// The camera for an image of width x height pixels. Without any wish: the scene's first suggested view, or else the
+/// whole scene from slightly above and to the side, fitted to the picture with a small margin.
+Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height);
+
+/// The lights of a scene that brings none: a white key light from above and to the left of the camera, with a shadow.
+std::vector<Light> default_lights(const Scene& scene, const Camera& camera);
+
+}  // namespace umbrage

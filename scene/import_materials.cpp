@@ -1,0 +1,291 @@
+// Import of materials. Where a format speaks of metalness and roughness, they become a Blinn-Phong highlight: exponent
+// 2 / roughness^4 - 2, peak F0 * exponent / 8 [Karis 2013, "Specular BRDF Reference"].
+#include "scene/import_materials.h"
+
+#include <assimp/GltfMaterial.h>
+#include <assimp/material.h>
+#include <assimp/scene.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <glm/common.hpp>
+#include <map>
+#include <optional>
+#include <system_error>
+
+#include "scene/texture_file.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr glm::vec3 kNeutral{0.8f};       ///< surfaces of which the file says nothing
+constexpr float kLeastExponent = 1.0f;    ///< below, a highlight is as wide as the diffuse lobe
+constexpr float kMostExponent = 2048.0f;  ///< above, a highlight is smaller than a pixel
+constexpr float kDielectricReflectance = 0.04f;
+
+/// A texture counts as a cut-out when at least this share of its texels is nearly clear or nearly opaque, and at least
+/// the other share is nearly clear.
+constexpr double kBinaryShare = 0.9, kClearShare = 0.001;
+constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
+
+float linear_of_srgb(float x) {
+  x = std::clamp(x, 0.0f, 1.0f);
+  return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
+}
+
+float in_unit(float x) { return x >= 0.0f ? std::min(x, 1.0f) : 0.0f; }
+glm::vec3 in_unit(const glm::vec3& c) { return {in_unit(c.x), in_unit(c.y), in_unit(c.z)}; }
+
+std::optional<glm::vec3> color_of(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
+  aiColor4D color;
+  if (source.Get(key, type, index, color) != AI_SUCCESS) return std::nullopt;
+  return glm::vec3(color.r, color.g, color.b);
+}
+
+std::optional<float> number_of(const aiMaterial& source, const char* key, unsigned type, unsigned index) {
+  float value = 0.0f;
+  if (source.Get(key, type, index, value) != AI_SUCCESS || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::string texture_path(const aiMaterial& source, aiTextureType type) {
+  aiString path;
+  if (source.GetTexture(type, 0, &path) != AI_SUCCESS) return {};
+  return path.C_Str();
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// "%20" and the like, as URIs have them.
+std::string without_escapes(const std::string& text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool escape = text[i] == '%' && i + 2 < text.size() &&
+                        std::isxdigit(static_cast<unsigned char>(text[i + 1])) &&
+                        std::isxdigit(static_cast<unsigned char>(text[i + 2]));
+    plain += escape ? char(std::stoi(text.substr(i + 1, 2), nullptr, 16)) : text[i];
+    if (escape) i += 2;
+  }
+  return plain;
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+/// The file of this name in a folder, whatever the case of its letters.
+std::optional<fs::path> find_in(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  const std::string wanted = lower(name);
+  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (lower(entry->path().filename().string()) == wanted && is_file(entry->path())) return entry->path();
+  }
+  return std::nullopt;
+}
+
+/// Looks for a texture where the model says, then by any case, then by its bare name beside the model: paths in model
+/// files are often those of the machine that wrote them.
+std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
+  std::replace(name.begin(), name.end(), '\\', '/');
+  for (const std::string& spelling : {name, without_escapes(name)}) {
+    const fs::path path(spelling), beside = folder / path;  // an absolute path replaces the folder
+    if (is_file(beside)) return beside;
+    if (auto found = find_in(beside.parent_path(), path.filename().string())) return found;
+    if (auto found = find_in(folder, path.filename().string())) return found;
+  }
+  return std::nullopt;
+}
+
+/// Reads the textures of one file, each once.
+struct TextureShelf {
+  const aiScene& source;
+  fs::path folder;
+  Scene& scene;
+  std::map<std::string, int> index_of;  // by the name that the file gives; kNoTexture for those that failed
+
+  Result<Texture> embedded(const aiTexture& texture, const std::string& name) {
+    if (!texture.pcData) return file_error("the embedded texture {} holds no pixels", name);
+    if (texture.mHeight == 0) {
+      return decode_texture({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
+                            "the embedded texture " + name);
+    }
+    Texture made;
+    made.name = name;
+    made.width = int(texture.mWidth);
+    made.height = int(texture.mHeight);
+    made.rgba.reserve(std::size_t(made.width) * made.height * 4);
+    for (std::size_t i = 0; i < std::size_t(made.width) * made.height; ++i) {
+      const aiTexel& texel = texture.pcData[i];
+      made.rgba.insert(made.rgba.end(), {texel.r, texel.g, texel.b, texel.a});
+    }
+    return made;
+  }
+
+  Result<Texture> read(const std::string& name) {
+    if (const aiTexture* texture = source.GetEmbeddedTexture(name.c_str())) return embedded(*texture, name);
+    const std::optional<fs::path> path = find_texture(folder, name);
+    if (!path) return file_error("the texture {} is not there", name);
+    return read_texture(*path);
+  }
+
+  /// The index of a texture in the scene, or kNoTexture and a warning.
+  int find(const std::string& name) {
+    if (const auto known = index_of.find(name); known != index_of.end()) return known->second;
+    Result<Texture> texture = read(name);
+    int index = kNoTexture;
+    if (texture) {
+      index = int(scene.textures.size());
+      scene.textures.push_back(std::move(*texture));
+    } else {
+      scene.warnings.push_back(texture.error().message + "; its surfaces are shown in a neutral colour");
+    }
+    index_of[name] = index;
+    return index;
+  }
+
+  /// The colour of one texture with the alpha of another: alpha where the other has any, else its brightness.
+  int find_with_mask(const std::string& color_name, const std::string& mask_name) {
+    const std::string key = color_name + '\n' + mask_name;
+    if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
+    Result<Texture> mask = read(mask_name);
+    if (!mask) {
+      scene.warnings.push_back(mask.error().message + "; its surfaces are not cut out");
+      return index_of[key] = color_name.empty() ? kNoTexture : find(color_name);
+    }
+    const int color = color_name.empty() ? kNoTexture : find(color_name);
+    Texture made = *mask;
+    bool has_alpha = false;
+    for (std::size_t i = 3; i < mask->rgba.size() && !has_alpha; i += 4) has_alpha = mask->rgba[i] != 255;
+    if (color != kNoTexture) {
+      made = scene.textures[std::size_t(color)];
+      made.name += " with the mask " + mask->name;
+    }
+    for (int y = 0; y < made.height; ++y) {
+      for (int x = 0; x < made.width; ++x) {
+        const std::size_t from_x = std::size_t(x) * mask->width / made.width,
+                          from_y = std::size_t(y) * mask->height / made.height;
+        const std::uint8_t* from = &mask->rgba[4 * (from_y * mask->width + from_x)];
+        std::uint8_t* to = &made.rgba[4 * (std::size_t(y) * made.width + x)];
+        to[3] = has_alpha ? from[3] : std::max({from[0], from[1], from[2]});
+        if (color == kNoTexture) std::fill(to, to + 3, std::uint8_t(255));
+      }
+    }
+    scene.textures.push_back(std::move(made));
+    return index_of[key] = int(scene.textures.size()) - 1;
+  }
+};
+
+bool is_cut_out(const Texture& texture) {
+  std::size_t clear = 0, opaque = 0;
+  for (std::size_t i = 3; i < texture.rgba.size(); i += 4) {
+    clear += texture.rgba[i] < kNearlyClear;
+    opaque += texture.rgba[i] > kNearlyOpaque;
+  }
+  const double count = double(texture.rgba.size() / 4);
+  return double(clear + opaque) >= kBinaryShare * count && double(clear) >= kClearShare * count;
+}
+
+void set_highlight_of_roughness(const aiMaterial& source, Material& material) {
+  const std::optional<float> metalness = number_of(source, AI_MATKEY_METALLIC_FACTOR),
+                             roughness = number_of(source, AI_MATKEY_ROUGHNESS_FACTOR);
+  if (!metalness && !roughness) return;
+  // A map of roughness is not read, and the factors beside it say nothing; matte is right on the average.
+  if (!texture_path(source, aiTextureType_DIFFUSE_ROUGHNESS).empty() ||
+      !texture_path(source, aiTextureType_METALNESS).empty() || !texture_path(source, aiTextureType_UNKNOWN).empty()) {
+    return;
+  }
+  const float rough = std::max(in_unit(roughness.value_or(1.0f)), 0.01f);
+  const float brightest = std::max({material.albedo.x, material.albedo.y, material.albedo.z});
+  const float reflectance = glm::mix(kDielectricReflectance, brightest, in_unit(metalness.value_or(1.0f)));
+  const float exponent = std::clamp(2.0f / (rough * rough * rough * rough) - 2.0f, 0.0f, kMostExponent);
+  constexpr float kPeakPerExponent = 1.0f / 8.0f;
+  material.specular_strength = in_unit(reflectance * exponent * kPeakPerExponent);
+  material.specular_exponent = std::max(exponent, kLeastExponent);
+}
+
+void set_highlight(const aiMaterial& source, Material& material) {
+  int model = aiShadingMode_Phong;
+  source.Get(AI_MATKEY_SHADING_MODEL, model);
+  if (model == aiShadingMode_NoShading || model == aiShadingMode_Flat || model == aiShadingMode_Gouraud) return;
+  const std::optional<glm::vec3> specular = color_of(source, AI_MATKEY_COLOR_SPECULAR);
+  const std::optional<float> exponent = number_of(source, AI_MATKEY_SHININESS);
+  if (!specular || !exponent || *exponent <= 0.0f) return;
+  const float share = number_of(source, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
+  material.specular_strength = in_unit(std::max({specular->x, specular->y, specular->z}) * share);
+  material.specular_exponent = std::clamp(*exponent, kLeastExponent, kMostExponent);
+}
+
+Material material_of(const aiMaterial& source, const std::string& format, TextureShelf& shelf) {
+  Material material;
+  aiString name;
+  if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
+  const bool is_gltf = format == "gltf" || format == "glb";
+
+  // STL, PLY and OFF know no materials, 3DS may have none: what stands there is a default of Assimp.
+  constexpr const char* kDefaultOf3ds = "%%%DEFAULT";
+  const bool made_up = (material.name == AI_DEFAULT_MATERIAL_NAME && !is_gltf) || material.name == kDefaultOf3ds;
+  std::optional<glm::vec3> color = color_of(source, AI_MATKEY_BASE_COLOR);
+  if (!color) color = color_of(source, AI_MATKEY_COLOR_DIFFUSE);
+  glm::vec3 albedo = color && !made_up ? in_unit(*color) : kNeutral;
+  if (format == "3ds") albedo = {linear_of_srgb(albedo.x), linear_of_srgb(albedo.y), linear_of_srgb(albedo.z)};
+  material.albedo = albedo;
+  if (is_gltf) {
+    set_highlight_of_roughness(source, material);
+  } else if (!made_up) {
+    set_highlight(source, material);
+  }
+
+  const bool has_emission_map = !texture_path(source, aiTextureType_EMISSIVE).empty();
+  if (const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE); emission && !has_emission_map && !made_up) {
+    const float intensity = number_of(source, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1.0f);
+    for (int i = 0; i < 3; ++i) {
+      const float channel = (*emission)[i] * intensity;
+      material.emission[i] = channel > 0.0f && std::isfinite(channel) ? channel : 0.0f;
+    }
+  }
+
+  std::string picture = texture_path(source, aiTextureType_BASE_COLOR);
+  if (picture.empty()) picture = texture_path(source, aiTextureType_DIFFUSE);
+  const std::string mask = is_gltf ? "" : texture_path(source, aiTextureType_OPACITY);
+  if (picture.empty() && mask.empty()) return material;
+  material.texture = mask.empty() || mask == picture ? shelf.find(picture) : shelf.find_with_mask(picture, mask);
+  if (material.texture == kNoTexture) {
+    material.albedo = kNeutral;
+    return material;
+  }
+  // Some exporters write black beside a texture, which replaces the colour in their view.
+  if (!is_gltf && albedo == glm::vec3(0.0f)) material.albedo = glm::vec3(1.0f);
+
+  const Texture& texture = shelf.scene.textures[std::size_t(material.texture)];
+  aiString mode;
+  const bool has_mode = source.Get(AI_MATKEY_GLTF_ALPHAMODE, mode) == AI_SUCCESS;
+  if (has_mode && std::strcmp(mode.C_Str(), "MASK") == 0) {
+    material.alpha_mask = true;
+    material.alpha_cutoff = number_of(source, AI_MATKEY_GLTF_ALPHACUTOFF).value_or(0.5f);
+    aiColor4D factor;
+    if (source.Get(AI_MATKEY_BASE_COLOR, factor) == AI_SUCCESS && factor.a > 0.0f) material.alpha_cutoff /= factor.a;
+  } else if (!has_mode || std::strcmp(mode.C_Str(), "OPAQUE") != 0) {
+    material.alpha_mask = is_cut_out(texture);
+  }
+  return material;
+}
+
+}  // namespace
+
+void import_materials(const aiScene& source, const fs::path& file, const std::string& format, Scene& scene) {
+  TextureShelf shelf{source, file.parent_path(), scene, {}};
+  for (unsigned i = 0; i < source.mNumMaterials; ++i) {
+    scene.materials.push_back(material_of(*source.mMaterials[i], format, shelf));
+  }
+}
+
+}  // namespace umbrage

@@ -1,0 +1,19 @@
+// Import of materials: what Assimp says of a surface becomes a Material, and its textures are found and read.
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "scene/scene.h"
+
+struct aiScene;
+
+namespace umbrage {
+
+/// Appends one Material per material of `source`, in order, with the textures they need; textures used twice are read
+/// once. What is missing becomes a sentence in scene.warnings. `format` is the file's ending in lower case.
+///
+/// Colours: 3DS keeps what was picked on a screen and is taken as sRGB; the factors of all other formats are linear.
+void import_materials(const aiScene& source, const std::filesystem::path& file, const std::string& format,
+                      Scene& scene);
+
+}  // namespace umbrage

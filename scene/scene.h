@@ -1,0 +1,71 @@
+// Scene: meshes, materials, textures, lights, bounds. World space, right-handed; lengths in the file's units.
+#pragma once
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "core/light.h"
+
+namespace umbrage {
+
+/// An image that a material refers to. 8-bit RGBA, sRGB colour with linear alpha, row 0 at the top (v = 1 in the
+/// convention of OBJ and of this struct's users: texture coordinate (0, 0) is the lower left corner).
+struct Texture {
+  std::string name;  ///< file or description, for messages
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> rgba;  ///< width * height * 4
+};
+
+inline constexpr int kNoTexture = -1;
+
+/// Reflection of a surface, linear Rec.709.
+struct Material {
+  std::string name;
+  glm::vec3 albedo{0.8f};            ///< diffuse reflectance; multiplies the texture
+  int texture = kNoTexture;          ///< index into Scene::textures
+  bool alpha_mask = false;           ///< cut away where the texture's alpha is below alpha_cutoff
+  float alpha_cutoff = 0.5f;
+  float specular_strength = 0.0f;    ///< peak of the Blinn-Phong highlight, 0 to 1
+  float specular_exponent = 32.0f;   ///< Blinn-Phong exponent
+  glm::vec3 emission{0.0f};
+};
+
+/// An indexed triangle mesh with one material. Its index in Scene::meshes is its object id, unless `object` says
+/// otherwise.
+struct Mesh {
+  std::string name;
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;    ///< one per position, unit; empty only before finish_scene
+  std::vector<glm::vec2> uvs;        ///< one per position, or empty
+  std::vector<std::uint32_t> indices;  ///< three per triangle
+  int material = 0;                  ///< index into Scene::materials
+  int object = 0;                    ///< object id: parts of one object share it
+};
+
+/// A suggested view, used where the user names no camera.
+struct View {
+  glm::vec3 eye{0.0f}, target{0.0f};
+  float angle_deg = 30.0f;  ///< vertical field of view
+};
+
+struct Scene {
+  std::string name;
+  std::vector<Mesh> meshes;
+  std::vector<Material> materials;
+  std::vector<Texture> textures;
+  std::vector<Light> lights;         ///< in world space; the first one is the key light. Empty: a default rig is made
+  std::vector<View> views;           ///< suggested views; empty: automatic framing
+  glm::vec3 up{0.0f, 1.0f, 0.0f};
+  glm::vec3 ambient{0.3f};           ///< radiance from everywhere
+  glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
+  std::vector<std::string> warnings; ///< one sentence each, for the user
+
+  glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }
+  /// Radius of the bounding box's sphere.
+  float radius() const;
+  std::size_t triangle_count() const;
+};
+
+}  // namespace umbrage
