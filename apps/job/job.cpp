@@ -1,0 +1,131 @@
+#include "apps/job/job.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "core/suggest.h"
+#include "devices/cpu/cpu_device.h"
+#include "effects/effects.h"
+#include "scene/builtin.h"
+
+namespace umbrage {
+
+void StageTimes::done(std::string_view name) {
+  const auto now = std::chrono::steady_clock::now();
+  const double ms = std::chrono::duration<double, std::milli>(now - last).count();
+  last = now;
+  for (Stage& stage : stages)
+    if (stage.name == name) {
+      stage.ms += ms;
+      return;
+    }
+  stages.push_back({std::string(name), ms});
+}
+
+double StageTimes::total() const {
+  double sum = 0.0;
+  for (const Stage& stage : stages) sum += stage.ms;
+  return sum;
+}
+
+Result<Scene> load_scene(const std::string& model, const ImportSettings& settings) {
+  return model.starts_with("scene:") ? make_builtin_scene(model) : import_scene(model, settings);
+}
+
+Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings) {
+  auto all = load_scene(models.at(0), settings);
+  for (std::size_t m = 1; all && m < models.size(); ++m) {
+    auto next = load_scene(models[m], settings);
+    if (!next) return next;
+    const int materials = int(all->materials.size()), textures = int(all->textures.size());
+    int objects = 0;
+    for (const Mesh& mesh : all->meshes) objects = std::max(objects, mesh.object + 1);
+    for (Material& material : next->materials) {
+      if (material.texture != kNoTexture) material.texture += textures;
+      all->materials.push_back(std::move(material));
+    }
+    for (Texture& texture : next->textures) all->textures.push_back(std::move(texture));
+    for (Mesh& mesh : next->meshes) {
+      mesh.material += materials;
+      mesh.object += objects;
+      all->meshes.push_back(std::move(mesh));
+    }
+    for (std::string& warning : next->warnings) all->warnings.push_back(std::move(warning));
+    all->bounds_min = glm::min(all->bounds_min, next->bounds_min);
+    all->bounds_max = glm::max(all->bounds_max, next->bounds_max);
+    all->views.clear();
+    all->name += " + " + next->name;
+  }
+  return all;
+}
+
+Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads) {
+  if (name != "cpu" && name != "auto") {
+    constexpr std::string_view kNames[] = {"cpu", "auto"};
+    return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));
+  }
+  return make_cpu_device({.threads = threads});
+}
+
+Result<Recipe> make_recipe(const DrawSettings& draw) {
+  Recipe recipe;
+  recipe.look = find_look(draw.look);
+  if (!recipe.look) {
+    std::vector<std::string_view> names;
+    for (const Look* look : looks()) names.push_back(look->name);
+    return usage_error("there is no look '{}'{}", draw.look, suggestion(draw.look, names));
+  }
+  recipe.occlusion = draw.occlusion.empty() ? std::string(recipe.look->occlusion) : draw.occlusion;
+  const auto techniques = occlusion_names();
+  if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
+    return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
+                       suggestion(recipe.occlusion, techniques));
+  recipe.settings = look_settings(*recipe.look);
+  for (const std::string& setting : draw.settings)
+    if (auto done = apply_setting(recipe.settings, setting); !done) return done.error();
+  return recipe;
+}
+
+namespace {
+
+/// The window of `unsharp` that reaches one radius at the middle of the scene's depth, in pixels.
+Result<void> apply_radius(const std::string& text, const PictureInfo& info, EffectSettings& settings) {
+  const bool share = text.ends_with('%');
+  const std::string_view digits = std::string_view(text).substr(0, text.size() - (share ? 1 : 0));
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0) || !std::isfinite(value))
+    return usage_error("--ao-radius cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%",
+                       text);
+  const double radius = share ? value / 100.0 * info.scene_radius : value;
+  const double depth = info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
+  const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
+  const Parameter& row = *find_parameter(*find_effect("unsharp"), "kernel");
+  const double side = std::clamp(std::round(2.0 * radius / pixel), row.least, row.most);
+  return set_parameter("unsharp", row, fmt::format("{:g}", side), settings.find("unsharp")->second);
+}
+
+}  // namespace
+
+Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
+  auto recipe = make_recipe(settings);
+  if (!recipe) return recipe.error();
+  const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
+  if (scene.lights.empty()) scene.lights = default_lights(scene, camera);
+  // A shadow that the light effect leaves out is not traced.
+  const Effect& lighting = *find_effect("lighting");
+  const bool shadow = parameter_text(*find_parameter(lighting, "shadow"), recipe->settings["lighting"]) != "0";
+  const bool lit = std::find(recipe->look->effects.begin(), recipe->look->effects.end(), "lighting") !=
+                   recipe->look->effects.end();
+  auto frame = device.capture(camera, {settings.width, settings.height, shadow && lit});
+  if (!frame) return frame;
+  times.done("capture");
+  if (!settings.radius.empty())
+    if (auto done = apply_radius(settings.radius, frame->info, recipe->settings); !done) return done.error();
+  const auto after = [&](std::string_view name) { times.done(name); };
+  if (auto done = run_look(*recipe->look, recipe->occlusion, recipe->settings, device, *frame, after); !done)
+    return done.error();
+  return frame;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,61 @@
+// What every program of ours does: get a model, a camera, a device; draw; time each stage.
+#pragma once
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/device.h"
+#include "core/result.h"
+#include "looks/looks.h"
+#include "scene/framing.h"
+#include "scene/import.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Milliseconds spent in each stage, in order. Stages of one name add up.
+struct StageTimes {
+  struct Stage {
+    std::string name;
+    double ms;
+  };
+  std::vector<Stage> stages;
+  std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+
+  /// Ends a stage that began when the one before ended.
+  void done(std::string_view name);
+  double total() const;
+};
+
+struct DrawSettings {
+  int width = 1024, height = 1024;
+  Framing framing;
+  std::string look = "ao";
+  std::string occlusion;              ///< empty: the look's own
+  std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
+  std::string radius;                 ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
+};
+
+/// A file's scene, or a built-in one for `scene:NAME?detail=N`.
+Result<Scene> load_scene(const std::string& model, const ImportSettings& settings = {});
+
+/// Several models side by side in one scene, as they are placed in their files.
+Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {});
+
+/// The device that `--device` names. Errors: kUsage for a name that does not exist.
+Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads);
+
+/// The look's settings with everything the user said. Errors: kUsage.
+struct Recipe {
+  const Look* look = nullptr;
+  std::string occlusion;
+  EffectSettings settings;
+};
+Result<Recipe> make_recipe(const DrawSettings& draw);
+
+/// Draws a prepared scene: captures, runs the look. Scene must be the one that the device was prepared with; lights are
+/// added to it where it has none.
+Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times);
+
+}  // namespace umbrage

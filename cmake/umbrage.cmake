@@ -1,0 +1,25 @@
+# What the folders' CMakeLists share.
+
+# umbrage_folder(NAME SOURCES... [USES targets...]): the static library umbrage_NAME made of this folder. It sees the
+# headers of the folders that it uses and no others: include paths are staged per target.
+# -Wno-restrict: g++ 12 warns of std::string concatenation without cause (GCC bug 105651).
+# -Wno-missing-field-initializers: rows of tables name the fields that matter.
+function(umbrage_folder name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;USES" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(umbrage_${name} STATIC ${ARG_SOURCES})
+    set(scope PUBLIC)
+    target_compile_options(umbrage_${name} PRIVATE -Wall -Wextra -Wno-restrict -Wno-missing-field-initializers $<$<BOOL:${UMBRAGE_WERROR}>:-Werror>)
+  else()
+    add_library(umbrage_${name} INTERFACE)
+    set(scope INTERFACE)
+  endif()
+  # The target sees its own folder as <folder>/file.h through a directory that holds nothing but that one link.
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  set(stage ${PROJECT_BINARY_DIR}/include/${name})
+  get_filename_component(parent ${stage}/${folder} DIRECTORY)
+  file(MAKE_DIRECTORY ${parent})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${stage}/${folder} SYMBOLIC)
+  target_include_directories(umbrage_${name} ${scope} ${stage})
+  target_link_libraries(umbrage_${name} ${scope} ${ARG_USES})
+endfunction()

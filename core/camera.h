@@ -1,0 +1,30 @@
+// Camera: view matrix and projection.
+#pragma once
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+
+namespace umbrage {
+
+enum class Projection { kPerspective, kOrthographic };
+
+/// A pinhole or parallel camera. View space is right-handed: +x right, +y up, the camera looks down -z; depth is the
+/// positive distance along the view axis.
+struct Camera {
+  glm::mat4 view_from_world{1.0f};
+  Projection projection = Projection::kPerspective;
+  /// The window that the image fills: at depth 1 for a perspective camera, in scene units for an orthographic one.
+  /// Off-centre windows are allowed; top lies above bottom.
+  float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
+
+  /// World position of the eye.
+  glm::vec3 eye() const;
+};
+
+/// A camera at `eye` that looks at `target`. `up` may be parallel to the view; another axis is taken then.
+/// `angle_deg` is the vertical field of view; aspect is width over height.
+Camera perspective_camera(glm::vec3 eye, glm::vec3 target, glm::vec3 up, float angle_deg, float aspect);
+
+/// The same without perspective: the image is `height` scene units high.
+Camera orthographic_camera(glm::vec3 eye, glm::vec3 target, glm::vec3 up, float height, float aspect);
+
+}  // namespace umbrage

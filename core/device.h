@@ -1,0 +1,48 @@
+// Device: where effects run. Looks get one handed in; devices/ has those that there are.
+#pragma once
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/effect.h"
+#include "core/gbuffer.h"
+#include "core/result.h"
+
+namespace umbrage {
+
+struct Scene;  // scene/scene.h
+
+/// A picture in the making: its information, and its planes on the device that made them. A plane of depth layer n > 0
+/// is called `layerN.NAME`.
+struct Frame {
+  PictureInfo info;
+  std::shared_ptr<void> storage;  ///< the device's own
+};
+
+struct CaptureSettings {
+  int width = 1024, height = 1024;
+  bool shadow = true;   ///< trace the key light's shadow
+};
+
+class Device {
+ public:
+  virtual ~Device() = default;
+  /// "cpu", "vulkan:0".
+  virtual std::string_view name() const = 0;
+  /// One line for people: model, driver, SIMD target, threads.
+  virtual std::string description() const = 0;
+  /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
+  /// must outlive the device or the next prepare.
+  virtual Result<void> prepare(const Scene& scene) = 0;
+  /// Draws the prepared scene into a frame with the planes of core/gbuffer.h.
+  virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) = 0;
+  /// A frame from planes on the host.
+  virtual Result<Frame> upload(const GBuffer& gbuffer) = 0;
+  /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
+  virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) = 0;
+  /// The planes of these names, in this order; all of them if `names` is empty. Errors: kUsage for one that is missing.
+  virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
+};
+
+}  // namespace umbrage

@@ -1,0 +1,50 @@
+// Effect: one technique as data: its parameters, its passes, its inputs and outputs.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/gbuffer.h"
+#include "core/parameters.h"
+
+namespace umbrage {
+
+struct KernelFrame;  // what a compiled kernel gets, and
+struct Tile;         // the pixels that it computes: see machine/kernel_frame.h
+
+/// A compiled kernel: computes the outputs of its pass for one tile. Tiles may run at the same time.
+using CpuKernel = void (*)(const KernelFrame&, const Tile&);
+
+/// One run over all pixels.
+struct Pass {
+  std::string_view name;
+  std::vector<std::string_view> inputs, outputs;  ///< planes; a colour or vector counts as its three planes
+  CpuKernel scalar = nullptr, lanes = nullptr;    ///< the kernel text as plain C++ and as SIMD lanes
+  CpuKernel tuned = nullptr;                      ///< another way to the same bits, or null
+  std::span<const std::uint32_t> spirv;           ///< the kernel text as a compute shader
+  int tile_width = 1 << 20, tile_height = 16;     ///< tile that the CPU likes
+};
+
+enum class EffectKind {
+  kOcclusion,  ///< writes `ao`; every look can take it through --ao
+  kShading,    ///< writes light or colour
+  kOutput,     ///< turns light into what a file or a screen holds
+};
+
+struct Effect {
+  std::string_view name, summary;
+  std::string_view source;  ///< key in docs/papers.md, or empty
+  EffectKind kind = EffectKind::kShading;
+  std::vector<Parameter> parameters;
+  std::size_t params_size = 0;
+  std::size_t constants_size = 0;
+  /// Fills the constants that all passes read, from the params and the picture.
+  void (*constants)(const ParameterBytes& params, const PictureInfo& info, void* constants) = nullptr;
+  std::vector<Pass> passes;
+};
+
+/// The row of that name, or null.
+const Parameter* find_parameter(const Effect& effect, std::string_view name);
+
+}  // namespace umbrage

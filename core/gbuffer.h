@@ -1,0 +1,36 @@
+// GBuffer: the named inputs of shading, in one or more depth layers, and the camera that saw them.
+//
+// Planes of a layer, each optional but `depth`:
+//   depth             positive distance along the view axis, scene units; +infinity where nothing was hit
+//   normal.x .y .z    unit, view space, facing the camera; 0 where nothing was hit
+//   albedo.r .g .b    diffuse reflectance, linear
+//   specular          peak of the highlight, 0 to 1
+//   shininess         Blinn-Phong exponent
+//   shadow            share of the key light that arrives, 0 to 1
+//   object_id, material_id   whole numbers; -1 where nothing was hit
+#pragma once
+#include <vector>
+
+#include "core/camera.h"
+#include "core/image.h"
+#include "core/light.h"
+
+namespace umbrage {
+
+/// What an effect may know of a picture besides its planes.
+struct PictureInfo {
+  int width = 0, height = 0;
+  Camera camera;
+  std::vector<Light> lights;           ///< in view space
+  glm::vec3 ambient{0.3f};
+  float scene_radius = 1.0f;           ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
+  float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
+};
+
+/// A G-buffer on the host: its information and one image per depth layer, nearest first.
+struct GBuffer {
+  PictureInfo info;
+  std::vector<Image> layers;
+};
+
+}  // namespace umbrage

@@ -1,0 +1,88 @@
+#include "core/image.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <utility>
+
+#include "core/check.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::align_val_t kPlaneAlignment{64};
+
+}  // namespace
+
+void Plane::Free::operator()(float* p) const { ::operator delete(p, kPlaneAlignment); }
+
+Plane::Plane(int width_, int height_)
+    : width(width_), height(height_), stride((width_ + kRowAlignment - 1) / kRowAlignment * kRowAlignment) {
+  const std::size_t count = std::size_t(stride) * height;
+  if (count > 0) data_.reset(static_cast<float*>(::operator new(count * sizeof(float), kPlaneAlignment)));
+}
+
+Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
+  std::fill_n(data(), std::size_t(stride) * height, value);
+}
+
+Plane::Plane(const Plane& other) : Plane(other.width, other.height) {
+  if (data_) std::memcpy(data(), other.data(), std::size_t(stride) * height * sizeof(float));
+}
+
+Plane& Plane::operator=(Plane other) noexcept {
+  width = other.width;
+  height = other.height;
+  stride = other.stride;
+  data_ = std::move(other.data_);
+  return *this;
+}
+
+const Plane* Image::find(std::string_view name) const {
+  const auto it = std::find(names.begin(), names.end(), name);
+  return it == names.end() ? nullptr : &planes[it - names.begin()];
+}
+
+Plane* Image::find(std::string_view name) { return const_cast<Plane*>(std::as_const(*this).find(name)); }
+
+const Plane& Image::plane(std::string_view name) const {
+  const Plane* found = find(name);
+  if (!found) fail_check(fmt::format("the image has no plane '{}'", name));
+  return *found;
+}
+
+Plane& Image::plane(std::string_view name) { return const_cast<Plane&>(std::as_const(*this).plane(name)); }
+
+Plane& Image::add(std::string_view name) {
+  if (Plane* found = find(name)) return *found;
+  names.emplace_back(name);
+  return planes.emplace_back(width, height);
+}
+
+Image crop(const Image& image, int margin) {
+  Image out(image.width - 2 * margin, image.height - 2 * margin);
+  for (std::size_t p = 0; p < image.planes.size(); ++p) {
+    Plane& plane = out.add(image.names[p]);
+    for (int y = 0; y < out.height; ++y)
+      std::memcpy(plane.row(y), image.planes[p].row(y + margin) + margin, out.width * sizeof(float));
+  }
+  return out;
+}
+
+Image downsample(const Image& image, int factor) {
+  Image out(image.width / factor, image.height / factor);
+  const float share = 1.0f / float(factor * factor);
+  for (std::size_t p = 0; p < image.planes.size(); ++p) {
+    Plane& plane = out.add(image.names[p]);
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x) {
+        float sum = 0.0f;
+        for (int j = 0; j < factor; ++j)
+          for (int i = 0; i < factor; ++i) sum += image.planes[p].at(x * factor + i, y * factor + j);
+        plane.at(x, y) = sum * share;
+      }
+  }
+  return out;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,23 @@
+// Light: what shines on a scene.
+#pragma once
+#include <glm/vec3.hpp>
+
+namespace umbrage {
+
+enum class LightKind {
+  kDirectional,  ///< parallel light; `direction` points from the surface to the light
+  kPoint,        ///< falls off with the square of the distance; colour is the irradiance at distance `reach`
+  kHead,         ///< at the eye, shining along the view axis, without falloff
+};
+
+/// One light, in world space or in view space as its holder says. Colours are linear Rec.709.
+struct Light {
+  LightKind kind = LightKind::kDirectional;
+  glm::vec3 direction{0.0f, 1.0f, 0.0f};  ///< unit, towards the light (directional)
+  glm::vec3 position{0.0f};               ///< (point)
+  glm::vec3 color{1.0f};
+  float reach = 0.0f;                     ///< (point) distance at which `color` holds; 0 means no falloff
+  bool casts_shadow = false;              ///< only the first light's shadow is captured
+};
+
+}  // namespace umbrage

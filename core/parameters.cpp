@@ -1,0 +1,118 @@
+#include "core/parameters.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/check.h"
+#include "core/suggest.h"
+#include "core/length.h"
+
+namespace umbrage {
+namespace {
+
+constexpr double kMostPercent = 1000.0;
+
+template <class T>
+void store(ParameterBytes& bytes, std::size_t offset, T value) {
+  check_less(offset + sizeof(T), bytes.size() + 1, "parameter outside its struct");
+  std::memcpy(bytes.data() + offset, &value, sizeof(T));
+}
+
+template <class T>
+T load(const ParameterBytes& bytes, std::size_t offset) {
+  T value;
+  std::memcpy(&value, bytes.data() + offset, sizeof(T));
+  return value;
+}
+
+bool parse_number(std::string_view text, double& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+}
+
+std::string join_choices(const std::vector<std::string_view>& names) {
+  std::string all;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    all += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + std::string(names[i]);
+  return all;
+}
+
+void store_initial(const Parameter& row, ParameterBytes& bytes) {
+  switch (row.type) {
+    case ParameterType::kReal: return store(bytes, row.offset, float(row.initial));
+    case ParameterType::kLength:
+      return store(bytes, row.offset, Length{float(row.initial), row.initially_relative ? 1 : 0});
+    default: return store(bytes, row.offset, int(row.initial));
+  }
+}
+
+}  // namespace
+
+std::size_t parameter_size(ParameterType type) { return type == ParameterType::kLength ? sizeof(Length) : 4; }
+
+ParameterBytes initial_parameters(std::span<const Parameter> table, std::size_t size) {
+  ParameterBytes bytes(size);
+  for (const Parameter& row : table) store_initial(row, bytes);
+  return bytes;
+}
+
+std::string parameter_range(const Parameter& row) {
+  const std::string unit = row.unit.empty() ? "" : " " + std::string(row.unit);
+  const std::string zero = row.zero_means.empty() ? "" : fmt::format(" (0: {})", row.zero_means);
+  switch (row.type) {
+    case ParameterType::kBool: return "on or off";
+    case ParameterType::kChoice: return join_choices(row.choices);
+    case ParameterType::kLength:
+      return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.least, row.most, unit, kMostPercent, zero);
+    default: return fmt::format("{:g} to {:g}{}{}", row.least, row.most, unit, zero);
+  }
+}
+
+Result<void> set_parameter(std::string_view owner, const Parameter& row, std::string_view text,
+                           ParameterBytes& bytes) {
+  const auto wrong = [&] {
+    return usage_error("{}.{} cannot be '{}': it takes {}", owner, row.name, text, parameter_range(row));
+  };
+  if (row.type == ParameterType::kChoice) {
+    for (std::size_t i = 0; i < row.choices.size(); ++i)
+      if (row.choices[i] == text) return store(bytes, row.offset, int(i)), Result<void>();
+    return usage_error("{}.{} cannot be '{}'{}", owner, row.name, text, suggestion(text, row.choices));
+  }
+  if (row.type == ParameterType::kBool) {
+    for (std::string_view yes : {"on", "true", "yes", "1"})
+      if (text == yes) return store(bytes, row.offset, 1), Result<void>();
+    for (std::string_view no : {"off", "false", "no", "0"})
+      if (text == no) return store(bytes, row.offset, 0), Result<void>();
+    return wrong();
+  }
+  const bool percent = row.type == ParameterType::kLength && text.ends_with('%');
+  double value = 0.0;
+  if (!parse_number(percent ? text.substr(0, text.size() - 1) : text, value)) return wrong();
+  if (percent ? (value < 0.0 || value > kMostPercent) : (value < row.least || value > row.most)) return wrong();
+  if (row.type == ParameterType::kLength)
+    store(bytes, row.offset, Length{float(value), percent ? 1 : 0});
+  else if (row.type == ParameterType::kReal)
+    store(bytes, row.offset, float(value));
+  else if (value != std::floor(value))
+    return wrong();
+  else
+    store(bytes, row.offset, int(value));
+  return {};
+}
+
+std::string parameter_text(const Parameter& row, const ParameterBytes& bytes) {
+  switch (row.type) {
+    case ParameterType::kReal: return fmt::format("{:g}", load<float>(bytes, row.offset));
+    case ParameterType::kBool: return load<int>(bytes, row.offset) ? "on" : "off";
+    case ParameterType::kChoice: return std::string(row.choices[load<int>(bytes, row.offset)]);
+    case ParameterType::kLength: {
+      const auto length = load<Length>(bytes, row.offset);
+      return fmt::format("{:g}{}", length.value, length.relative ? "%" : "");
+    }
+    default: return fmt::format("{}", load<int>(bytes, row.offset));
+  }
+}
+
+}  // namespace umbrage

@@ -1,0 +1,61 @@
+// The parameter table: one row per field of an effect's params struct. It drives command line, help, docs and tests.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+
+namespace umbrage {
+
+enum class ParameterType {
+  kReal,    ///< float
+  kInt,     ///< int
+  kBool,    ///< int, 0 or 1; written on, off, true, false, yes, no, 1, 0
+  kChoice,  ///< int, an index into `choices`; written as the choice's name
+  kLength,  ///< Length: an absolute number in `unit`, or a share written with %
+};
+
+/// One field of a params struct.
+struct Parameter {
+  std::string_view name, help;
+  ParameterType type = ParameterType::kReal;
+  std::size_t offset = 0;                     ///< in bytes, from the start of the struct
+  double initial = 0.0;                       ///< the value when nobody sets it (index of the choice; absolute length)
+  double least = 0.0, most = 0.0;             ///< inclusive range; of the number before % for a relative length: 0 to 1000
+  std::string_view unit;                      ///< "px", "deg", "" for a plain number
+  std::vector<std::string_view> choices;      ///< for kChoice
+  bool initially_relative = false;            ///< for kLength: `initial` is in percent
+  std::string_view zero_means;                ///< what 0 stands for, such as "automatic"; empty: nothing special
+};
+
+/// The bytes of one params struct.
+using ParameterBytes = std::vector<std::byte>;
+
+std::size_t parameter_size(ParameterType type);
+
+/// The bytes of a params struct with every field at its initial value.
+ParameterBytes initial_parameters(std::span<const Parameter> table, std::size_t size);
+
+/// Sets one field from text. `owner` is named in errors ("unsharp"). Errors: kUsage, naming field, value and range.
+Result<void> set_parameter(std::string_view owner, const Parameter& row, std::string_view text, ParameterBytes& bytes);
+
+/// The text that would set the field to its present value.
+std::string parameter_text(const Parameter& row, const ParameterBytes& bytes);
+
+/// What may be written: "1 to 1023 px", "on or off", "skip, zero, clamp or repeat".
+std::string parameter_range(const Parameter& row);
+
+/// The params struct itself. T must be the struct that the table describes.
+template <class T>
+T& as(ParameterBytes& bytes) {
+  return *reinterpret_cast<T*>(bytes.data());
+}
+template <class T>
+const T& as(const ParameterBytes& bytes) {
+  return *reinterpret_cast<const T*>(bytes.data());
+}
+
+}  // namespace umbrage

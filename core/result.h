@@ -1,0 +1,70 @@
+// What a function returns that can fail because the world is wrong: a value, or one sentence for the user.
+#pragma once
+#include <fmt/core.h>
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+namespace umbrage {
+
+/// The kinds of failure, numbered as the exit codes of the command line.
+enum class ErrorKind {
+  kInternal = 1,
+  kUsage = 2,   ///< wrong option, value or name
+  kFile = 3,    ///< a file that cannot be read, used or written
+  kDevice = 4,  ///< the device is missing or cannot do it
+  kInterrupted = 130,
+};
+
+/// A failure: its kind and one sentence that names file, field, value and what would be right.
+struct Error {
+  ErrorKind kind = ErrorKind::kInternal;
+  std::string message;
+};
+
+template <class... Args>
+Error usage_error(fmt::format_string<Args...> text, Args&&... args) {
+  return {ErrorKind::kUsage, fmt::format(text, std::forward<Args>(args)...)};
+}
+template <class... Args>
+Error file_error(fmt::format_string<Args...> text, Args&&... args) {
+  return {ErrorKind::kFile, fmt::format(text, std::forward<Args>(args)...)};
+}
+template <class... Args>
+Error device_error(fmt::format_string<Args...> text, Args&&... args) {
+  return {ErrorKind::kDevice, fmt::format(text, std::forward<Args>(args)...)};
+}
+
+/// A value or an Error. Test with `if (!result)`, then read `*result` or `result.error()`.
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : state_(std::move(value)) {}
+  Result(Error error) : state_(std::move(error)) {}
+  explicit operator bool() const { return state_.index() == 0; }
+  T& operator*() { return std::get<0>(state_); }
+  const T& operator*() const { return std::get<0>(state_); }
+  T* operator->() { return &std::get<0>(state_); }
+  const T* operator->() const { return &std::get<0>(state_); }
+  const Error& error() const { return std::get<1>(state_); }
+
+ private:
+  std::variant<T, Error> state_;
+};
+
+/// Nothing, or an Error.
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)) {}
+  explicit operator bool() const { return !error_; }
+  const Error& error() const { return *error_; }
+
+ private:
+  std::optional<Error> error_;
+};
+
+}  // namespace umbrage

@@ -1,0 +1,151 @@
+#include "devices/cpu/cpu_device.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "core/check.h"
+#include "devices/cpu/capture.h"
+#include "machine/cpu_target.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+namespace {
+
+Image& planes_of(const Frame& frame) { return *static_cast<Image*>(frame.storage.get()); }
+
+FrameConstants frame_constants(const PictureInfo& info, int stride) {
+  const Camera& camera = info.camera;
+  return {.width = info.width,
+          .height = info.height,
+          .stride = stride,
+          .orthographic = camera.projection == Projection::kOrthographic ? 1 : 0,
+          .ray_scale_x = (camera.right - camera.left) / float(info.width),
+          .ray_offset_x = camera.left,
+          .ray_scale_y = -(camera.top - camera.bottom) / float(info.height),
+          .ray_offset_y = camera.top};
+}
+
+/// What a plane of a bare G-buffer is when it does not have it, or nothing where no value would do.
+std::optional<float> neutral_value(std::string_view plane) {
+  if (plane.starts_with("albedo.")) return 0.8f;
+  if (plane == "specular") return 0.0f;
+  if (plane == "shininess") return 1.0f;
+  if (plane == "shadow") return 1.0f;
+  if (plane == "ao") return 1.0f;
+  if (plane.starts_with("direct.") || plane.starts_with("ambient.")) return 0.0f;
+  return std::nullopt;
+}
+
+class CpuDevice final : public Device {
+ public:
+  explicit CpuDevice(const CpuSettings& settings)
+      : settings_(settings), arena_(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic) {}
+
+  std::string_view name() const override { return "cpu"; }
+
+  std::string description() const override {
+    return fmt::format("cpu: {} lanes, {} threads", settings_.scalar ? "scalar" : simd_target_name(),
+                       const_cast<tbb::task_arena&>(arena_).max_concurrency());
+  }
+
+  Result<void> prepare(const Scene& scene) override {
+    auto traced = arena_.execute([&] { return trace_ready(scene); });
+    if (!traced) return traced.error();
+    traced_ = std::move(*traced);
+    scene_ = &scene;
+    return {};
+  }
+
+  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
+    if (!traced_) fail_check("capture before prepare");
+    Frame frame;
+    frame.info = picture_info(*scene_, camera, settings.width, settings.height);
+    frame.storage =
+        std::make_shared<Image>(arena_.execute([&] { return capture_planes(*traced_, frame.info, settings); }));
+    return frame;
+  }
+
+  Result<Frame> upload(const GBuffer& gbuffer) override {
+    Frame frame;
+    frame.info = gbuffer.info;
+    auto image = std::make_shared<Image>(gbuffer.info.width, gbuffer.info.height);
+    for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
+      for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p) {
+        const std::string& name = gbuffer.layers[layer].names[p];
+        image->add(layer == 0 ? name : fmt::format("layer{}.{}", layer, name)) = gbuffer.layers[layer].planes[p];
+      }
+    frame.storage = std::move(image);
+    return frame;
+  }
+
+  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) override {
+    check_equal(params.size(), effect.params_size, effect.name);
+    Image& image = planes_of(frame);
+    std::vector<std::byte> constants(effect.constants_size);
+    effect.constants(params, frame.info, constants.data());
+    for (const Pass& pass : effect.passes)
+      if (Result<void> done = run_pass(effect, pass, constants, frame.info, image); !done) return done;
+    return {};
+  }
+
+  Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
+    const Image& image = planes_of(frame);
+    if (names.empty()) return image;
+    Image out(image.width, image.height);
+    for (const std::string& name : names) {
+      const Plane* plane = image.find(name);
+      if (!plane) return usage_error("the picture has no plane '{}'", name);
+      out.names.push_back(name);
+      out.planes.push_back(*plane);
+    }
+    return out;
+  }
+
+ private:
+  Result<void> run_pass(const Effect& effect, const Pass& pass, const std::vector<std::byte>& constants,
+                        const PictureInfo& info, Image& image) {
+    image.planes.reserve(image.planes.size() + pass.inputs.size() + pass.outputs.size());
+    for (std::string_view input : pass.inputs) {
+      if (image.find(input)) continue;
+      const auto value = neutral_value(input);
+      if (!value) return usage_error("{} needs the plane '{}', which this picture does not have", effect.name, input);
+      image.add(input) = Plane(info.width, info.height, *value);
+    }
+    for (std::string_view output : pass.outputs) image.add(output);
+    std::vector<KernelPlane> planes;
+    for (const auto* names : {&pass.inputs, &pass.outputs})
+      for (std::string_view name : *names) planes.push_back({name, image.plane(name).data()});
+    const int stride = image.plane(pass.outputs[0]).stride;
+    const KernelFrame kernel_frame{frame_constants(info, stride), constants.data(), planes};
+    const CpuKernel kernel = settings_.scalar ? pass.scalar : settings_.tuned && pass.tuned ? pass.tuned : pass.lanes;
+
+    const int tile_width = std::min(pass.tile_width, stride);
+    const int columns = (info.width + tile_width - 1) / tile_width;
+    const int rows = (info.height + pass.tile_height - 1) / pass.tile_height;
+    arena_.execute([&] {
+      tbb::parallel_for(tbb::blocked_range<int>(0, rows * columns, 1), [&](const tbb::blocked_range<int>& range) {
+        for (int t = range.begin(); t < range.end(); ++t) {
+          const int x0 = t % columns * tile_width, y0 = t / columns * pass.tile_height;
+          kernel(kernel_frame, {x0, y0, std::min(x0 + tile_width, info.width),
+                                std::min(y0 + pass.tile_height, info.height)});
+        }
+      }, tbb::simple_partitioner());
+    });
+    return {};
+  }
+
+  CpuSettings settings_;
+  tbb::task_arena arena_;
+  const Scene* scene_ = nullptr;
+  TracedScenePtr traced_;
+};
+
+}  // namespace
+
+std::unique_ptr<Device> make_cpu_device(const CpuSettings& settings) { return std::make_unique<CpuDevice>(settings); }
+
+}  // namespace umbrage

@@ -1,0 +1,133 @@
+#include "devices/cpu/mip_texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace umbrage {
+namespace {
+
+constexpr int kMostTaps = 8;  // along the longer axis: an anisotropy of 8, as games set it
+
+const std::array<float, 256>& linear_from_srgb() {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> t{};
+    for (int i = 0; i < 256; ++i) {
+      const float v = float(i) / 255.0f;
+      t[i] = v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+    }
+    return t;
+  }();
+  return table;
+}
+
+std::uint8_t srgb_byte(float linear) {
+  const float v = linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+  return std::uint8_t(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f);
+}
+
+glm::vec4 texel(const MipLevel& level, int x, int y) {
+  const std::uint8_t* p = level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
+  const auto& linear = linear_from_srgb();
+  return {linear[p[0]], linear[p[1]], linear[p[2]], float(p[3]) / 255.0f};
+}
+
+struct Bilinear {
+  int x0, x1, y0, y1;
+  float fx, fy;
+};
+
+int wrap(int i, int size) {
+  i %= size;
+  return i < 0 ? i + size : i;
+}
+
+Bilinear bilinear_at(const MipLevel& level, glm::vec2 uv) {
+  // Repeat first, so that far coordinates keep their fraction's bits; what is not finite reads texel 0.
+  float u = uv.x - std::floor(uv.x), v = uv.y - std::floor(uv.y);
+  if (!std::isfinite(u) || !std::isfinite(v)) u = v = 0.0f;
+  const float x = u * float(level.width) - 0.5f, y = (1.0f - v) * float(level.height) - 0.5f;
+  const int ix = int(std::floor(x)), iy = int(std::floor(y));
+  return {wrap(ix, level.width),  wrap(ix + 1, level.width), wrap(iy, level.height), wrap(iy + 1, level.height),
+          x - float(ix), y - float(iy)};
+}
+
+glm::vec4 sample_level(const MipLevel& level, glm::vec2 uv) {
+  const Bilinear b = bilinear_at(level, uv);
+  const glm::vec4 top = texel(level, b.x0, b.y0) * (1.0f - b.fx) + texel(level, b.x1, b.y0) * b.fx;
+  const glm::vec4 bottom = texel(level, b.x0, b.y1) * (1.0f - b.fx) + texel(level, b.x1, b.y1) * b.fx;
+  return top * (1.0f - b.fy) + bottom * b.fy;
+}
+
+MipLevel half_of(const MipLevel& level) {
+  MipLevel half{std::max(level.width / 2, 1), std::max(level.height / 2, 1), {}};
+  half.rgba.resize(std::size_t(half.width) * half.height * 4);
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < half.width; ++x) {
+      // Each texel averages the ones that it covers: two per axis, three at the end of an odd side.
+      const int x0 = x * level.width / half.width, x1 = (x + 1) * level.width / half.width;
+      const int y0 = y * level.height / half.height, y1 = (y + 1) * level.height / half.height;
+      glm::vec3 weighted(0.0f), plain(0.0f);
+      float alpha = 0.0f;
+      for (int j = y0; j < y1; ++j)
+        for (int i = x0; i < x1; ++i) {
+          const glm::vec4 t = texel(level, i, j);
+          weighted += glm::vec3(t) * t.a;
+          plain += glm::vec3(t);
+          alpha += t.a;
+        }
+      const float count = float((x1 - x0) * (y1 - y0));
+      const glm::vec3 color = alpha > 0.0f ? weighted / alpha : plain / count;
+      std::uint8_t* out = half.rgba.data() + (std::size_t(y) * half.width + x) * 4;
+      for (int c = 0; c < 3; ++c) out[c] = srgb_byte(color[c]);
+      out[3] = std::uint8_t(alpha / count * 255.0f + 0.5f);
+    }
+  return half;
+}
+
+}  // namespace
+
+MipTexture make_mips(const Texture& texture) {
+  MipTexture mips;
+  mips.levels.push_back({texture.width, texture.height, texture.rgba});
+  while (mips.levels.back().width > 1 || mips.levels.back().height > 1)
+    mips.levels.push_back(half_of(mips.levels.back()));
+  return mips;
+}
+
+glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 right, glm::vec2 down) {
+  const glm::vec2 size(texture.levels[0].width, texture.levels[0].height);
+  float longer = glm::length(right * size), shorter = glm::length(down * size);
+  glm::vec2 axis = right;
+  if (shorter > longer) {
+    std::swap(longer, shorter);
+    axis = down;
+  }
+  if (!std::isfinite(longer)) return sample_level(texture.levels.back(), uv);
+  const int taps = std::clamp(int(std::ceil(longer / std::max(shorter, 1e-6f))), 1, longer > 1.0f ? kMostTaps : 1);
+  const float width = std::max(longer / float(taps), 1.0f);
+  const float lod = std::clamp(std::log2(width), 0.0f, float(texture.levels.size() - 1));
+  const int fine = int(lod);
+  const int coarse = std::min(fine + 1, int(texture.levels.size()) - 1);
+  const float blend = lod - float(fine);
+  glm::vec4 sum(0.0f);
+  for (int i = 0; i < taps; ++i) {
+    const glm::vec2 at = uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f);
+    glm::vec4 value = sample_level(texture.levels[fine], at);
+    if (blend > 0.0f) value += (sample_level(texture.levels[coarse], at) - value) * blend;
+    sum += value;
+  }
+  return sum / float(taps);
+}
+
+float sample_alpha(const MipTexture& texture, glm::vec2 uv) {
+  const MipLevel& level = texture.levels[0];
+  const Bilinear b = bilinear_at(level, uv);
+  const auto alpha = [&](int x, int y) { return float(level.rgba[(std::size_t(y) * level.width + x) * 4 + 3]); };
+  const float top = alpha(b.x0, b.y0) * (1.0f - b.fx) + alpha(b.x1, b.y0) * b.fx;
+  const float bottom = alpha(b.x0, b.y1) * (1.0f - b.fx) + alpha(b.x1, b.y1) * b.fx;
+  return (top * (1.0f - b.fy) + bottom * b.fy) / 255.0f;
+}
+
+}  // namespace umbrage

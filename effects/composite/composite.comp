@@ -1,0 +1,9 @@
+// Names the kernel text composite.kernel.h for Vulkan.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "machine/glsl.h"
+#include "effects/composite/composite.h"
+UMBRAGE_CONSTANTS(CompositeConstants)
+#include "machine/common.kernel.h"
+#include "effects/composite/composite.kernel.h"
+UMBRAGE_MAIN(composite)

@@ -1,0 +1,72 @@
+#include "effects/composite/composite.h"
+
+#include <cstddef>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(composite)
+
+namespace {
+
+constexpr std::uint32_t kSpirv[] = {
+#include "spirv/composite.inc"
+};
+
+constexpr double kMostFactor = 10.0;
+
+const std::vector<Parameter> kTable = {
+    {.name = "mode",
+     .help = "how occlusion meets light: on the ambient part, subtracted, multiplied, modulating colour, or alone",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(CompositeParams, mode),
+     .choices = {"ambient", "subtract", "multiply", "modulate", "occlusion"}},
+    {.name = "darkness",
+     .help = "mode modulate: how much of the mask is added to brightness",
+     .offset = offsetof(CompositeParams, darkness),
+     .initial = 1.0,
+     .most = kMostFactor},
+    {.name = "chroma",
+     .help = "mode modulate: how much the mask changes the strength of colours",
+     .offset = offsetof(CompositeParams, chroma),
+     .initial = 0.0,
+     .least = -kMostFactor,
+     .most = kMostFactor},
+    {.name = "contrast",
+     .help = "mode modulate: how much the mask changes contrast about middle grey",
+     .offset = offsetof(CompositeParams, contrast),
+     .initial = 0.0,
+     .least = -kMostFactor,
+     .most = kMostFactor},
+};
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
+  const auto& params = as<CompositeParams>(bytes);
+  *static_cast<CompositeConstants*>(out) = {params.mode, params.darkness, params.chroma, params.contrast};
+}
+
+}  // namespace
+
+const Effect& effect_composite() {
+  static const Effect effect = {
+      .name = "composite",
+      .summary = "joins direct light, ambient light and occlusion",
+      .source = "Luft 2006",
+      .kind = EffectKind::kShading,
+      .parameters = kTable,
+      .params_size = sizeof(CompositeParams),
+      .constants_size = sizeof(CompositeConstants),
+      .constants = fill_constants,
+      .passes = {{.name = "composite",
+                  .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "ao"},
+                  .outputs = {"lit.r", "lit.g", "lit.b"},
+                  .scalar = run_scalar_composite,
+                  .lanes = run_lanes_composite,
+                  .spirv = kSpirv}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage

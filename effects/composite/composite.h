@@ -1,0 +1,16 @@
+// What a person sets of `composite`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+#ifndef UMBRAGE_EFFECTS_COMPOSITE_H
+#define UMBRAGE_EFFECTS_COMPOSITE_H
+
+// One row of the table in composite.cpp per field.
+struct CompositeParams {
+  int mode;          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion
+  float darkness, chroma, contrast;  // factors of mode modulate
+};
+
+struct CompositeConstants {
+  int mode;
+  float darkness, chroma, contrast;
+};
+
+#endif

@@ -1,0 +1,26 @@
+// What a person sets of `lighting`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+#ifndef UMBRAGE_EFFECTS_LIGHTING_H
+#define UMBRAGE_EFFECTS_LIGHTING_H
+const int kLightingMostLights = 16;
+
+// One row of the table in lighting.cpp per field.
+struct LightingParams {
+  float ambient, diffuse, specular;  // factors
+  float shadow;                      // how much of the key light's shadow is applied
+  int material;                      // 0 the scene's, 1 white clay
+  int rig;                           // 0 the scene's lights, 1 a head light
+};
+
+struct LightingConstants {
+  int light_count;
+  int clay;  // 0 or 1
+  float ambient_r, ambient_g, ambient_b;
+  float diffuse, specular, shadow;
+  // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
+  int kind[kLightingMostLights];
+  float x[kLightingMostLights], y[kLightingMostLights], z[kLightingMostLights];
+  float r[kLightingMostLights], g[kLightingMostLights], b[kLightingMostLights];
+  float reach_squared[kLightingMostLights];  // of a point light: distance at which r, g, b hold; 0: no falloff
+};
+
+#endif

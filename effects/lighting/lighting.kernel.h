@@ -1,0 +1,59 @@
+// Lambert and Blinn-Phong from the G-buffer. Based on [Blinn 1977].
+//
+// Radiance is kept apart by what occlusion may darken: `direct` from the lights, `ambient` from everywhere.
+// Differs: Lambert's reflectance is not divided by pi; lights' colours are the radiance of a white surface facing them.
+IN_REAL(depth)
+IN_VECTOR(normal)
+IN_COLOR(albedo)
+IN_REAL(specular)
+IN_REAL(shininess)
+IN_REAL(shadow)
+OUT_COLOR(direct)
+OUT_COLOR(ambient)
+
+FN void lighting_pixel(Int px, Int py)
+{
+  Real depth = near_depth(0, 0);
+  Bool surface = is_finite(depth);
+  Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
+  Vec3 eye = to_eye(position);
+  Vec3 normal = near_normal(0, 0);
+  Vec3 albedo = near_albedo(0, 0);
+  Real strength = near_specular(0, 0) * Real(C.specular);
+  Real exponent = near_shininess(0, 0);
+  if (C.clay != 0)
+  {
+    albedo = Vec3(Real(1.0f), Real(1.0f), Real(1.0f));
+    strength = Real(0.0f);
+  }
+  Vec3 sum = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  for (int k = 0; k < C.light_count; ++k)
+  {
+    Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
+    Real arrives = Real(1.0f);
+    if (C.kind[k] == 1)
+    {
+      Vec3 away = light - position;
+      Real squared = max(dot(away, away), Real(1e-20f));
+      light = away * rsqrt(squared);
+      if (C.reach_squared[k] > 0.0f) arrives = Real(C.reach_squared[k]) / squared;
+    }
+    if (k == 0) arrives = arrives * mad(near_shadow(0, 0) - 1.0f, Real(C.shadow), Real(1.0f));
+    Real lambert = max(dot(normal, light), Real(0.0f));
+    Real highlight = Real(0.0f);
+    if (C.specular > 0.0f)
+    {
+      Vec3 halfway = normalized(light + eye);
+      highlight = strength * pow(max(dot(normal, halfway), Real(0.0f)), exponent);
+      // No highlight on the side that the light does not reach.
+      highlight = select(lambert > 0.0f, highlight, Real(0.0f));
+    }
+    Vec3 color = Vec3(Real(C.r[k]), Real(C.g[k]), Real(C.b[k])) * arrives;
+    Vec3 white = Vec3(highlight, highlight, highlight);
+    sum = sum + color * (albedo * (lambert * Real(C.diffuse)) + white);
+  }
+  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  store_direct(select(surface, sum, none));
+  Vec3 around = Vec3(Real(C.ambient_r), Real(C.ambient_g), Real(C.ambient_b));
+  store_ambient(select(surface, albedo * around, none));
+}

@@ -1,0 +1,87 @@
+#include "effects/output/output.h"
+
+#include <cmath>
+#include <cstddef>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(output)
+
+namespace {
+
+constexpr std::uint32_t kSpirv[] = {
+#include "spirv/output.inc"
+};
+
+constexpr double kMostStops = 20.0;
+
+const std::vector<Parameter> kTable = {
+    {.name = "exposure",
+     .help = "brightness, in stops: 1 doubles the light",
+     .offset = offsetof(OutputParams, exposure),
+     .least = -kMostStops,
+     .most = kMostStops,
+     .unit = "stops"},
+    {.name = "transfer",
+     .help = "from linear light to 8-bit values: the sRGB curve, or the values as they are",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(OutputParams, transfer),
+     .choices = {"srgb", "none"}},
+    {.name = "background_r",
+     .help = "red where there is no surface, as written to the file",
+     .offset = offsetof(OutputParams, background_r),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "background_g",
+     .help = "green where there is no surface, as written to the file",
+     .offset = offsetof(OutputParams, background_g),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "background_b",
+     .help = "blue where there is no surface, as written to the file",
+     .offset = offsetof(OutputParams, background_b),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "transparent",
+     .help = "alpha 0 and black where there is no surface",
+     .type = ParameterType::kBool,
+     .offset = offsetof(OutputParams, transparent)},
+};
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
+  const auto& params = as<OutputParams>(bytes);
+  const float opaque = params.transparent ? 0.0f : 1.0f;
+  *static_cast<OutputConstants*>(out) = {std::exp2(params.exposure),
+                                         params.transfer,
+                                         params.background_r * opaque,
+                                         params.background_g * opaque,
+                                         params.background_b * opaque,
+                                         opaque};
+}
+
+}  // namespace
+
+const Effect& effect_output() {
+  static const Effect effect = {
+      .name = "output",
+      .summary = "light to picture: exposure, transfer function, background",
+      .source = "IEC 61966-2-1",
+      .kind = EffectKind::kOutput,
+      .parameters = kTable,
+      .params_size = sizeof(OutputParams),
+      .constants_size = sizeof(OutputConstants),
+      .constants = fill_constants,
+      .passes = {{.name = "output",
+                  .inputs = {"lit.r", "lit.g", "lit.b", "depth"},
+                  .outputs = {"color.r", "color.g", "color.b", "color.a"},
+                  .scalar = run_scalar_output,
+                  .lanes = run_lanes_output,
+                  .spirv = kSpirv}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage

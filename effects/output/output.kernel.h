@@ -1,0 +1,26 @@
+// Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
+IN_COLOR(lit)
+IN_REAL(depth)
+OUT_COLOR(color)
+OUT_ALPHA(color)
+
+FN Real srgb_from_linear(Real v)
+{
+  Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));
+  return select(v > 0.0031308f, curve, v * 12.92f);
+}
+
+// Values that are not numbers become black.
+FN Real sane(Real v) { return select(is_finite(v), max(v, Real(0.0f)), Real(0.0f)); }
+
+FN void output_pixel(Int px, Int py)
+{
+  Vec3 light = near_lit(0, 0) * Real(C.gain);
+  light = Vec3(sane(light.x), sane(light.y), sane(light.z));
+  if (C.transfer == 0)
+    light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
+  Bool surface = is_finite(near_depth(0, 0));
+  Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
+  store_color(select(surface, light, background));
+  store_color_alpha(select(surface, Real(1.0f), Real(C.background_alpha)));
+}

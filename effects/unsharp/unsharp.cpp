@@ -1,0 +1,167 @@
+#include "effects/unsharp/unsharp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(linearize)
+UMBRAGE_DECLARE_KERNEL(unsharp)
+
+namespace {
+
+constexpr std::uint32_t kLinearizeSpirv[] = {
+#include "spirv/linearize.inc"
+};
+constexpr std::uint32_t kUnsharpSpirv[] = {
+#include "spirv/unsharp.inc"
+};
+
+constexpr float kSteps = 16777216.0f;  // 2^24, as in linearize.kernel.h
+// The automatic far plane leaves the farthest geometry at 90 % of the depth range, the paper's largest threshold away
+// from the end; the near plane keeps the listing's ratio of 2 to 15.
+constexpr float kFarShare = 0.9f;
+constexpr float kNearToFar = 2.0f / 15.0f;
+// A Gaussian window reaches two standard deviations to either side.
+constexpr float kSigmasPerKernel = 4.0f;
+
+const std::vector<Parameter> kTable = {
+    {.name = "kernel",
+     .help = "side of the window that is averaged, in pixels or as a share of the picture's height",
+     .type = ParameterType::kLength,
+     .offset = offsetof(UnsharpParams, kernel),
+     .initial = 4.0,
+     .least = 1.0,
+     .most = kUnsharpLargestKernel,
+     .unit = "px",
+     .initially_relative = true},
+    {.name = "threshold",
+     .help = "samples whose linearised depth differs by this much or more do not count",
+     .offset = offsetof(UnsharpParams, threshold),
+     .initial = 0.02,
+     .least = 0.0,
+     .most = 1.0,
+     .zero_means = "none"},
+    {.name = "border",
+     .help = "what a sample outside the picture is: skipped, window depth 0, the nearest pixel, or the picture again",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(UnsharpParams, border),
+     .choices = {"skip", "zero", "clamp", "repeat"}},
+    {.name = "strength",
+     .help = "factor from a difference of linearised depth to a difference of brightness",
+     .offset = offsetof(UnsharpParams, strength),
+     .initial = 20.0,
+     .least = 0.0,
+     .most = 1000.0},
+    {.name = "linearization",
+     .help = "linearised depth: z/F, 2z/(z+F) as the paper's listing has it, or (z-N)/(F-N)",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(UnsharpParams, linearization),
+     .choices = {"linear", "listing", "extent"}},
+    {.name = "near",
+     .help = "distance N of the near plane",
+     .offset = offsetof(UnsharpParams, near_depth),
+     .least = 0.0,
+     .most = 1e12,
+     .unit = "scene units",
+     .zero_means = "automatic"},
+    {.name = "far",
+     .help = "distance F of the far plane",
+     .offset = offsetof(UnsharpParams, far_depth),
+     .least = 0.0,
+     .most = 1e12,
+     .unit = "scene units",
+     .zero_means = "automatic"},
+    {.name = "background",
+     .help = "pixels without a surface: on the far plane, or left out of every window",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(UnsharpParams, background),
+     .choices = {"far", "ignore"}},
+    {.name = "white_edge",
+     .help = "keep the brightening on the near side of an edge",
+     .type = ParameterType::kBool,
+     .offset = offsetof(UnsharpParams, white_edge),
+     .initial = 1.0},
+    {.name = "window",
+     .help = "weights of the window",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(UnsharpParams, window),
+     .choices = {"box", "gaussian"}},
+};
+
+int kernel_side(const Length& kernel, int height) {
+  const float side = kernel.relative ? kernel.value / 100.0f * float(height) : kernel.value;
+  return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpLargestKernel))));
+}
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  const auto& params = as<UnsharpParams>(bytes);
+  auto& c = *static_cast<UnsharpConstants*>(out);
+  const int side = kernel_side(params.kernel, info.height);
+  const int half = side / 2;
+  // The listing's window starts floor(k/2) to the left and below; rows here are counted from the top.
+  c.first_column = -half;
+  c.last_column = side - 1 - half;
+  c.first_row = half - (side - 1);
+  c.last_row = half;
+  c.border = params.border;
+  c.gaussian = params.window;
+  c.linearization = params.linearization;
+  c.ignore_background = params.background;
+  c.keep_white_edge = params.white_edge;
+
+  const bool extent = params.linearization == 2;
+  float far_depth = params.far_depth;
+  if (!(far_depth > 0.0f)) far_depth = extent ? info.depth_max : info.depth_max / kFarShare;
+  float near_depth = params.near_depth;
+  if (!(near_depth > 0.0f)) near_depth = extent ? info.depth_min : far_depth * kNearToFar;
+  // Kernels are total: a near plane at or behind the far plane leaves a sliver between them.
+  far_depth = std::max(far_depth, 1e-30f);
+  near_depth = std::clamp(near_depth, 0.0f, far_depth * 0.999f);
+  c.near_depth = near_depth;
+  c.far_depth = far_depth;
+
+  c.threshold = params.threshold > 0.0f ? params.threshold * kSteps : 2.0f * kSteps;
+  const float zero = params.linearization == 0   ? near_depth / far_depth
+                     : params.linearization == 1 ? 2.0f * near_depth / (near_depth + far_depth)
+                                                 : 0.0f;
+  c.border_depth = std::floor(zero * kSteps + 0.5f);
+  c.scale = params.strength / kSteps;
+  const float sigma = std::max(float(side) / kSigmasPerKernel, 0.25f);
+  for (int i = 0; i < kUnsharpWeights; ++i)
+    c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
+}
+
+}  // namespace
+
+const Effect& effect_unsharp() {
+  static const Effect effect = {
+      .name = "unsharp",
+      .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
+      .source = "Chamberlin 2011",
+      .kind = EffectKind::kOcclusion,
+      .parameters = kTable,
+      .params_size = sizeof(UnsharpParams),
+      .constants_size = sizeof(UnsharpConstants),
+      .constants = fill_constants,
+      .passes = {{.name = "linearize",
+                  .inputs = {"depth"},
+                  .outputs = {"unsharp_depth"},
+                  .scalar = run_scalar_linearize,
+                  .lanes = run_lanes_linearize,
+                  .spirv = kLinearizeSpirv},
+                 {.name = "unsharp",
+                  .inputs = {"unsharp_depth"},
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_unsharp,
+                  .lanes = run_lanes_unsharp,
+                  .spirv = kUnsharpSpirv}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,92 @@
+// Unsharp mask of the depth buffer: how much farther a pixel lies than the mean of the window around it.
+// Based on [Chamberlin 2011], section 3 and its fragment shader; [Luft 2006] for the Gaussian window.
+//
+// Depth comes in whole steps of 2^-24 (linearize.kernel.h), so that a tuned summation agrees to the bit.
+// Differs: the window is k x k also for odd k, where the listing runs over k - 1; and the listing's border check lets
+// one column and one row of copies in, at x = width and y = height.
+IN_REAL(unsharp_depth)
+OUT_REAL(ao)
+
+CONST int kLowBits = 12;           // a sum is kept as two words, of the samples' upper and lower 12 bits:
+CONST int kLowMask = 4095;         // 1023 x 1023 samples of up to 4096 still fit 32 bits
+
+// 1 - shade, from the exact sum of a window's steps (split as above), its count and the pixel's own step.
+// shade = strength (D - mean) [Chamberlin 2011, listing: the factor 20].
+FN Real ao_from_sum(Uint high, Uint low, Uint count, Uint centre)
+{
+  // sum - count * centre, with both carried so that the upper words hold all but the last 12 bits
+  Uint own_low = count * (centre & Uint(kLowMask));
+  Uint own_high = count * (centre >> kLowBits) + (own_low >> kLowBits);
+  Uint sum_high = high + (low >> kLowBits);
+  Uint sum_low = low & Uint(kLowMask);
+  own_low = own_low & Uint(kLowMask);
+  Real upper = select(sum_high < own_high, -to_real(own_high - sum_high), to_real(sum_high - own_high));
+  Real lower = to_real(to_signed(sum_low) - to_signed(own_low));
+  Real excess = mad(upper, Real(4096.0f), lower);
+  Real ao = excess * (Real(C.scale) / to_real(count)) + 1.0f;
+  return C.keep_white_edge != 0 ? ao : min(ao, Real(1.0f));
+}
+
+// A sample of the window in the border mode; `inside` says whether it lies in the picture.
+FN Real window_sample(Int px, Int py, int i, int j, Bool inside)
+{
+  if (C.border == 3)
+  {
+    Int x = px + Int(i);
+    Int y = py + Int(j);
+    // A window is at most 1023 wide: a narrow picture repeats more than once.
+    Int columns = to_int(floor((to_real(x) + 0.5f) / Real(float(F.width))));
+    Int rows = to_int(floor((to_real(y) + 0.5f) / Real(float(F.height))));
+    return load_unsharp_depth(x - columns * Int(F.width), y - rows * Int(F.height));
+  }
+  Real tap = near_unsharp_depth(i, j);
+  if (C.border == 1) return select(inside, tap, Real(C.border_depth));
+  return tap;
+}
+
+FN void unsharp_pixel(Int px, Int py)
+{
+  Real centre = near_unsharp_depth(0, 0);
+  Bool surface = centre >= 0.0f;
+  Uint high = Uint(0u);
+  Uint low = Uint(0u);
+  Int count = Int(0);
+  Real weighted = Real(0.0f);
+  Real weights = Real(0.0f);
+  for (int j = C.first_row; j <= C.last_row; ++j)
+  {
+    for (int i = C.first_column; i <= C.last_column; ++i)
+    {
+      Bool inside = near_inside(i, j);
+      Real tap = window_sample(px, py, i, j, inside);
+      Bool counts = tap >= 0.0f && abs(tap - centre) < Real(C.threshold);
+      if (C.border == 0) counts = counts && inside;
+      if (C.gaussian != 0)
+      {
+        Real weight = Real(C.weights[i < 0 ? -i : i] * C.weights[j < 0 ? -j : j]);
+        weight = select(counts, weight, Real(0.0f));
+        weighted = mad(weight, tap - centre, weighted);
+        weights = weights + weight;
+      }
+      else
+      {
+        Uint steps = to_uint(to_int(select(counts, tap, Real(0.0f))));
+        high = high + (steps >> kLowBits);
+        low = low + (steps & Uint(kLowMask));
+        count = count + select(counts, Int(1), Int(0));
+      }
+    }
+  }
+  Real ao = Real(1.0f);
+  if (C.gaussian != 0)
+  {
+    // The pixel itself always counts, so that the weights are not 0.
+    ao = weighted * Real(C.scale) / max(weights, Real(1e-20f)) + 1.0f;
+    if (C.keep_white_edge == 0) ao = min(ao, Real(1.0f));
+  }
+  else
+  {
+    ao = ao_from_sum(high, low, to_uint(max(count, Int(1))), to_uint(to_int(max(centre, Real(0.0f)))));
+  }
+  store_ao(select(surface, ao, Real(1.0f)));
+}

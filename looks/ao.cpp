@@ -1,0 +1,24 @@
+// The occlusion alone, as grey values without a transfer function: white is open.
+#include "core/look.h"
+
+namespace umbrage {
+
+const Look& look_ao() {
+  static const Look look = {
+      .name = "ao",
+      .summary = "the occlusion alone: white is open, black is closed in",
+      .occlusion = "unsharp",
+      .effects = {"occlusion", "composite", "output"},
+      .presets = {{"unsharp.kernel", "6%"},
+                  {"unsharp.threshold", "0.08"},
+                  {"unsharp.linearization", "extent"},
+                  {"unsharp.strength", "10"},
+                  {"unsharp.background", "ignore"},
+                  {"unsharp.white_edge", "off"},
+                  {"composite.mode", "occlusion"},
+                  {"output.transfer", "none"}},
+  };
+  return look;
+}
+
+}  // namespace umbrage

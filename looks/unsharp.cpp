@@ -1,0 +1,28 @@
+// The paper preset of [Chamberlin 2011]: white material, ambient 0.3 and diffuse 0.7, shade subtracted from the whole
+// lit colour, no transfer function, no shadow.
+#include "core/look.h"
+
+namespace umbrage {
+
+const Look& look_unsharp() {
+  static const Look look = {
+      .name = "unsharp",
+      .summary = "white clay with the unsharp mask of the depth buffer subtracted, as the paper has it",
+      .occlusion = "unsharp",
+      .effects = {"lighting", "occlusion", "composite", "output"},
+      .presets = {{"lighting.material", "clay"},
+                  {"lighting.shadow", "0"},
+                  {"unsharp.kernel", "40"},
+                  {"unsharp.threshold", "0.02"},
+                  {"unsharp.linearization", "listing"},
+                  {"unsharp.background", "far"},
+                  {"composite.mode", "subtract"},
+                  {"output.transfer", "none"},
+                  {"output.background_r", "0.36"},
+                  {"output.background_g", "0.40"},
+                  {"output.background_b", "0.45"}},
+  };
+  return look;
+}
+
+}  // namespace umbrage

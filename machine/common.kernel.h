@@ -1,0 +1,24 @@
+// Functions in the dialect that any kernel may call. F is the FrameConstants.
+
+// v scaled to length 1; the zero vector stays zero.
+FN Vec3 normalized(Vec3 v)
+{
+  Real squared = dot(v, v);
+  return v * select(squared > 1e-30f, rsqrt(max(squared, 1e-30f)), Real(0.0f));
+}
+
+// View-space position of the centre of pixel (x, y) at a depth.
+FN Vec3 view_position(Int x, Int y, Real depth)
+{
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  Real px = mad(to_real(x) + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread;
+  Real py = mad(to_real(y) + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread;
+  return Vec3(px, py, -depth);
+}
+
+// Unit vector from a view-space position to the eye.
+FN Vec3 to_eye(Vec3 position)
+{
+  if (F.orthographic != 0) return Vec3(Real(0.0f), Real(0.0f), Real(1.0f));
+  return normalized(-position);
+}

@@ -1,0 +1,15 @@
+// What every kernel may read of the picture, shared by C++ and GLSL: 4-byte scalars only.
+//
+// View-space position of the centre of pixel (x, y) at depth d, with X = x + 0.5, Y = y + 0.5:
+//   perspective   ((X ray_scale_x + ray_offset_x) d, (Y ray_scale_y + ray_offset_y) d, -d)
+//   orthographic  ( X ray_scale_x + ray_offset_x,     Y ray_scale_y + ray_offset_y,    -d)
+#ifndef UMBRAGE_MACHINE_FRAME_CONSTANTS_H
+#define UMBRAGE_MACHINE_FRAME_CONSTANTS_H
+struct FrameConstants {
+  int width, height;
+  int stride;        // floats from one row of a plane to the next
+  int orthographic;  // 0 or 1
+  float ray_scale_x, ray_offset_x, ray_scale_y, ray_offset_y;
+};
+
+#endif

@@ -1,0 +1,11 @@
+#undef FN
+#undef CONST
+#undef IN_REAL
+#undef IN_TRIPLE
+#undef IN_VECTOR
+#undef IN_COLOR
+#undef OUT_REAL
+#undef OUT_ALPHA
+#undef OUT_TRIPLE
+#undef OUT_VECTOR
+#undef OUT_COLOR

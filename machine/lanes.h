@@ -1,0 +1,178 @@
+// The dialect of kernel texts as SIMD lanes by Highway: as many pixels of one row at a time as a vector holds.
+// Included once per SIMD target, after hwy/foreach_target.h. Structs around Highway's vectors fit x86 and NEON, where a
+// vector has a size; they do not fit SVE or RVV.
+#if defined(UMBRAGE_MACHINE_LANES_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef UMBRAGE_MACHINE_LANES_H
+#undef UMBRAGE_MACHINE_LANES_H
+#else
+#define UMBRAGE_MACHINE_LANES_H
+#endif
+
+#include <cstdint>
+
+#include "hwy/contrib/math/math-inl.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace umbrage {
+namespace HWY_NAMESPACE {
+namespace {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<float, 16>;
+using DI = hn::RebindToSigned<D>;
+using DU = hn::RebindToUnsigned<D>;
+constexpr int kLanes = int(hn::MaxLanes(D()));
+
+#define OP HWY_INLINE HWY_MAYBE_UNUSED
+
+struct Bool {
+  hn::Mask<D> m;
+};
+struct Int {
+  hn::Vec<DI> v;
+  HWY_INLINE Int(hn::Vec<DI> x) : v(x) {}
+  HWY_INLINE Int(int x) : v(hn::Set(DI(), x)) {}
+};
+struct Uint {
+  hn::Vec<DU> v;
+  HWY_INLINE Uint(hn::Vec<DU> x) : v(x) {}
+  HWY_INLINE Uint(std::uint32_t x) : v(hn::Set(DU(), x)) {}
+};
+struct Real {
+  hn::Vec<D> v;
+  HWY_INLINE Real(hn::Vec<D> x) : v(x) {}
+  HWY_INLINE Real(float x) : v(hn::Set(D(), x)) {}
+};
+struct Vec2 {
+  Real x, y;
+};
+struct Vec3 {
+  Real x, y, z;
+};
+
+OP Real operator+(Real a, Real b) { return hn::Add(a.v, b.v); }
+OP Real operator-(Real a, Real b) { return hn::Sub(a.v, b.v); }
+OP Real operator*(Real a, Real b) { return hn::Mul(a.v, b.v); }
+OP Real operator/(Real a, Real b) { return hn::Div(a.v, b.v); }
+OP Real operator-(Real a) { return hn::Neg(a.v); }
+OP Int operator+(Int a, Int b) { return hn::Add(a.v, b.v); }
+OP Int operator-(Int a, Int b) { return hn::Sub(a.v, b.v); }
+OP Int operator*(Int a, Int b) { return hn::Mul(a.v, b.v); }
+OP Int operator-(Int a) { return hn::Neg(a.v); }
+OP Uint operator+(Uint a, Uint b) { return hn::Add(a.v, b.v); }
+OP Uint operator-(Uint a, Uint b) { return hn::Sub(a.v, b.v); }
+OP Uint operator*(Uint a, Uint b) { return hn::Mul(a.v, b.v); }
+OP Uint operator|(Uint a, Uint b) { return hn::Or(a.v, b.v); }
+OP Uint operator&(Uint a, Uint b) { return hn::And(a.v, b.v); }
+OP Uint operator^(Uint a, Uint b) { return hn::Xor(a.v, b.v); }
+OP Uint operator~(Uint a) { return hn::Not(a.v); }
+OP Uint operator<<(Uint a, int bits) { return hn::ShiftLeftSame(a.v, bits); }
+OP Uint operator>>(Uint a, int bits) { return hn::ShiftRightSame(a.v, bits); }
+template <class A, class B>
+OP A& operator+=(A& a, B b) {
+  a = a + b;
+  return a;
+}
+template <class A, class B>
+OP A& operator-=(A& a, B b) {
+  a = a - b;
+  return a;
+}
+template <class A, class B>
+OP A& operator*=(A& a, B b) {
+  a = a * b;
+  return a;
+}
+OP Uint& operator|=(Uint& a, Uint b) { return a = a | b; }
+
+OP Bool operator<(Real a, Real b) { return {hn::Lt(a.v, b.v)}; }
+OP Bool operator<=(Real a, Real b) { return {hn::Le(a.v, b.v)}; }
+OP Bool operator>(Real a, Real b) { return {hn::Lt(b.v, a.v)}; }
+OP Bool operator>=(Real a, Real b) { return {hn::Le(b.v, a.v)}; }
+OP Bool operator==(Real a, Real b) { return {hn::Eq(a.v, b.v)}; }
+OP Bool operator<(Int a, Int b) { return {hn::RebindMask(D(), hn::Lt(a.v, b.v))}; }
+OP Bool operator<=(Int a, Int b) { return {hn::RebindMask(D(), hn::Not(hn::Lt(b.v, a.v)))}; }
+OP Bool operator>(Int a, Int b) { return b < a; }
+OP Bool operator>=(Int a, Int b) { return b <= a; }
+OP Bool operator==(Int a, Int b) { return {hn::RebindMask(D(), hn::Eq(a.v, b.v))}; }
+OP Bool operator&&(Bool a, Bool b) { return {hn::And(a.m, b.m)}; }
+OP Bool operator||(Bool a, Bool b) { return {hn::Or(a.m, b.m)}; }
+OP Bool operator!(Bool a) { return {hn::Not(a.m)}; }
+/// Unsigned order, by moving both to signed.
+OP Bool operator<(Uint a, Uint b) {
+  const auto flip = hn::Set(DU(), 0x80000000u);
+  return {hn::RebindMask(D(), hn::Lt(hn::BitCast(DI(), hn::Xor(a.v, flip)), hn::BitCast(DI(), hn::Xor(b.v, flip))))};
+}
+
+// Highway's own order of operands decides what NaN gives on each machine; scalar.h gives the second operand.
+OP Real min(Real a, Real b) { return hn::IfThenElse(hn::Lt(a.v, b.v), a.v, b.v); }
+OP Real max(Real a, Real b) { return hn::IfThenElse(hn::Lt(b.v, a.v), a.v, b.v); }
+OP Int min(Int a, Int b) { return hn::Min(a.v, b.v); }
+OP Int max(Int a, Int b) { return hn::Max(a.v, b.v); }
+OP Real clamp(Real x, Real least, Real most) { return min(max(x, least), most); }
+OP Int clamp(Int x, Int least, Int most) { return min(max(x, least), most); }
+OP Real abs(Real a) { return hn::Abs(a.v); }
+OP Real floor(Real a) { return hn::Floor(a.v); }
+OP Real fract(Real a) { return hn::Sub(a.v, hn::Floor(a.v)); }
+OP Real sqrt(Real a) { return hn::Sqrt(a.v); }
+/// The machine's estimate with one Newton step: relative error below 1e-6.
+OP Real rsqrt(Real a) {
+  const Real y = hn::ApproximateReciprocalSqrt(a.v);
+  return y * (Real(1.5f) - (a * Real(0.5f)) * (y * y));
+}
+OP Real mad(Real a, Real b, Real c) {
+#if HWY_NATIVE_FMA
+  return hn::MulAdd(a.v, b.v, c.v);
+#else
+  // SSE has no fused multiply-add. In double the product is exact and the sum nearly so: a last bit can differ from
+  // fusing where a sum falls next to the middle between two floats.
+  HWY_ALIGN float x[kLanes], y[kLanes], z[kLanes];
+  hn::Store(a.v, D(), x);
+  hn::Store(b.v, D(), y);
+  hn::Store(c.v, D(), z);
+  for (int i = 0; i < kLanes; ++i) z[i] = float(double(x[i]) * double(y[i]) + double(z[i]));
+  return hn::Load(D(), z);
+#endif
+}
+OP Int to_int(Real a) { return hn::ConvertTo(DI(), a.v); }
+OP Uint to_uint(Int a) { return hn::BitCast(DU(), a.v); }
+OP Int to_signed(Uint a) { return hn::BitCast(DI(), a.v); }
+OP Real to_real(Int a) { return hn::ConvertTo(D(), a.v); }
+/// Both halves are exact; their sum rounds once.
+OP Real to_real(Uint a) {
+  const Real high = to_real(to_signed(a >> 16)), low = to_real(to_signed(a & Uint(0xffffu)));
+  return hn::Add(hn::Mul(high.v, hn::Set(D(), 65536.0f)), low.v);
+}
+OP Int popcount(Uint a) { return hn::BitCast(DI(), hn::PopulationCount(a.v)); }
+/// In two halves, because a shift by 32 is undefined.
+OP Uint ones_from(Int b) {
+  const DU du;
+  const auto count = hn::BitCast(du, b.v);
+  const auto half = hn::ShiftRight<1>(count);
+  return hn::Shl(hn::Shl(hn::Set(du, ~0u), half), hn::Sub(count, half));
+}
+OP Bool is_finite(Real a) { return {hn::Le(hn::Abs(a.v), hn::Set(D(), 3.402823466e38f))}; }
+OP bool some(Bool a) { return !hn::AllFalse(D(), a.m); }
+
+OP Real select(Bool mask, Real a, Real b) { return hn::IfThenElse(mask.m, a.v, b.v); }
+OP Int select(Bool mask, Int a, Int b) { return hn::IfThenElse(hn::RebindMask(DI(), mask.m), a.v, b.v); }
+OP Uint select(Bool mask, Uint a, Uint b) { return hn::IfThenElse(hn::RebindMask(DU(), mask.m), a.v, b.v); }
+OP Real pow(Real a, Real b) {
+  const D d;
+  const auto positive = hn::Gt(a.v, hn::Zero(d));
+  const auto power = hn::Exp(d, hn::Mul(b.v, hn::Log(d, hn::IfThenElse(positive, a.v, hn::Set(d, 1.0f)))));
+  return hn::IfThenElseZero(positive, power);
+}
+
+#define inline OP
+#include "machine/vectors.h"
+#undef inline
+#undef OP
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace umbrage
+HWY_AFTER_NAMESPACE();
+
+#endif

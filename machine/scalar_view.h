@@ -1,0 +1,27 @@
+// The planes of a frame as the scalar dialect sees them.
+#pragma once
+#include "machine/kernel_frame.h"
+#include "machine/scalar.h"
+
+namespace umbrage::scalar {
+
+struct ScalarView {
+  const KernelFrame& frame;
+  int x = 0, y = 0;
+
+  float* plane(std::string_view name) const { return frame.plane(name); }
+  /// Any pixel; coordinates outside are clamped to the border.
+  Real load(const float* plane, Int X, Int Y) const {
+    X = clamp(X, 0, frame.frame.width - 1);
+    Y = clamp(Y, 0, frame.frame.height - 1);
+    return plane[std::ptrdiff_t(Y) * frame.frame.stride + X];
+  }
+  /// The neighbour (i, j) pixels right and down of this one, clamped to the border.
+  Real near(const float* plane, int i, int j) const { return load(plane, x + i, y + j); }
+  Bool inside(int i, int j) const {
+    return x + i >= 0 && x + i < frame.frame.width && y + j >= 0 && y + j < frame.frame.height;
+  }
+  void store(float* plane, Real v) const { plane[std::ptrdiff_t(y) * frame.frame.stride + x] = v; }
+};
+
+}  // namespace umbrage::scalar
