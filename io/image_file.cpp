@@ -68,7 +68,7 @@ Result<void> fill(const fs::path& file, std::FILE* stream, const std::function<R
 }  // namespace
 
 std::span<const ImageFormat> image_formats() {
-  static const ImageFormat table[] = {kPng, kPfm};
+  static const ImageFormat table[] = {kPng, kExr, kPfm};
   return table;
 }
 

@@ -40,14 +40,25 @@ struct Complaint {
 
 void on_warning(png_structp, png_const_charp) {}
 
-/// Values in [0, 1] as Integers, rounded to nearest; NaN is 0. `step` apart in `out`.
-template <class Integer>
-void quantise(const float* values, int count, int step, Integer* out) {
+/// A row of Channels planes as Integers side by side: [0, 1] rounded to nearest, NaN as 0.
+template <class Integer, int Channels>
+void quantise(const float* const* rows, int width, Integer* out) {
   constexpr float kMax = float(Integer(~Integer(0)));
-  for (int x = 0; x < count; ++x) {
-    const float v = values[x] > 0.0f ? values[x] : 0.0f;
-    out[std::size_t(x) * step] = Integer(std::int32_t((v < 1.0f ? v : 1.0f) * kMax + 0.5f));
-  }
+  for (int x = 0; x < width; ++x)
+    for (int c = 0; c < Channels; ++c) {
+      const float v = rows[c][x] > 0.0f ? rows[c][x] : 0.0f;
+      *out++ = Integer(std::int32_t((v < 1.0f ? v : 1.0f) * kMax + 0.5f));
+    }
+}
+
+template <class Integer>
+void quantise_row(const Plane* const* planes, int channels, int y, Integer* out) {
+  const float* rows[4] = {};
+  for (int c = 0; c < channels; ++c) rows[c] = planes[c]->row(y);
+  const int width = planes[0]->width;
+  if (channels == 1) quantise<Integer, 1>(rows, width, out);
+  if (channels == 3) quantise<Integer, 3>(rows, width, out);
+  if (channels == 4) quantise<Integer, 4>(rows, width, out);
 }
 
 template <class Integer>
@@ -83,12 +94,10 @@ bool encode(std::FILE* stream, const Plane* const* planes, int channels, int bit
   png_write_info(png, info);
   if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
   for (int y = 0; y < height; ++y) {
-    for (int c = 0; c < channels; ++c) {
-      if (bits == 16)
-        quantise(planes[c]->row(y), width, channels, reinterpret_cast<std::uint16_t*>(row) + c);
-      else
-        quantise(planes[c]->row(y), width, channels, row + c);
-    }
+    if (bits == 16)
+      quantise_row(planes, channels, y, reinterpret_cast<std::uint16_t*>(row));
+    else
+      quantise_row(planes, channels, y, row);
     png_write_row(png, row);
   }
   png_write_end(png, info);
