@@ -125,11 +125,13 @@ Texture wood(int size, int boards, vec3 light, vec3 dark, std::uint32_t seed) {
     const int row = int(std::floor(y));
     const float shift = boards > 1 ? noise::unit(noise::hash(row, 1, seed)) : 0.0f;
     const float x = uv.x + shift;
-    const std::uint32_t id = noise::hash(row, int(std::floor(2.0f * x)) % 2, seed);
+    const std::uint32_t id = noise::hash(row, boards > 1 ? int(std::floor(2.0f * x)) % 2 : 0, seed);
     const float offset = 8.0f * noise::unit(noise::hash(id));
     // Rings stretched along the board; noise bends them round knots.
     const float bend = noise::gradient({uv.x * 4.0f, y * 1.5f + offset}, seed + (id & 15u), 0);
-    const float rings = fract(3.5f * (fract(y) + 0.35f * bend * std::sin(2.0f * kPi * uv.x + offset)) + offset);
+    // One plank fills the repeat with many fine rings; a board among others shows a few.
+    const float count = boards > 1 ? 3.5f : 14.0f, sway = boards > 1 ? 0.35f : 0.07f;
+    const float rings = fract(count * (fract(y) + sway * bend * std::sin(2.0f * kPi * uv.x + offset)) + offset);
     const float early = glm::smoothstep(0.0f, 0.75f, rings) * (1.0f - glm::smoothstep(0.85f, 1.0f, rings));
     const float fibre = noise::fractal({uv.x * 16.0f, uv.y * float(boards) * 40.0f}, 2, seed + 5);
     float tone = 0.55f * early + 0.3f * fibre + 0.45f * (noise::unit(id) - 0.5f);
@@ -262,11 +264,10 @@ Texture frond(int width, int height, vec3 color, vec3 rib) {
 Texture lattice(int size, int cells, float bar, vec3 color) {
   return paint("lattice", size, size, [=](vec2 uv) {
     const float a = fract(float(cells) * (uv.x + uv.y)) - 0.5f, b = fract(float(cells) * (uv.x - uv.y)) - 0.5f;
-    const float near = std::min(std::abs(a), std::abs(b));
-    const float rivet = glm::length(vec2(a, b)) < 1.9f * bar ? 1.0f : 0.0f;
-    const float inside = std::max(bar - near, rivet * bar);
-    return vec4(color * (0.8f + 0.4f * (1.0f - near / std::max(bar, near))),
-                0.5f + inside * 20.0f * (inside > 0.0f ? 1.0f : 0.0f) - (inside > 0.0f ? 0.0f : 0.5f));
+    const float to_bar = std::min(std::abs(a), std::abs(b));
+    const float to_rivet = glm::length(vec2(a, b)) - 0.9f * bar;  // rivets stand out from the bars
+    const float outside = std::min(to_bar, to_rivet) - bar;
+    return vec4(color * (1.2f - 0.4f * to_bar / bar), outside < 0.0f ? 1.0f : 0.5f - 20.0f * outside);
   });
 }
 
