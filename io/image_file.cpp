@@ -143,6 +143,18 @@ Image picture(int width, int height, int channels) {
   return image;
 }
 
+namespace {
+
+// The temporary file being written, for a signal handler: plain bytes, since that is all that a handler may read.
+constexpr std::size_t kLongestPath = 4096;
+char unfinished[kLongestPath];
+
+}  // namespace
+
+void abandon_writes() {
+  if (unfinished[0] != '\0') ::unlink(unfinished);
+}
+
 Result<void> write_whole(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
   if (Result<void> ok = check_writable(file); !ok) return ok;
   std::error_code code;
@@ -162,13 +174,16 @@ Result<void> write_whole(const fs::path& file, const std::function<Result<void>(
     if (!stream && errno != EEXIST) break;
   }
   if (!stream) return write_error(file, errno);
+  std::strncpy(unfinished, part.c_str(), kLongestPath - 1);
   Result<void> done = fill(file, stream, write);
   if (done) {
     fs::rename(part, target, code);
+    unfinished[0] = '\0';
     if (!code) return {};
     done = write_error(file, code.value());
   }
   fs::remove(part, code);
+  unfinished[0] = '\0';
   return done;
 }
 

@@ -46,6 +46,9 @@ Result<void> write_image(const std::filesystem::path& file, const Image& image, 
 /// Errors: kFile.
 Result<Image> read_image(const std::filesystem::path& file);
 
+/// Removes the temporary file of a write that is under way. For signal handlers, before they end the program.
+void abandon_writes();
+
 /// Writes text whole or not at all.
 Result<void> write_text(const std::filesystem::path& file, std::string_view text);
 
