@@ -1,22 +1,115 @@
-#include <fmt/core.h>
-#include "apps/job/job.h"
+// umbrage: the command line.
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <new>
+
+#include "apps/cli/commands.h"
+#include "core/suggest.h"
 #include "io/image_file.h"
-using namespace umbrage;
+
+namespace umbrage::cli {
+namespace {
+
+/// Every option of a command, for suggestions.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+Error unknown_option(const CLI::App& app, std::string word) {
+  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+  word = word.substr(0, word.find('='));
+  if (!word.starts_with('-')) return usage_error("'{}' is one word too many", word);
+  const auto names = option_names(*command);
+  const std::string hint = suggestion(word, names);
+  return usage_error("there is no option '{}'{}", word,
+                     hint.starts_with(" (did") ? hint : "; see umbrage " + command->get_name() + " --help");
+}
+
+/// `umbrage MODEL ...` is short for `umbrage render MODEL ...`.
+std::vector<std::string> with_command(int argc, char** argv, const std::vector<std::string>& commands) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  const bool named = !words.empty() && std::find(commands.begin(), commands.end(), words[0]) != commands.end();
+  const bool asks = !words.empty() && (words[0] == "--help" || words[0] == "-h" || words[0] == "--version");
+  if (!words.empty() && !named && !asks) words.insert(words.begin(), "render");
+  return words;
+}
+
+/// The first word may be a misspelt command rather than a model.
+std::optional<Error> misspelt_command(const std::vector<std::string>& words, const std::vector<std::string>& commands) {
+  if (words.size() < 2 || words[0] != "render") return std::nullopt;
+  const std::string& word = words[1];
+  std::error_code ignored;
+  if (word.find_first_of("./:-") != std::string::npos || std::filesystem::exists(word, ignored)) return std::nullopt;
+  const std::string hint = suggestion(word, commands);
+  if (!hint.starts_with(" (did")) return std::nullopt;
+  return usage_error("there is no command and no file '{}'{}", word, hint);
+}
+
+int report(const Error& error) {
+  fmt::print(stderr, "umbrage: {}\n", error.message);
+  return int(error.kind);
+}
+
+void interrupted(int) {
+  abandon_writes();
+  std::_Exit(int(ErrorKind::kInterrupted));
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Screen-space shading: ambient occlusion and more, for any 3D model.\n"
+               "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png.",
+               "umbrage"};
+  app.set_version_flag("--version", "umbrage " UMBRAGE_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough(false);
+  std::function<Result<void>()> command;
+  for (const AddCommand add : {add_render, add_figures, add_bench, add_list}) add(app, command);
+  std::vector<std::string> commands;
+  for (const CLI::App* sub : app.get_subcommands({})) commands.push_back(sub->get_name());
+
+  std::vector<std::string> words = with_command(argc, argv, commands);
+  if (const auto error = misspelt_command(words, commands)) return report(*error);
+  std::reverse(words.begin(), words.end());  // as CLI11 wants them
+  try {
+    app.parse(words);
+  } catch (const CLI::CallForHelp&) {
+    const CLI::App* asked = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+    fmt::print("{}", asked->help());
+    return 0;
+  } catch (const CLI::CallForVersion&) {
+    fmt::print("umbrage {}\n", UMBRAGE_VERSION);
+    return 0;
+  } catch (const CLI::ExtrasError&) {
+    return report(unknown_option(app, app.remaining(true).front()));
+  } catch (const CLI::ParseError& error) {
+    if (argc < 2) return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
+    std::string text = error.what();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return report(usage_error("{}", text));
+  }
+  const Result<void> done = command();
+  return done ? 0 : report(done.error());
+}
+
+}  // namespace
+}  // namespace umbrage::cli
+
 int main(int argc, char** argv) {
-  StageTimes times;
-  DrawSettings d; d.look = argc > 3 ? argv[3] : "unsharp";
-  for (int i = 4; i < argc; ++i) d.settings.push_back(argv[i]);
-  auto scene = load_scene(argv[1]);
-  if (!scene) { fmt::print(stderr, "{}\n", scene.error().message); return 3; }
-  times.done("load");
-  auto device = make_device("cpu", 0);
-  auto ok = (*device)->prepare(*scene);
-  times.done("prepare");
-  auto frame = draw(**device, *scene, d, times);
-  if (!frame) { fmt::print(stderr, "{}\n", frame.error().message); return 3; }
-  auto image = (*device)->download(*frame, {"color.r", "color.g", "color.b"});
-  auto w = write_image(argv[2], *image);
-  times.done("write");
-  for (auto& s : times.stages) fmt::print("{} {:.1f}\n", s.name, s.ms);
-  fmt::print("total {:.1f}\n", times.total());
+  std::signal(SIGINT, umbrage::cli::interrupted);
+  std::signal(SIGTERM, umbrage::cli::interrupted);
+  try {
+    return umbrage::cli::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "umbrage: not enough memory; try a smaller --resolution or model\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "umbrage: internal error: {}\n", error.what());
+  }
+  return int(umbrage::ErrorKind::kInternal);
 }

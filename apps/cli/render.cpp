@@ -1,0 +1,176 @@
+// umbrage render: a model in, a picture out.
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/options.h"
+#include "core/suggest.h"
+#include "effects/effects.h"
+#include "io/image_file.h"
+
+namespace umbrage::cli {
+namespace {
+
+struct RenderOptions : CommonOptions {
+  std::string output, passes;
+  int bits = 8;
+  bool half = false, json = false;
+};
+
+const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
+
+/// Planes of a frame by the word that --passes takes for them: `normal` for normal.x, normal.y, normal.z.
+std::map<std::string, std::vector<std::string>> groups_of(const Image& image) {
+  std::map<std::string, std::vector<std::string>> groups;
+  for (const std::string& name : image.names) {
+    const std::size_t dot = name.rfind('.');
+    groups[dot == std::string::npos ? name : name.substr(0, dot)].push_back(name);
+  }
+  return groups;
+}
+
+/// The words of "depth,normal,ao".
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  std::size_t start = 0;
+  while (start <= text.size()) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    words.push_back(text.substr(start, comma - start));
+    start = comma + 1;
+  }
+  return words;
+}
+
+/// Checks the words of --passes against what the look will make, before any work.
+Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
+  if (o.passes.empty() || o.passes == "all") return {};
+  const auto recipe = make_recipe(draw);
+  if (!recipe) return recipe.error();
+  std::vector<std::string> names = {"depth", "normal", "albedo", "specular", "shininess", "shadow", "object_id",
+                                    "material_id"};
+  for (std::string_view effect : recipe->look->effects) {
+    if (effect == "occlusion") effect = recipe->occlusion;
+    if (const Effect* found = find_effect(effect))
+      for (const Pass& pass : found->passes)
+        for (std::string_view plane : pass.outputs) {
+          const std::string group(plane.substr(0, plane.rfind('.')));
+          if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
+        }
+  }
+  names.push_back("all");
+  for (const std::string& word : split(o.passes))
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      return usage_error("there is no pass '{}'{}", word, suggestion(word, names));
+  return {};
+}
+
+/// One pass as a picture: vectors from [-1, 1] to [0, 1], depth from white (near) to black (far).
+Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
+  Image out(frame.width, frame.height);
+  constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const Plane& in = frame.plane(names[k]);
+    Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min<std::size_t>(k, 2)]);
+    const bool vector = names[k].ends_with(".x") || names[k].ends_with(".y") || names[k].ends_with(".z");
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x) {
+        float v = in.at(x, y);
+        if (vector) v = 0.5f * v + 0.5f;
+        if (names[k] == "depth")
+          v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / (info.depth_max - info.depth_min) : 0.0f;
+        plane.at(x, y) = v;
+      }
+  }
+  return out;
+}
+
+Result<void> write_output(const RenderOptions& o, Device& device, const Frame& frame) {
+  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &frame.info.camera};
+  const bool exr = (*format_of(o.output))->extension == "exr";
+  if (o.passes.empty()) {
+    auto names = kColor;
+    if (o.no_background) names.push_back("color.a");
+    const auto image = device.download(frame, names);
+    return image ? write_image(o.output, *image, settings) : image.error();
+  }
+  const auto all = device.download(frame, {});
+  if (!all) return all.error();
+  if (o.passes == "all") return write_image(o.output, *all, settings);
+  const auto groups = groups_of(*all);
+  std::vector<std::string> names;
+  for (const std::string& word : split(o.passes)) {
+    const auto group = groups.find(word);
+    if (group == groups.end()) return usage_error("there is no pass '{}' in this picture", word);
+    names.insert(names.end(), group->second.begin(), group->second.end());
+  }
+  if (!exr) return write_image(o.output, picture_of_pass(*all, names, frame.info), settings);
+  const auto image = device.download(frame, names);
+  return image ? write_image(o.output, *image, settings) : image.error();
+}
+
+void print_times(const StageTimes& times, bool json) {
+  if (!json) {
+    for (const auto& stage : times.stages) fmt::print(stderr, "{:<12}{:9.1f} ms\n", stage.name, stage.ms);
+    fmt::print(stderr, "{:<12}{:9.1f} ms\n", "total", times.total());
+    return;
+  }
+  nlohmann::json records = nlohmann::json::array();
+  for (const auto& stage : times.stages) records.push_back({{"stage", stage.name}, {"ms", stage.ms}});
+  records.push_back({{"stage", "total"}, {"ms", times.total()}});
+  fmt::print("{}\n", records.dump(2));
+}
+
+Result<void> render(const RenderOptions& o) {
+  StageTimes times;
+  // Everything that can be wrong without a model is found before it is read.
+  const auto format = format_of(o.output);
+  if (!format) return format.error();
+  if (auto writable = check_writable(o.output); !writable) return writable;
+  if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
+  const auto draw_with = draw_settings(o);
+  if (!draw_with) return draw_with.error();
+  if (const auto recipe = make_recipe(*draw_with); !recipe) return recipe.error();
+  if (auto fine = check_passes(o, *draw_with); !fine) return fine;
+  if ((*format)->extension != "exr" && (o.passes == "all" || o.passes.find(',') != std::string::npos))
+    return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", o.passes);
+  const auto import_with = import_settings(o);
+  if (!import_with) return import_with.error();
+  auto device = device_of(o);
+  if (!device) return device.error();
+
+  auto scene = load_scenes(o.models, *import_with);
+  if (!scene) return scene.error();
+  for (const std::string& warning : scene->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
+  times.done("load");
+  if (auto ready = (*device)->prepare(*scene); !ready) return ready;
+  times.done("prepare");
+  const auto frame = draw(**device, *scene, *draw_with, times);
+  if (!frame) return frame.error();
+  if (auto written = write_output(o, **device, *frame); !written) return written;
+  times.done("write");
+  if (o.verbose)
+    fmt::print(stderr, "{}: {} triangles in {} meshes\n{}\n", scene->name, scene->triangle_count(),
+               scene->meshes.size(), (*device)->description());
+  if (o.verbose || o.json) print_times(times, o.json);
+  return {};
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, std::function<Result<void>()>& run) {
+  CLI::App* command = app.add_subcommand("render", "draw a model to a file");
+  auto options = std::make_shared<RenderOptions>();
+  add_model_options(*command, *options);
+  const auto output = "Output";
+  command->add_option("-o,--output", options->output, "file to write: .png, .exr or .pfm")->required()->group(output);
+  command->add_option("--passes", options->passes, "planes to write instead of the picture: all, or names such as depth,normal,ao")
+      ->group(output);
+  command->add_option("--bits", options->bits, "bits per channel of a PNG: 8 or 16 [8]")->group(output);
+  command->add_flag("--half", options->half, "half floats in an EXR, where they suffice")->group(output);
+  command->add_flag("--json", options->json, "print the time of each stage as JSON")->group(output);
+  add_device_options(*command, *options);
+  command->callback([options, &run] { run = [options] { return render(*options); }; });
+}
+
+}  // namespace umbrage::cli

@@ -1,0 +1,18 @@
+// The commands: each adds itself to the command line, and runs when it was named.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "core/result.h"
+
+namespace umbrage::cli {
+
+/// Adds a command and sets `run` to what it does if it is the one that was named.
+using AddCommand = void (*)(CLI::App& app, std::function<Result<void>()>& run);
+
+void add_render(CLI::App& app, std::function<Result<void>()>& run);
+void add_figures(CLI::App& app, std::function<Result<void>()>& run);
+void add_bench(CLI::App& app, std::function<Result<void>()>& run);
+void add_list(CLI::App& app, std::function<Result<void>()>& run);
+
+}  // namespace umbrage::cli

@@ -1,0 +1,95 @@
+// umbrage list: what there is.
+#include <nlohmann/json.hpp>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/options.h"
+#include "core/suggest.h"
+#include "effects/effects.h"
+#include "io/image_file.h"
+#include "scene/builtin.h"
+
+namespace umbrage::cli {
+namespace {
+
+struct ListOptions {
+  std::string what;
+  bool json = false;
+};
+
+constexpr std::array<std::string_view, 5> kKinds = {"looks", "effects", "scenes", "devices", "formats"};
+
+nlohmann::json list_looks() {
+  nlohmann::json records = nlohmann::json::array();
+  for (const Look* look : looks())
+    records.push_back({{"name", look->name}, {"summary", look->summary}, {"ao", look->occlusion}});
+  return records;
+}
+
+nlohmann::json list_effects() {
+  nlohmann::json records = nlohmann::json::array();
+  for (const Effect* effect : effects()) {
+    records.push_back({{"name", effect->name}, {"summary", effect->summary}});
+    const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
+    for (const Parameter& row : effect->parameters)
+      records.push_back({{"name", fmt::format("{}.{}", effect->name, row.name)},
+                         {"summary", fmt::format("{}: {} [{}]", row.help, parameter_range(row),
+                                                 parameter_text(row, initial))}});
+  }
+  return records;
+}
+
+nlohmann::json list_scenes() {
+  nlohmann::json records = nlohmann::json::array();
+  for (const BuiltinScene& scene : builtin_scenes())
+    records.push_back({{"name", fmt::format("scene:{}", scene.name)},
+                       {"summary", fmt::format("{} (about {} triangles)", scene.summary, scene.default_triangles)}});
+  return records;
+}
+
+Result<nlohmann::json> list_devices() {
+  auto device = make_device("cpu", 0);
+  if (!device) return device.error();
+  return nlohmann::json::array({{{"name", (*device)->name()}, {"summary", (*device)->description()}}});
+}
+
+nlohmann::json list_formats() {
+  nlohmann::json records = nlohmann::json::array();
+  for (const std::string& format : import_formats())
+    records.push_back({{"name", "." + format}, {"summary", "model, read"}});
+  for (const ImageFormat& format : image_formats())
+    records.push_back({{"name", fmt::format(".{}", format.extension)},
+                       {"summary", fmt::format("{}, written", format.summary)}});
+  return records;
+}
+
+Result<void> list(const ListOptions& o) {
+  Result<nlohmann::json> records = nlohmann::json();
+  if (o.what == "looks") records = list_looks();
+  else if (o.what == "effects") records = list_effects();
+  else if (o.what == "scenes") records = list_scenes();
+  else if (o.what == "devices") records = list_devices();
+  else if (o.what == "formats") records = list_formats();
+  else return usage_error("there is nothing called '{}' to list{}", o.what, suggestion(o.what, kKinds));
+  if (!records) return records.error();
+  if (o.json) {
+    fmt::print("{}\n", records->dump(2));
+    return {};
+  }
+  std::size_t widest = 0;
+  for (const auto& record : *records) widest = std::max(widest, record["name"].get<std::string>().size());
+  for (const auto& record : *records)
+    fmt::print("{:<{}}  {}\n", record["name"].get<std::string>(), widest, record["summary"].get<std::string>());
+  return {};
+}
+
+}  // namespace
+
+void add_list(CLI::App& app, std::function<Result<void>()>& run) {
+  CLI::App* command = app.add_subcommand("list", "say what looks, effects, scenes, devices or formats there are");
+  auto options = std::make_shared<ListOptions>();
+  command->add_option("WHAT", options->what, "looks, effects, scenes, devices or formats")->required();
+  command->add_flag("--json", options->json, "print JSON");
+  command->callback([options, &run] { run = [options] { return list(*options); }; });
+}
+
+}  // namespace umbrage::cli

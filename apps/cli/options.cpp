@@ -1,0 +1,181 @@
+#include "apps/cli/options.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <glm/geometric.hpp>
+
+namespace umbrage::cli {
+namespace {
+
+constexpr int kLargestSide = 16384;
+constexpr long kMostPixels = 8192L * 8192L;  // about 8 GB of planes
+constexpr int kMostThreads = 1024;
+
+Result<double> parse_number(std::string_view option, std::string_view text, double least, double most) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= least && value <= most))
+    return usage_error("{} cannot be '{}': it takes a number from {:g} to {:g}", option, text, least, most);
+  return value;
+}
+
+/// "x,y,z" or "x y z".
+Result<glm::vec3> parse_vector(std::string_view option, std::string_view text) {
+  glm::vec3 v(0.0f);
+  std::size_t start = 0;
+  for (int i = 0; i < 3; ++i) {
+    const std::size_t end = i == 2 ? text.size() : text.find(',', start);
+    float value = 0.0f;
+    const auto part = end == std::string_view::npos ? std::string_view() : text.substr(start, end - start);
+    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (part.empty() || error != std::errc() || stop != part.data() + part.size() || !std::isfinite(value))
+      return usage_error("{} cannot be '{}': it takes three numbers, such as 1,2.5,-3", option, text);
+    v[i] = value;
+    start = end + 1;
+  }
+  return v;
+}
+
+template <class T>
+Result<void> store(const Result<T>& parsed, auto& out) {
+  if (!parsed) return parsed.error();
+  out = *parsed;
+  return {};
+}
+
+}  // namespace
+
+void add_model_options(CLI::App& command, CommonOptions& o) {
+  command.add_option("MODEL", o.models, "model files, or built-in scenes: scene:NAME?detail=TRIANGLES")->required();
+  const auto picture = "Picture";
+  command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
+  command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
+  command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
+  command.add_option("--ao-radius", o.radius, "reach of occlusion: scene units (0.3) or a share of the scene's radius (5%)")
+      ->group(picture);
+  command.add_option("--set", o.settings, "effect.parameter=value, any number of times: see umbrage list effects")
+      ->group(picture)
+      ->take_all()
+      ->expected(1);
+  command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
+  command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
+  const auto camera = "Camera";
+  command.add_option("--up", o.up, "world up: +X -X +Y -Y +Z -Z or x,y,z [as the format says]")->group(camera);
+  command.add_option("--camera-position", o.position, "x,y,z of the eye")->group(camera);
+  command.add_option("--camera-focal-point", o.focal_point, "x,y,z that is looked at")->group(camera);
+  command.add_option("--camera-view-up", o.view_up, "x,y,z that points up in the picture")->group(camera);
+  command.add_option("--camera-direction", o.direction, "x,y,z in which the camera looks")->group(camera);
+  command.add_option("--camera-view-angle", o.view_angle, "vertical field of view in degrees")->group(camera);
+  command.add_option("--camera-azimuth-angle", o.azimuth, "turn around the model, degrees [0]")->group(camera);
+  command.add_option("--camera-elevation-angle", o.elevation, "rise over the model, degrees [0]")->group(camera);
+  command.add_option("--camera-zoom-factor", o.zoom, "above 1: nearer [1]")->group(camera);
+  command.add_flag("--camera-orthographic", o.orthographic, "parallel projection")->group(camera);
+}
+
+void add_device_options(CLI::App& command, CommonOptions& o) {
+  const auto device = "Device";
+  command.add_option("--device", o.device, "cpu or auto [auto]")->envname("UMBRAGE_DEVICE")->group(device);
+  command.add_option("--threads", o.threads, "number of threads; 0: all [0]")
+      ->envname("UMBRAGE_NUM_THREADS")
+      ->group(device);
+  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")->group(device);
+}
+
+Result<std::pair<int, int>> parse_resolution(std::string_view text) {
+  int size[2] = {0, 0};
+  const std::size_t comma = text.find_first_of(",x");
+  const auto wrong = [&] {
+    return usage_error("--resolution cannot be '{}': it takes width,height from 1 to {} pixels, together at most {}",
+                       text, kLargestSide, kMostPixels);
+  };
+  if (comma == std::string_view::npos) return wrong();
+  const std::string_view parts[2] = {text.substr(0, comma), text.substr(comma + 1)};
+  for (int i = 0; i < 2; ++i) {
+    const auto [end, error] = std::from_chars(parts[i].data(), parts[i].data() + parts[i].size(), size[i]);
+    if (error != std::errc() || end != parts[i].data() + parts[i].size() || size[i] < 1 || size[i] > kLargestSide)
+      return wrong();
+  }
+  if (long(size[0]) * size[1] > kMostPixels) return wrong();
+  return std::pair(size[0], size[1]);
+}
+
+Result<glm::vec3> parse_direction(std::string_view option, std::string_view text) {
+  if (text.size() == 2 && (text[0] == '+' || text[0] == '-')) {
+    const int axis = (text[1] | 0x20) - 'x';
+    if (axis >= 0 && axis < 3) {
+      glm::vec3 v(0.0f);
+      v[axis] = text[0] == '+' ? 1.0f : -1.0f;
+      return v;
+    }
+  }
+  const auto v = parse_vector(option, text);
+  if (!v || glm::length(*v) == 0.0f)
+    return usage_error("{} cannot be '{}': it takes +X, -X, +Y, -Y, +Z, -Z or three numbers that are not all 0", option,
+                       text);
+  return glm::normalize(*v);
+}
+
+Result<DrawSettings> draw_settings(const CommonOptions& o) {
+  DrawSettings draw;
+  const auto size = parse_resolution(o.resolution);
+  if (!size) return size.error();
+  std::tie(draw.width, draw.height) = *size;
+  Framing& framing = draw.framing;
+  const auto vector = [](std::string_view option, const std::string& text, std::optional<glm::vec3>& out,
+                         bool direction) -> Result<void> {
+    if (text.empty()) return {};
+    return store(direction ? parse_direction(option, text) : parse_vector(option, text), out);
+  };
+  const auto number = [](std::string_view option, const std::string& text, double least, double most,
+                         auto& out) -> Result<void> {
+    if (text.empty()) return {};
+    return store(parse_number(option, text, least, most), out);
+  };
+  constexpr double kAnyAngle = 36000.0;
+  for (const auto& done :
+       {vector("--camera-position", o.position, framing.position, false),
+        vector("--camera-focal-point", o.focal_point, framing.focal_point, false),
+        vector("--camera-view-up", o.view_up, framing.view_up, true),
+        vector("--camera-direction", o.direction, framing.direction, true),
+        number("--camera-view-angle", o.view_angle, 0.1, 179.0, framing.view_angle_deg),
+        number("--camera-azimuth-angle", o.azimuth, -kAnyAngle, kAnyAngle, framing.azimuth_deg),
+        number("--camera-elevation-angle", o.elevation, -kAnyAngle, kAnyAngle, framing.elevation_deg),
+        number("--camera-zoom-factor", o.zoom, 1e-3, 1e3, framing.zoom)})
+    if (!done) return done.error();
+  framing.orthographic = o.orthographic;
+  draw.look = o.look;
+  draw.occlusion = o.occlusion;
+  draw.radius = o.radius;
+  if (!o.background.empty()) {
+    const auto color = parse_vector("--background-color", o.background);
+    if (!color) return color.error();
+    for (int i = 0; i < 3; ++i) {
+      if ((*color)[i] < 0.0f || (*color)[i] > 1.0f)
+        return usage_error("--background-color cannot be '{}': it takes three numbers from 0 to 1", o.background);
+      draw.settings.push_back(fmt::format("output.background_{}={}", "rgb"[i], (*color)[i]));
+    }
+  }
+  if (o.no_background) draw.settings.push_back("output.transparent=on");
+  draw.settings.insert(draw.settings.end(), o.settings.begin(), o.settings.end());
+  return draw;
+}
+
+Result<ImportSettings> import_settings(const CommonOptions& o) {
+  ImportSettings settings;
+  if (o.up.empty()) return settings;
+  const auto up = parse_direction("--up", o.up);
+  if (!up) return up.error();
+  settings.up = *up;
+  return settings;
+}
+
+Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
+  const auto threads = parse_number("--threads", o.threads, 0, kMostThreads);
+  if (!threads) return threads.error();
+  if (*threads != std::floor(*threads))
+    return usage_error("--threads cannot be '{}': it takes a whole number from 0 to {}", o.threads, kMostThreads);
+  return make_device(o.device, int(*threads));
+}
+
+}  // namespace umbrage::cli

@@ -1,0 +1,41 @@
+// Options that several commands share, and their text forms.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/job/job.h"
+
+namespace umbrage::cli {
+
+/// What the scene, camera, picture and device options hold, as written. Names follow f3d (scene, camera, window) and
+/// OIDN (device, threads).
+struct CommonOptions {
+  std::vector<std::string> models;
+  std::string resolution = "1024,1024";
+  std::string up, position, focal_point, view_up, direction;
+  std::string view_angle, azimuth = "0", elevation = "0", zoom = "1";
+  bool orthographic = false;
+  std::string look = "ao", occlusion, radius;
+  std::vector<std::string> settings;
+  std::string background;
+  bool no_background = false;
+  std::string device = "auto", threads = "0";
+  bool verbose = false;
+};
+
+void add_model_options(CLI::App& command, CommonOptions& options);
+void add_device_options(CLI::App& command, CommonOptions& options);
+
+/// The options, parsed. Errors: kUsage, naming the option and what it takes.
+Result<DrawSettings> draw_settings(const CommonOptions& options);
+Result<ImportSettings> import_settings(const CommonOptions& options);
+Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
+
+/// "1024,768" or "1024x768".
+Result<std::pair<int, int>> parse_resolution(std::string_view text);
+
+/// "+Y", "-z" or "0,1,0".
+Result<glm::vec3> parse_direction(std::string_view option, std::string_view text);
+
+}  // namespace umbrage::cli
