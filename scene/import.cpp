@@ -1,7 +1,9 @@
-// Import of models through Assimp. Assimp only parses and triangulates; what it could do beyond that (joining,
-// normals, flattening) scene/finish.cpp does faster and by our own rules.
+// Import of models: PLY and OFF by our own readers, all else through Assimp. Assimp only parses and triangulates; what
+// it could do beyond that (joining, normals, flattening) scene/finish.cpp does faster and by our own rules.
 #include "scene/import.h"
 
+#include <assimp/DefaultIOSystem.h>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -23,6 +25,8 @@
 
 #include "scene/finish.h"
 #include "scene/import_materials.h"
+#include "scene/off.h"
+#include "scene/ply.h"
 
 namespace umbrage {
 namespace {
@@ -68,17 +72,89 @@ std::optional<Error> check_file(const fs::path& file, const std::string& format)
   return std::nullopt;
 }
 
-/// The parser's reason without its prefix and line ends, in brackets; or nothing.
-std::string reason_of(const char* text) {
-  std::string reason = text ? text : "";
+/// Why Assimp gave up, in words for the user: known reasons in ours, others in Assimp's without its prefixes.
+std::string reason_of(std::string reason) {
+  struct Known {
+    const char *theirs, *ours;
+  };
+  static constexpr Known kKnown[] = {
+      {"No suitable reader", "its content is of another kind, or cut short"},
+      {"No scene", "it names no scene"},
+      {"storage representation", "it is neither a text nor a binary STL file"},
+      {"Cannot parse string", "a number is expected where there is none"},
+  };
+  for (const Known& known : kKnown) {
+    if (reason.find(known.theirs) != std::string::npos) reason = known.ours;
+  }
+  if (const auto colon = reason.find(": "); colon != std::string::npos && reason.find(' ') > colon) {
+    reason.erase(0, colon + 2);
+  }
   for (char& c : reason) {
     if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
   }
   while (!reason.empty() && (reason.back() == ' ' || reason.back() == '.')) reason.pop_back();
-  constexpr std::size_t kLongest = 200;
+  constexpr std::size_t kLongest = 160;
   if (reason.size() > kLongest) reason.resize(kLongest);
   return reason.empty() ? "" : " (" + reason + ")";
 }
+
+/// Assimp calls a file without triangles invalid in several ways.
+bool means_no_triangles(const std::string& reason) {
+  for (const char* theirs : {"No meshes remaining", "has no faces", "primitive type: empty", "contains no meshes"}) {
+    if (reason.find(theirs) != std::string::npos) return true;
+  }
+  return false;
+}
+
+Error unreadable(const fs::path& file, const std::string& format, const std::string& reason) {
+  if (means_no_triangles(reason)) return file_error("{}: has no triangles", file.string());
+  return file_error("{}: cannot be read as {}{}", file.string(), upper(format), reason_of(reason));
+}
+
+/// The text of an OBJ file with a zero before each number that begins with its point, or nothing where there is none:
+/// Assimp does not take ".5" for a number.
+std::string with_leading_zeros(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code error;
+  std::string text(std::size_t(fs::file_size(file, error)), '\0');
+  if (error || !stream.read(text.data(), std::streamsize(text.size()))) return {};
+  std::string changed;
+  std::size_t copied = 0;
+  for (std::size_t i = text.find('.', 1); i < text.size(); i = text.find('.', i + 1)) {
+    const char before = text[i - 1], after = i + 1 < text.size() ? text[i + 1] : ' ';
+    const bool begins = before == ' ' || before == '\t' || before == '-' || before == '+';
+    if (!begins || !std::isdigit(static_cast<unsigned char>(after))) continue;
+    const std::size_t line_end = text.rfind('\n', i), line = line_end == std::string::npos ? 0 : line_end + 1;
+    if (text[line] != 'v') continue;
+    changed.append(text, copied, i - copied).push_back('0');
+    copied = i;
+  }
+  if (copied > 0) changed.append(text, copied);
+  return changed;
+}
+
+/// Opens files for Assimp: the model itself in `text` where that is not empty. Notes the material libraries that are
+/// not there, of which Assimp says nothing.
+struct Files : Assimp::DefaultIOSystem {
+  std::string model, text;
+  std::vector<std::string>& missing;
+  Files(std::string model, std::string text, std::vector<std::string>& missing)
+      : model(std::move(model)), text(std::move(text)), missing(missing) {}
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    if (!text.empty() && name == model) {
+      return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    }
+    Assimp::IOStream* stream = Assimp::DefaultIOSystem::Open(name, mode);
+    if (ending_of(name) == "mtl") {
+      if (stream) {
+        missing.clear();
+      } else {
+        missing.push_back(fs::path(name).filename().string());
+      }
+    }
+    return stream;
+  }
+};
 
 glm::dmat4 matrix_of(const aiMatrix4x4& m) {
   return glm::transpose(
@@ -133,13 +209,13 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals) {
   return mesh;
 }
 
-/// Adds every mesh of every node. Nodes are objects.
-void import_nodes(const aiScene& source, bool keep_normals, Scene& scene) {
+/// Adds every mesh of every node, seen from `root`. Nodes are objects.
+void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_normals, Scene& scene) {
   struct Place {
     const aiNode* node;
     glm::dmat4 parent;
   };
-  std::vector<Place> stack{{source.mRootNode, glm::dmat4(1.0)}};
+  std::vector<Place> stack{{source.mRootNode, root}};
   int object = 0;
   while (!stack.empty()) {
     const Place place = stack.back();
@@ -162,36 +238,81 @@ void import_nodes(const aiScene& source, bool keep_normals, Scene& scene) {
   }
 }
 
-/// Vertex colours cannot be kept; one colour for a whole mesh can, as a material of its own.
-void import_vertex_colors(const aiScene& source, Scene& scene) {
-  bool ignored = false;
-  for (unsigned i = 0; i < source.mNumMeshes; ++i) ignored = ignored || source.mMeshes[i]->mColors[0] != nullptr;
-  if (ignored) scene.warnings.push_back("the colours at the vertices are not used; surfaces show their material");
+/// World up as the format or the file says. Assimp turns DAE itself, and leaves FBX to its reader.
+glm::vec3 up_of(const aiScene& source, const std::string& format) {
+  if (format == "stl") return {0.0f, 0.0f, 1.0f};
+  std::int32_t axis = 1, sign = 1;
+  if (format == "fbx" && source.mMetaData) {
+    source.mMetaData->Get("UpAxis", axis);
+    source.mMetaData->Get("UpAxisSign", sign);
+  }
+  glm::vec3 up(0.0f);
+  up[axis >= 0 && axis < 3 ? axis : 1] = sign < 0 ? -1.0f : 1.0f;
+  return up;
 }
 
-Result<Scene> import_checked(const fs::path& file, const std::string& format, const ImportSettings& settings) {
+/// A Mesh has no colours at its vertices; says so where the file has them and they are not all white.
+void warn_of_vertex_colors(const aiScene& source, Scene& scene) {
+  bool seen = false;
+  for (unsigned i = 0; i < source.mNumMeshes; ++i) {
+    const aiMesh& mesh = *source.mMeshes[i];
+    for (unsigned v = 0; mesh.mColors[0] && v < mesh.mNumVertices && !seen; ++v) {
+      const aiColor4D& color = mesh.mColors[0][v];
+      seen = color.r != 1.0f || color.g != 1.0f || color.b != 1.0f;
+    }
+  }
+  if (seen) scene.warnings.push_back("the colours at the vertices are not used; surfaces show their material");
+}
+
+Result<Scene> import_by_assimp(const fs::path& file, const std::string& format) {
+  std::vector<std::string> missing_libraries;
   Assimp::Importer importer;
+  importer.SetIOHandler(
+      new Files(file.string(), format == "obj" ? with_leading_zeros(file) : "", missing_libraries));  // takes it
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
   const aiScene* source = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);
-  if (!source) {
-    return file_error("{}: is not a {} file that can be read{}", file.string(), upper(format),
-                      reason_of(importer.GetErrorString()));
-  }
+  if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
+  scene.up = up_of(*source, format);
+  import_materials(*source, file, format, scene);
+  // STL has a normal per face, which says no more than the face; 3DS has none, and Assimp's ignore creases.
+  const bool keep_normals = format != "stl" && format != "3ds";
+  // Assimp lays 3DS files on their back, as if +z were up. Those that are around have +y up; they are left as they are.
+  const glm::dmat4 root =
+      format == "3ds" ? glm::inverse(matrix_of(source->mRootNode->mTransformation)) : glm::dmat4(1.0);
+  import_nodes(*source, root, keep_normals, scene);
+  warn_of_vertex_colors(*source, scene);
+  if (!missing_libraries.empty()) {
+    scene.warnings.push_back(fmt::format("the material library {} is not there; surfaces are shown in a neutral colour",
+                                         missing_libraries.front()));
+  }
+  return scene;
+}
+
+Result<Scene> import_ply(const fs::path& file) {
+  std::string texture;
+  Result<Scene> scene = read_ply(file, texture);
+  if (!scene) return scene;
+  Material& material = scene->materials.emplace_back();
+  if (!texture.empty()) material.texture = import_texture(file, texture, *scene);
+  if (material.texture != kNoTexture) material.albedo = glm::vec3(1.0f);
+  return scene;
+}
+
+Result<Scene> import_checked(const fs::path& file, const std::string& format, const ImportSettings& settings) {
+  Result<Scene> imported = format == "ply"   ? import_ply(file)
+                           : format == "off" ? read_off(file)
+                                             : import_by_assimp(file, format);
+  if (!imported) return imported;
+  Scene& scene = *imported;
   scene.name = file.filename().string();
-  scene.up = format == "stl" ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
   if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
     scene.up = settings.up / length;
   }
-  import_materials(*source, file, format, scene);
-  import_nodes(*source, format != "stl", scene);
-  import_vertex_colors(*source, scene);
-  importer.FreeScene();
-
   if (scene.meshes.empty()) return file_error("{}: has no triangles", file.string());
   const std::size_t triangles = scene.triangle_count();
   const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg);
@@ -199,12 +320,12 @@ Result<Scene> import_checked(const fs::path& file, const std::string& format, co
     return file_error("{}: has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
                       triangles);
   }
-  constexpr std::size_t kWorthSaying = 100;  // one in a hundred; fewer are common and do not show
+  constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
   if (dropped * kWorthSaying > triangles) {
     scene.warnings.push_back(
         fmt::format("{} of {} triangles are degenerate or not finite and are left out", dropped, triangles));
   }
-  return scene;
+  return imported;
 }
 
 }  // namespace
@@ -222,9 +343,9 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings)
   } catch (const std::bad_alloc&) {
     return file_error("{}: needs more memory than there is, or is broken", file.string());
   } catch (const std::exception& e) {
-    return file_error("{}: is not a {} file that can be read{}", file.string(), upper(format), reason_of(e.what()));
+    return unreadable(file, format, e.what());
   } catch (...) {
-    return file_error("{}: is not a {} file that can be read", file.string(), upper(format));
+    return unreadable(file, format, "");
   }
 }
 

@@ -10,14 +10,14 @@ namespace umbrage {
 struct ImportSettings {
   /// Edges whose faces meet at a larger angle stay sharp where normals are made. Degrees.
   float crease_angle_deg = 60.0f;
-  /// World up; the zero vector means: as the format says (+z for STL, otherwise +y).
+  /// World up; the zero vector means: as the format says (+z for STL, what FBX and DAE name, otherwise +y).
   glm::vec3 up{0.0f};
 };
 
-/// Reads OBJ with MTL, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF through Assimp, and textures through stb_image. Node
-/// transforms are applied; faces are triangulated; degenerate triangles and those with coordinates that are not finite
-/// are dropped; normals are made where the file has none. Missing textures give a warning and a neutral colour.
-/// Errors: kFile with one sentence that names the file and what is wrong with it.
+/// Reads OBJ with MTL, STL, glTF/GLB, 3DS, DAE, FBX through Assimp, PLY and OFF by readers of our own, and textures
+/// through stb_image. Node transforms are applied; faces are triangulated; degenerate triangles and those with
+/// coordinates that are not finite are dropped; normals are made where the file has none. Missing textures give a
+/// warning and a neutral colour. Errors: kFile with one sentence that names the file and what is wrong with it.
 Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettings& settings = {});
 
 /// The endings that import_scene reads, lower case without the dot.

@@ -96,7 +96,11 @@ std::optional<fs::path> find_in(const fs::path& folder, const std::string& name)
 /// files are often those of the machine that wrote them.
 std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
   std::replace(name.begin(), name.end(), '\\', '/');
-  for (const std::string& spelling : {name, without_escapes(name)}) {
+  name.erase(name.find_last_not_of(" \t\r") + 1);
+  // The last word, for options of MTL that the parser takes for a part of the name: "-colorspace sRGB wood.png".
+  const std::string last_word = name.substr(name.find_last_of(' ') + 1);
+  for (const std::string& spelling : {name, without_escapes(name), last_word}) {
+    if (spelling.empty()) continue;
     const fs::path path(spelling), beside = folder / path;  // an absolute path replaces the folder
     if (is_file(beside)) return beside;
     if (auto found = find_in(beside.parent_path(), path.filename().string())) return found;
@@ -107,7 +111,7 @@ std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
 
 /// Reads the textures of one file, each once.
 struct TextureShelf {
-  const aiScene& source;
+  const aiScene* source;  // null for formats that embed none
   fs::path folder;
   Scene& scene;
   std::map<std::string, int> index_of;  // by the name that the file gives; kNoTexture for those that failed
@@ -131,7 +135,9 @@ struct TextureShelf {
   }
 
   Result<Texture> read(const std::string& name) {
-    if (const aiTexture* texture = source.GetEmbeddedTexture(name.c_str())) return embedded(*texture, name);
+    if (const aiTexture* texture = source ? source->GetEmbeddedTexture(name.c_str()) : nullptr) {
+      return embedded(*texture, name);
+    }
     const std::optional<fs::path> path = find_texture(folder, name);
     if (!path) return file_error("the texture {} is not there", name);
     return read_texture(*path);
@@ -192,6 +198,14 @@ bool is_cut_out(const Texture& texture) {
   }
   const double count = double(texture.rgba.size() / 4);
   return double(clear + opaque) >= kBinaryShare * count && double(clear) >= kClearShare * count;
+}
+
+bool has_clear_texels(const Texture& texture) {
+  constexpr std::uint8_t kHalf = 128;
+  for (std::size_t i = 3; i < texture.rgba.size(); i += 4) {
+    if (texture.rgba[i] < kHalf) return true;
+  }
+  return false;
 }
 
 void set_highlight_of_roughness(const aiMaterial& source, Material& material) {
@@ -274,7 +288,8 @@ Material material_of(const aiMaterial& source, const std::string& format, Textur
     aiColor4D factor;
     if (source.Get(AI_MATKEY_BASE_COLOR, factor) == AI_SUCCESS && factor.a > 0.0f) material.alpha_cutoff /= factor.a;
   } else if (!has_mode || std::strcmp(mode.C_Str(), "OPAQUE") != 0) {
-    material.alpha_mask = is_cut_out(texture);
+    // Nothing is blended here: of a surface that the file blends, what is more clear than opaque is not drawn.
+    material.alpha_mask = is_cut_out(texture) || (has_mode && has_clear_texels(texture));
   }
   return material;
 }
@@ -282,10 +297,15 @@ Material material_of(const aiMaterial& source, const std::string& format, Textur
 }  // namespace
 
 void import_materials(const aiScene& source, const fs::path& file, const std::string& format, Scene& scene) {
-  TextureShelf shelf{source, file.parent_path(), scene, {}};
+  TextureShelf shelf{&source, file.parent_path(), scene, {}};
   for (unsigned i = 0; i < source.mNumMaterials; ++i) {
     scene.materials.push_back(material_of(*source.mMaterials[i], format, shelf));
   }
+}
+
+int import_texture(const fs::path& file, const std::string& name, Scene& scene) {
+  TextureShelf shelf{nullptr, file.parent_path(), scene, {}};
+  return shelf.find(name);
 }
 
 }  // namespace umbrage

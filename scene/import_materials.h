@@ -16,4 +16,7 @@ namespace umbrage {
 void import_materials(const aiScene& source, const std::filesystem::path& file, const std::string& format,
                       Scene& scene);
 
+/// Appends the texture `name` that the model `file` refers to. Returns its index, or kNoTexture after a warning.
+int import_texture(const std::filesystem::path& file, const std::string& name, Scene& scene);
+
 }  // namespace umbrage

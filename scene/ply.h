@@ -1,0 +1,15 @@
+// PLY files: text and binary, faces and triangle strips.
+#pragma once
+#include <filesystem>
+
+#include "core/result.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Reads a PLY file into a scene of one mesh, which is not finished yet. Polygons are cut into fans. Normals and
+/// texture coordinates are kept where every vertex has them; `comment TextureFile NAME` gives scene.materials[0] no
+/// texture but is returned in `texture_name`. Errors: kFile, with the field that is wrong.
+Result<Scene> read_ply(const std::filesystem::path& file, std::string& texture_name);
+
+}  // namespace umbrage
