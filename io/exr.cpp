@@ -259,14 +259,15 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   reader.setFrameBuffer(pixels);
   reader.readPixels(data.min.y, data.max.y);
   for (auto& [channel, plane] : planes) {
-    std::string name =
-        index > 0 && channel.find('.') == std::string::npos ? plane_of(part + "." + channel) : plane_of(channel);
-    // Two forms of one name, as N.X and N.x, stay as they are.
-    if (image.find(name)) name = index > 0 ? part + "." + channel : channel;
+    const std::string full = index > 0 ? part + "." + channel : channel;
+    std::string name = plane_of(channel.find('.') == std::string::npos ? full : channel);
+    // Where a file has both forms of a name, as N.X and N.x, or two parts the same name, all are kept apart.
+    if ((name != channel && header.channels().findChannel(name)) || image.find(printable(name))) name = full;
+    name = printable(name);
     if (image.find(name))
-      return file_error("'{}' has two channels for the name '{}': rename one of them", file.string(), printable(name));
+      return file_error("'{}' has two channels for the name '{}': rename one of them", file.string(), name);
     const float outside = is_depth(channel, header.channels()) ? std::numeric_limits<float>::infinity() : 0.0f;
-    image.names.push_back(printable(name));
+    image.names.push_back(name);
     image.planes.push_back(data == display ? std::move(plane) : placed(plane, data, display, outside));
   }
   return {};
@@ -282,6 +283,15 @@ Result<Image> read(const fs::path& file) {
     const Imath::Box2i& display = input.header(0).displayWindow();
     if (Result<void> sane = check_window(file, display); !sane) return sane.error();
     Image image(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1);
+    std::int64_t values = 0;
+    for (int part = 0; part < input.parts(); ++part) {
+      const Imf::ChannelList& channels = input.header(part).channels();
+      for (auto it = channels.begin(); it != channels.end(); ++it) values += std::int64_t(image.width) * image.height;
+    }
+    constexpr std::int64_t kMaxValues = std::int64_t(1) << 31;  // 8 GB
+    if (values > kMaxValues)
+      return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.string(), values,
+                        image.width, image.height, kMaxValues);
     for (int part = 0; part < input.parts(); ++part)
       if (Result<void> done = read_part(file, input, part, image); !done) return done.error();
     if (image.planes.empty()) return file_error("'{}' has no channels", file.string());
