@@ -1,0 +1,257 @@
+// Framing: the whole scene stands in the picture and fills it, whatever its shape, size and place; and the options.
+#include "scene/framing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "scene/finish.h"
+
+namespace umbrage {
+namespace {
+
+/// Vertices in a box, as a lumpy body, finished.
+Scene lump(const glm::vec3& half, const glm::vec3& center, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> at(-1.0f, 1.0f);
+  Mesh mesh;
+  for (int i = 0; i < 900; ++i) {
+    glm::vec3 p(at(random), at(random), at(random));
+    if (glm::length(p) > 1.0f) p = glm::normalize(p);
+    mesh.positions.push_back(center + half * p);
+    mesh.indices.push_back(std::uint32_t(i));
+  }
+  Scene scene;
+  scene.meshes.push_back(mesh);
+  finish_scene(scene, 180.0f);
+  return scene;
+}
+
+struct Extent {
+  float left = 1e30f, right = -1e30f, bottom = 1e30f, top = -1e30f;  ///< -1 to 1 is the picture
+  float nearest = 1e30f;                                             ///< depth
+  float fill() const { return std::max(right - left, top - bottom) / 2.0f; }
+};
+
+Extent extent_of(const Scene& scene, const Camera& camera) {
+  Extent extent;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const glm::vec3& p : mesh.positions) {
+      const glm::vec3 view(camera.view_from_world * glm::vec4(p, 1.0f));
+      const float depth = -view.z, scale = camera.projection == Projection::kPerspective ? depth : 1.0f;
+      const float x = 2.0f * (view.x / scale - camera.left) / (camera.right - camera.left) - 1.0f;
+      const float y = 2.0f * (view.y / scale - camera.bottom) / (camera.top - camera.bottom) - 1.0f;
+      extent.left = std::min(extent.left, x);
+      extent.right = std::max(extent.right, x);
+      extent.bottom = std::min(extent.bottom, y);
+      extent.top = std::max(extent.top, y);
+      extent.nearest = std::min(extent.nearest, depth);
+    }
+  }
+  return extent;
+}
+
+glm::vec3 forward_of(const Camera& camera) {
+  return -glm::vec3(camera.view_from_world[0][2], camera.view_from_world[1][2], camera.view_from_world[2][2]);
+}
+
+void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance) {
+  EXPECT_LT(glm::distance(a, b), tolerance)
+      << a.x << " " << a.y << " " << a.z << " | " << b.x << " " << b.y << " " << b.z;
+}
+
+TEST(Framing, FillsThePictureAndIsCentered) {
+  struct Case {
+    const char* name;
+    glm::vec3 half, center;
+  };
+  const Case cases[] = {{"body", {0.08f, 0.1f, 0.07f}, {-0.02f, 0.1f, 0.0f}},
+                        {"ground", {5, 0, 5}, {0, 0, 0}},
+                        {"wall", {3, 2, 0}, {0, 0, 7}},
+                        {"side wall", {0, 2, 3}, {1, 0, 0}},
+                        {"tower", {1, 40, 1}, {0, 40, 0}},
+                        {"rod", {50, 0.5f, 0.5f}, {0, 0, 0}},
+                        {"tiny", {1e-3f, 2e-3f, 1e-3f}, {0, 0, 0}},
+                        {"minute", {1e-6f, 1e-6f, 1e-6f}, {0, 0, 0}},
+                        {"huge", {1e5f, 3e4f, 1e5f}, {2e5f, 0, 0}},
+                        {"far away", {10, 10, 10}, {1e4f, 1e4f, 0}}};
+  for (const Case& c : cases) {
+    const Scene scene = lump(c.half, c.center);
+    ASSERT_EQ(scene.meshes.size(), 1u) << c.name;
+    for (const glm::ivec2 size : {glm::ivec2(512, 512), glm::ivec2(1920, 1080), glm::ivec2(300, 900)}) {
+      for (const bool orthographic : {false, true}) {
+        SCOPED_TRACE(std::string(c.name) + (orthographic ? " orthographic " : " perspective ") +
+                     std::to_string(size.x));
+        Framing framing;
+        framing.orthographic = orthographic;
+        const Camera camera = frame_scene(scene, framing, size.x, size.y);
+        const Extent extent = extent_of(scene, camera);
+        EXPECT_GE(extent.left, -0.95f);
+        EXPECT_LE(extent.right, 0.95f);
+        EXPECT_GE(extent.bottom, -0.95f);
+        EXPECT_LE(extent.top, 0.95f);
+        EXPECT_GE(extent.fill(), 0.8f);
+        EXPECT_GT(extent.nearest, 0.0f);
+        EXPECT_NEAR(extent.left + extent.right, 0.0f, 0.02f);
+        EXPECT_NEAR(extent.bottom + extent.top, 0.0f, 0.02f);
+        EXPECT_NEAR((camera.right - camera.left) / (camera.top - camera.bottom), float(size.x) / float(size.y), 1e-4f);
+        EXPECT_GT(camera.eye().y, scene.center().y) << "from above";
+        EXPECT_GT(camera.eye().z, scene.center().z) << "from the front";
+        EXPECT_GT(camera.eye().x, scene.center().x) << "and the right";
+      }
+    }
+  }
+}
+
+TEST(Framing, LooksAtTheFrontOfFilesWithZUp) {
+  Scene scene = lump({1, 2, 3}, {0, 0, 3});
+  scene.up = {0, 0, 1};
+  const Camera camera = frame_scene(scene, {}, 100, 100);
+  EXPECT_LT(camera.eye().y, -2.0f);
+  EXPECT_GT(camera.eye().x, 0.0f);
+  EXPECT_GT(camera.eye().z, 3.0f);
+  EXPECT_GT(camera.view_from_world[2][1], 0.9f) << "z points up in the picture";
+}
+
+TEST(Framing, TakesDirectionAngleAndUp) {
+  const Scene scene = lump({1, 2, 3}, {5, 5, 5});
+  Framing framing;
+  framing.direction = glm::vec3(0, 0, -10);
+  framing.view_angle_deg = 60.0f;
+  framing.view_up = glm::vec3(2, 0, 0);
+  const Camera camera = frame_scene(scene, framing, 640, 480);
+  expect_near(forward_of(camera), {0, 0, -1}, 1e-5f);
+  EXPECT_NEAR(camera.top, std::tan(glm::radians(30.0f)), 1e-5f);
+  EXPECT_NEAR(camera.view_from_world[0][1], 1.0f, 1e-5f) << "x points up in the picture";
+  const Extent extent = extent_of(scene, camera);
+  EXPECT_LE(std::max({-extent.left, extent.right, -extent.bottom, extent.top}), 0.95f);
+  EXPECT_GE(extent.fill(), 0.8f);
+
+  framing.direction = glm::vec3(1, 0, 0);  // along the wished up: another up is found
+  const Camera along = frame_scene(scene, framing, 640, 480);
+  expect_near(forward_of(along), {1, 0, 0}, 1e-5f);
+  EXPECT_GE(extent_of(scene, along).fill(), 0.8f);
+}
+
+TEST(Framing, TakesPositionAndFocalPoint) {
+  const Scene scene = lump({1, 1, 1}, {0, 0, 0});
+  Framing framing;
+  framing.position = glm::vec3(10, 0, 0);
+  framing.focal_point = glm::vec3(10, 0, -5);
+  const Camera camera = frame_scene(scene, framing, 100, 100);
+  expect_near(camera.eye(), {10, 0, 0}, 1e-4f);
+  expect_near(forward_of(camera), {0, 0, -1}, 1e-5f);
+
+  framing.focal_point.reset();
+  expect_near(forward_of(frame_scene(scene, framing, 100, 100)), {-1, 0, 0}, 1e-2f);
+  framing.direction = glm::vec3(0, -2, 0);
+  expect_near(forward_of(frame_scene(scene, framing, 100, 100)), {0, -1, 0}, 1e-5f);
+
+  Framing around;
+  around.focal_point = glm::vec3(1, 1, 1);
+  const Camera fitted = frame_scene(scene, around, 100, 100);
+  const glm::vec4 middle = fitted.view_from_world * glm::vec4(1, 1, 1, 1);
+  EXPECT_NEAR(middle.x / middle.z, 0.0f, 1e-5f);
+  EXPECT_NEAR(middle.y / middle.z, 0.0f, 1e-5f);
+  const Extent extent = extent_of(scene, fitted);
+  EXPECT_LE(std::max({-extent.left, extent.right, -extent.bottom, extent.top}), 0.95f);
+  EXPECT_GE(std::max({-extent.left, extent.right, -extent.bottom, extent.top}), 0.85f);
+}
+
+TEST(Framing, TurnsByAzimuthAndElevationAndZooms) {
+  const Scene scene = lump({1, 1, 1}, {0, 0, 0});
+  Framing framing;
+  framing.position = glm::vec3(0, 0, 10);
+  framing.focal_point = glm::vec3(0);
+  framing.azimuth_deg = 90.0f;
+  expect_near(frame_scene(scene, framing, 100, 100).eye(), {10, 0, 0}, 1e-3f);
+  framing.azimuth_deg = 0.0f;
+  framing.elevation_deg = 30.0f;
+  expect_near(frame_scene(scene, framing, 100, 100).eye(), {0, 5, 10 * std::cos(glm::radians(30.0f))}, 1e-3f);
+  framing.elevation_deg = 200.0f;
+  const Camera top = frame_scene(scene, framing, 100, 100);
+  EXPECT_GT(top.eye().y, 9.9f) << "stops at the pole";
+  EXPECT_GT(top.eye().z, 0.0f);
+
+  framing = {};
+  const float once = extent_of(scene, frame_scene(scene, framing, 100, 100)).fill();
+  framing.zoom = 2.0f;
+  EXPECT_NEAR(extent_of(scene, frame_scene(scene, framing, 100, 100)).fill(), 2.0f * once, 1e-3f);
+  framing.orthographic = true;
+  EXPECT_NEAR(extent_of(scene, frame_scene(scene, framing, 100, 100)).fill(), 2.0f * once, 0.05f);
+}
+
+TEST(Framing, PrefersTheViewOfTheScene) {
+  Scene scene = lump({1, 1, 1}, {0, 0, 0});
+  scene.views.push_back({{0, 0, 8}, {0, 0, 2}, 40.0f});
+  const Camera camera = frame_scene(scene, {}, 200, 100);
+  expect_near(camera.eye(), {0, 0, 8}, 1e-4f);
+  EXPECT_NEAR(camera.top, std::tan(glm::radians(20.0f)), 1e-5f);
+
+  Framing framing;
+  framing.orthographic = true;
+  framing.azimuth_deg = 90.0f;
+  framing.zoom = 2.0f;
+  const Camera flat = frame_scene(scene, framing, 200, 100);
+  EXPECT_EQ(flat.projection, Projection::kOrthographic);
+  expect_near(flat.eye(), {6, 0, 2}, 1e-3f);
+  EXPECT_NEAR(flat.top, 6.0f * std::tan(glm::radians(20.0f)) / 2.0f, 1e-4f) << "as large as the cone at the target";
+
+  framing = {};
+  framing.direction = glm::vec3(0, -1, -1);
+  EXPECT_GT(frame_scene(scene, framing, 200, 100).eye().y, 1.0f) << "a direction goes before the view";
+}
+
+TEST(Framing, TakesEmptyScenesAndOddWishes) {
+  const Scene empty;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  Framing odd;
+  odd.direction = glm::vec3(0.0f);
+  odd.view_up = glm::vec3(0.0f);
+  odd.zoom = nan;
+  odd.view_angle_deg = 400.0f;
+  Scene point;
+  point.meshes.resize(1);
+  point.meshes[0].positions = {{1, 2, 3}};
+  point.bounds_min = point.bounds_max = {1, 2, 3};
+  for (const Scene& scene : {empty, point}) {
+    for (const bool orthographic : {false, true}) {
+      odd.orthographic = orthographic;
+      const Camera camera = frame_scene(scene, odd, 0, 0);
+      for (int i = 0; i < 4; ++i) {
+        for (int k = 0; k < 4; ++k) EXPECT_TRUE(std::isfinite(camera.view_from_world[i][k]));
+      }
+      EXPECT_GT(camera.right, camera.left);
+      EXPECT_GT(camera.top, camera.bottom);
+      EXPECT_TRUE(std::isfinite(camera.top));
+    }
+  }
+}
+
+TEST(Framing, KeyLightComesFromAboveLeftOfTheCamera) {
+  Scene scene = lump({1, 2, 3}, {0, 0, 3});
+  for (const glm::vec3 up : {glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)}) {
+    scene.up = up;
+    const Camera camera = frame_scene(scene, {}, 100, 100);
+    const std::vector<Light> lights = default_lights(scene, camera);
+    ASSERT_EQ(lights.size(), 1u);
+    EXPECT_EQ(lights[0].kind, LightKind::kDirectional);
+    EXPECT_TRUE(lights[0].casts_shadow);
+    const glm::vec3 view = glm::mat3(camera.view_from_world) * lights[0].direction;
+    EXPECT_NEAR(glm::length(view), 1.0f, 1e-5f);
+    EXPECT_LT(view.x, -0.3f);
+    EXPECT_GT(view.y, 0.5f);
+    EXPECT_GT(view.z, 0.5f) << "from the side of the viewer";
+    expect_near(lights[0].color + scene.ambient, glm::vec3(1.0f), 1e-5f);
+  }
+}
+
+}  // namespace
+}  // namespace umbrage

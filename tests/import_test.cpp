@@ -1,0 +1,534 @@
+// Import: small files of every format that the test writes itself, the normals made for them, and bad files.
+#include "scene/import.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "scene/finish.h"
+#include "scene/texture_file.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own for each test.
+struct Import : testing::Test {
+  fs::path folder;
+  void SetUp() override {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder = fs::path(testing::TempDir()) /
+             ("umbrage_" + std::string(test->name()) + std::to_string(std::random_device{}()));
+    fs::create_directories(folder);
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+
+  fs::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return folder / name;
+  }
+
+  Scene read(const std::string& name, const std::string& text, const ImportSettings& settings = {}) const {
+    Result<Scene> scene = import_scene(write(name, text), settings);
+    EXPECT_TRUE(scene) << (scene ? "" : scene.error().message);
+    return scene ? *scene : Scene{};
+  }
+
+  void expect_error(const fs::path& file, const std::string& reason) const {
+    const Result<Scene> scene = import_scene(file);
+    ASSERT_FALSE(scene) << file;
+    EXPECT_EQ(scene.error().kind, ErrorKind::kFile);
+    EXPECT_NE(scene.error().message.find(file.string()), std::string::npos) << scene.error().message;
+    EXPECT_NE(scene.error().message.find(reason), std::string::npos) << scene.error().message;
+    EXPECT_EQ(scene.error().message.find('\n'), std::string::npos) << scene.error().message;
+  }
+};
+
+constexpr const char* kCubeVertices =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
+constexpr const char* kCubeFaces = "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+std::string cube_obj() { return std::string(kCubeVertices) + kCubeFaces; }
+
+std::string bytes_of(const std::vector<float>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)};
+}
+
+std::string base64(const std::string& bytes) {
+  constexpr const char* kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned three = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? kLetters[three >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+/// A glTF file of the triangle (0,0,0) (1,0,0) (0,1,0), without normals, under one node.
+std::string triangle_gltf(const std::string& node, const std::string& material) {
+  const std::string bytes = bytes_of({0, 0, 0, 1, 0, 0, 0, 1, 0, /* texture coordinates */ 0, 0, 1, 0, 0, 1});
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0)" + node +
+         R"(}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
+"materials":[)" +
+         material +
+         R"(],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}],
+"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+"buffers":[{"byteLength":60,"uri":"data:application/octet-stream;base64,)" +
+         base64(bytes) + R"("}],
+"textures":[{"source":0}],"images":[{"uri":"dots.tga"}]})";
+}
+
+/// An uncompressed TGA of 2 x 1 texels: red and opaque, green and clear.
+std::string two_texels_tga() {
+  std::string file(18, '\0');
+  file[2] = 2;      // colours, not compressed
+  file[12] = 2;     // width
+  file[14] = 1;     // height
+  file[16] = 32;    // bits
+  file[17] = 0x28;  // 8 bits of alpha, top row first
+  return file + std::string("\0\0\xff\xff\0\xff\0\0", 8);
+}
+
+glm::vec3 face_normal(const Mesh& mesh, std::size_t triangle) {
+  const std::uint32_t* corner = &mesh.indices[3 * triangle];
+  return glm::normalize(glm::cross(mesh.positions[corner[1]] - mesh.positions[corner[0]],
+                                   mesh.positions[corner[2]] - mesh.positions[corner[0]]));
+}
+
+TEST_F(Import, ReadsObj) {
+  const Scene scene = read("cube.OBJ", cube_obj());
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  EXPECT_EQ(scene.triangle_count(), 12u);
+  EXPECT_EQ(scene.bounds_min, glm::vec3(-1.0f));
+  EXPECT_EQ(scene.bounds_max, glm::vec3(1.0f));
+  EXPECT_NEAR(scene.radius(), std::sqrt(3.0f), 1e-6f);
+  EXPECT_EQ(scene.up, glm::vec3(0, 1, 0));
+  EXPECT_EQ(scene.materials.at(std::size_t(scene.meshes[0].material)).albedo, glm::vec3(0.8f));
+}
+
+TEST_F(Import, ReadsNumbersThatBeginWithTheirPoint) {
+  const Scene scene = read("point.obj", "v .5 -.25 0\nv 1 0 0\nv 0 .75e0 +.5\nf 1 2 3\n");
+  EXPECT_EQ(scene.bounds_min, glm::vec3(0.0f, -0.25f, 0.0f));
+  EXPECT_EQ(scene.bounds_max, glm::vec3(1.0f, 0.75f, 0.5f));
+}
+
+TEST_F(Import, ReadsMaterialsOfObj) {
+  write("m.mtl",
+        "newmtl shiny\nKd 0.2 0.4 0.6\nKs 0.5 0.5 0.5\nNs 40\nillum 2\n"
+        "newmtl lamp\nKd 0 0 0\nKe 3 2 1\nnewmtl matt\nKd 1 1 1\nKs 1 1 1\nNs 9\nillum 1\n");
+  const Scene scene = read("m.obj",
+                           "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl shiny\nf 1 2 3\n"
+                           "usemtl lamp\nf 1 2 4\nusemtl matt\nf 1 3 4\n");
+  std::map<std::string, Material> by_name;
+  for (const Mesh& mesh : scene.meshes) {
+    const Material& material = scene.materials.at(std::size_t(mesh.material));
+    by_name[material.name] = material;
+  }
+  ASSERT_EQ(by_name.size(), 3u);
+  EXPECT_EQ(by_name["shiny"].albedo, glm::vec3(0.2f, 0.4f, 0.6f));
+  EXPECT_FLOAT_EQ(by_name["shiny"].specular_strength, 0.5f);
+  EXPECT_FLOAT_EQ(by_name["shiny"].specular_exponent, 40.0f);
+  EXPECT_EQ(by_name["lamp"].emission, glm::vec3(3, 2, 1));
+  EXPECT_EQ(by_name["matt"].specular_strength, 0.0f) << "illum 1 has no highlight";
+  EXPECT_TRUE(scene.warnings.empty());
+}
+
+TEST_F(Import, WarnsOfMissingLibraryAndTexture) {
+  const Scene bare = read("a.obj", "mtllib gone.mtl\nusemtl x\n" + cube_obj());
+  ASSERT_EQ(bare.warnings.size(), 1u);
+  EXPECT_NE(bare.warnings[0].find("gone.mtl"), std::string::npos);
+  write("b.mtl", "newmtl x\nKd 0.1 0.1 0.1\nmap_Kd gone.png\nnewmtl y\nmap_Kd gone.png\n");
+  const Scene scene = read("b.obj", std::string("mtllib b.mtl\n") + kCubeVertices +
+                                        "vt 0 0\nusemtl x\nf 1/1 2/1 3/1\nusemtl y\nf 5/1 6/1 7/1\n");
+  ASSERT_EQ(scene.warnings.size(), 1u) << "one texture, one warning";
+  EXPECT_NE(scene.warnings[0].find("gone.png"), std::string::npos);
+  for (const Mesh& mesh : scene.meshes) {
+    const Material& material = scene.materials.at(std::size_t(mesh.material));
+    EXPECT_EQ(material.texture, kNoTexture);
+    EXPECT_EQ(material.albedo, glm::vec3(0.8f));
+  }
+}
+
+TEST_F(Import, FindsTexturesOnceByAnyCaseAndBareName) {
+  fs::create_directories(folder / "maps");
+  write("maps/Wood.TGA", two_texels_tga());
+  write("Stone.tga", two_texels_tga());
+  write("t.mtl",
+        "newmtl a\nKd 0 0 0\nmap_Kd maps\\wood.tga\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd maps\\wood.tga\n"
+        "newmtl c\nmap_Kd C:\\art\\stone.tga\n");
+  const Scene scene = read("t.obj", std::string("mtllib t.mtl\n") + kCubeVertices +
+                                        "vt 0.25 0.75\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 5/1 6/1 7/1\n"
+                                        "usemtl c\nf 2/1 3/1 4/1\n");
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  ASSERT_EQ(scene.textures.size(), 2u);
+  EXPECT_EQ(scene.textures[0].width, 2);
+  EXPECT_EQ(scene.textures[0].height, 1);
+  EXPECT_EQ(scene.textures[0].rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 0, 0}));
+  for (const Mesh& mesh : scene.meshes) {
+    const Material& material = scene.materials.at(std::size_t(mesh.material));
+    EXPECT_NE(material.texture, kNoTexture);
+    EXPECT_TRUE(material.alpha_mask) << "its alpha is clear or opaque";
+    EXPECT_EQ(mesh.uvs.at(0), glm::vec2(0.25f, 0.75f));
+    if (material.name == "a") {
+      EXPECT_EQ(material.albedo, glm::vec3(1.0f));
+    }
+    if (material.name == "b") {
+      EXPECT_EQ(material.albedo, glm::vec3(0.5f));
+    }
+  }
+}
+
+TEST_F(Import, TakesTheMaskOfObjFromItsOwnFile) {
+  write("color.tga", two_texels_tga());
+  std::string mask = two_texels_tga();
+  for (std::size_t i = 18; i < 22; ++i) mask[i] = 0;           // the first texel black
+  for (std::size_t i = 22; i < 26; ++i) mask[i] = char(0xff);  // the second white
+  mask[21] = char(0xff);                                       // opaque both: the brightness counts
+  write("mask.tga", mask);
+  write("d.mtl", "newmtl a\nKd 1 1 1\nmap_Kd color.tga\nmap_d mask.tga\n");
+  const Scene scene =
+      read("d.obj", std::string("mtllib d.mtl\n") + kCubeVertices + "vt 0 0\nusemtl a\nf 1/1 2/1 3/1\n");
+  const Material& material = scene.materials.at(std::size_t(scene.meshes.at(0).material));
+  ASSERT_NE(material.texture, kNoTexture);
+  EXPECT_TRUE(material.alpha_mask);
+  EXPECT_EQ(scene.textures[std::size_t(material.texture)].rgba,
+            (std::vector<std::uint8_t>{255, 0, 0, 0, 0, 255, 0, 255}));
+}
+
+TEST_F(Import, ReadsPlyAsTextAndBinaryAndStrips) {
+  const std::string body = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+  const Scene text = read("a.ply", "ply\nformat ascii 1.0\ncomment made by hand\n" + body +
+                                       "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                                       "0 0 0\n2 0 0\n2 1 0\n0 1 0\n4 0 1 2 3\n");
+  EXPECT_EQ(text.triangle_count(), 2u);
+  EXPECT_EQ(text.bounds_max, glm::vec3(2, 1, 0));
+
+  std::string binary = "ply\nformat binary_little_endian 1.0\n" + body +
+                       "element face 1\nproperty list uchar uint vertex_index\nend_header\n" +
+                       bytes_of({0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0});
+  binary += std::string("\x03\0\0\0\0\1\0\0\0\2\0\0\0", 13);
+  EXPECT_EQ(read("b.ply", binary).triangle_count(), 1u);
+
+  const Scene strips = read("c.ply", "ply\nformat ascii 1.0\n" + body +
+                                         "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+                                         "0 0 0\n2 0 0\n0 1 0\n2 1 0\n8 0 1 2 3 -1 0 1 3\n");
+  ASSERT_EQ(strips.triangle_count(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(face_normal(strips.meshes[0], i), glm::vec3(0, 0, 1)) << i;
+}
+
+TEST_F(Import, ReadsStlWithUpAlongZ) {
+  const Scene text = read("a.stl",
+                          "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                          "endloop\nendfacet\nendsolid a\n");
+  EXPECT_EQ(text.triangle_count(), 1u);
+  EXPECT_EQ(text.up, glm::vec3(0, 0, 1));
+  EXPECT_EQ(text.meshes[0].normals.at(0), glm::vec3(0, 0, 1));
+
+  std::string binary(80, ' ');
+  binary += std::string("\2\0\0\0", 4);
+  for (int i = 0; i < 2; ++i) {
+    binary += bytes_of({0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, float(i)}) + std::string(2, '\0');
+  }
+  ImportSettings settings;
+  settings.up = {0.0f, 3.0f, 0.0f};
+  const Scene scene = read("b.stl", binary, settings);
+  EXPECT_EQ(scene.triangle_count(), 2u);
+  EXPECT_EQ(scene.up, glm::vec3(0, 1, 0)) << "the setting goes before the format";
+}
+
+TEST_F(Import, ReadsOff) {
+  const Scene scene =
+      read("a.off", "OFF # a comment\n4 1 0\n0 0 0\n1 0 0 255 0 0\n1 1 0\n0 1 0 # here too\n4 0 1 2 3 0.5 0.5 0.5\n");
+  EXPECT_EQ(scene.triangle_count(), 2u);
+  EXPECT_EQ(scene.meshes[0].positions.size(), 4u);
+}
+
+TEST_F(Import, ReadsDaeAndTurnsItUp) {
+  const auto dae = [](const std::string& up) {
+    return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><up_axis>)" +
+           up + R"(</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="p">
+<float_array id="pa" count="9">0 0 0 1 0 0 0 0 5</float_array><technique_common><accessor source="#pa" count="3" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
+</source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene>
+</library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+  };
+  const Scene z_up = read("z.dae", dae("Z_UP")), y_up = read("y.dae", dae("Y_UP"));
+  EXPECT_NEAR(glm::dot(z_up.bounds_max, z_up.up), 5.0f, 1e-5f);
+  EXPECT_NEAR(glm::dot(y_up.bounds_max, y_up.up), 0.0f, 1e-5f);
+}
+
+TEST_F(Import, BakesTransformsAndTurnsMirroredFaces) {
+  const std::string plain =
+      R"({"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,1,1],"roughnessFactor":0.5,"metallicFactor":0}})";
+  const Scene moved = read("a.gltf", triangle_gltf(R"(,"translation":[10,20,30],"scale":[2,4,1])", plain));
+  EXPECT_EQ(moved.bounds_min, glm::vec3(10, 20, 30));
+  EXPECT_EQ(moved.bounds_max, glm::vec3(12, 24, 30));
+  const Material& material = moved.materials.at(std::size_t(moved.meshes.at(0).material));
+  EXPECT_EQ(material.albedo, glm::vec3(0.25f, 0.5f, 1.0f));
+  EXPECT_NEAR(material.specular_exponent, 30.0f, 1e-3f) << "2 / 0.5^4 - 2";
+  EXPECT_NEAR(material.specular_strength, 0.04f * 30.0f / 8.0f, 1e-4f);
+
+  // A mirror turns what faced +z in the file; its outside stays outside: still +z.
+  const Scene mirrored = read("b.gltf", triangle_gltf(R"(,"scale":[-1,1,1])", plain));
+  EXPECT_EQ(mirrored.bounds_min.x, -1.0f);
+  EXPECT_EQ(face_normal(mirrored.meshes.at(0), 0), glm::vec3(0, 0, 1));
+  EXPECT_EQ(mirrored.meshes[0].normals.at(0), glm::vec3(0, 0, 1));
+}
+
+TEST_F(Import, GivesEachNodeItsObject) {
+  std::string text = triangle_gltf("", "{}");
+  text.replace(text.find(R"("nodes":[0])"), 11, R"("nodes":[0,1])");
+  text.replace(text.find(R"([{"mesh":0}])"), 12, R"([{"mesh":0},{"mesh":0,"translation":[5,0,0]}])");
+  const Scene scene = read("two.gltf", text);
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  EXPECT_NE(scene.meshes[0].object, scene.meshes[1].object);
+  EXPECT_EQ(scene.bounds_max.x, 6.0f);
+}
+
+TEST_F(Import, ReadsAlphaMaskOfGltf) {
+  write("dots.tga", two_texels_tga());
+  const std::string texture = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
+  const auto material_of = [&](const std::string& name, const std::string& mode) {
+    const Scene scene = read(name, triangle_gltf("", "{" + mode + texture + "}"));
+    return scene.materials.at(std::size_t(scene.meshes.at(0).material));
+  };
+  const Material mask = material_of("m.gltf", R"("alphaMode":"MASK","alphaCutoff":0.25,)");
+  EXPECT_TRUE(mask.alpha_mask);
+  EXPECT_EQ(mask.alpha_cutoff, 0.25f);
+  EXPECT_NE(mask.texture, kNoTexture);
+  const Material opaque = material_of("o.gltf", "");
+  EXPECT_FALSE(opaque.alpha_mask);
+  EXPECT_NE(opaque.texture, kNoTexture);
+}
+
+TEST_F(Import, ReadsEmbeddedTextures) {
+  std::string text = triangle_gltf("", R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})");
+  const std::string uri = "data:image/x-tga;base64," + base64(two_texels_tga());
+  text.replace(text.find("dots.tga"), 8, uri);
+  const Scene scene = read("e.gltf", text);
+  EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+  ASSERT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.textures[0].rgba, (std::vector<std::uint8_t>{255, 0, 0, 255, 0, 255, 0, 0}));
+}
+
+TEST_F(Import, BadFilesGiveOneSentence) {
+  expect_error(folder / "none.obj", "no such file");
+  expect_error(folder, "folder");
+  fs::create_directories(folder / "f.obj");
+  expect_error(folder / "f.obj", "folder");
+  expect_error(write("notes.txt", "hello"), ".obj, .ply, .stl");
+  expect_error(write("noending", "hello"), ".obj, .ply, .stl");
+  for (const std::string& format : import_formats()) {
+    SCOPED_TRACE(format);
+    expect_error(write("empty." + format, ""), "is empty");
+    expect_error(write("text." + format, "This is a letter to nobody, and no model.\n"), "");
+    std::mt19937 random(1);
+    std::string noise(5000, '\0');
+    for (char& c : noise) c = char(random());
+    expect_error(write("noise." + format, noise), "");
+  }
+  expect_error(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), "no triangles");
+  expect_error(write("nan.obj", "v nan nan nan\nv nan 0 0\nv 0 nan 0\nf 1 2 3\n"), "");
+  expect_error(write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "degenerate");
+  expect_error(write("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
+               "no triangles");
+  expect_error(write("many.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n0\n"),
+               "cut short");
+  expect_error(write("head.ply", "ply\nformat ascii 1.0\nelement vertex"), "end_header");
+  expect_error(write("type.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty real x\nend_header\n0\n"), "real");
+  expect_error(write("short.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n"), "cut short");
+  expect_error(write("many.off", "OFF\n4000000000 1 0\n0 0 0\n"), "cut short");
+  const std::string gltf = triangle_gltf("", "{}");
+  expect_error(write("cut.gltf", gltf.substr(0, gltf.size() / 2)), "");
+}
+
+TEST_F(Import, DropsWhatCannotBeDrawn) {
+  const Scene scene = read("a.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
+                           "property float z\nelement face 5\nproperty list uchar int vertex_indices\nend_header\n"
+                           "0 0 0\n1 0 0\n0 1 0\nnan 0 0\n900 0 0\ninf 5 5\n"
+                           "3 0 1 2\n3 0 0 1\n3 0 1 3\n3 0 1 77\n3 0 5 2\n");
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  EXPECT_EQ(scene.meshes[0].positions.size(), 3u);
+  EXPECT_EQ(scene.bounds_max, glm::vec3(1, 1, 0)) << "vertices that no triangle uses do not count";
+  EXPECT_EQ(scene.warnings.size(), 1u);
+}
+
+// ---- normals and clean triangles, without files
+
+Mesh cube_mesh() {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i) mesh.positions.emplace_back(i & 1, i >> 1 & 1, i >> 2 & 1);
+  mesh.indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                  2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  return mesh;
+}
+
+/// The same triangles with three vertices each, and zeros of both signs.
+Mesh torn(const Mesh& mesh) {
+  Mesh soup;
+  for (std::uint32_t index : mesh.indices) {
+    soup.indices.push_back(std::uint32_t(soup.positions.size()));
+    glm::vec3 p = mesh.positions[index];
+    if (soup.positions.size() % 2) {
+      for (int k = 0; k < 3; ++k) p[k] = p[k] == 0.0f ? -0.0f : p[k];
+    }
+    soup.positions.push_back(p);
+  }
+  return soup;
+}
+
+Mesh sphere_mesh(int rings, int sectors, float radius, glm::vec3 center) {
+  Mesh mesh;
+  for (int i = 0; i <= rings; ++i) {
+    for (int k = 0; k < sectors; ++k) {
+      const double theta = std::numbers::pi * i / rings, phi = 2.0 * std::numbers::pi * k / sectors;
+      const double out = i == rings ? 0.0 : std::sin(theta);  // all vertices of a pole at one place
+      mesh.positions.push_back(center + radius * glm::vec3(out * std::cos(phi), std::cos(theta), out * std::sin(phi)));
+    }
+  }
+  const auto at = [&](int i, int k) { return std::uint32_t(i * sectors + k % sectors); };
+  for (int i = 0; i < rings; ++i) {
+    for (int k = 0; k < sectors; ++k) {
+      mesh.indices.insert(mesh.indices.end(), {at(i, k), at(i, k + 1), at(i + 1, k + 1)});
+      mesh.indices.insert(mesh.indices.end(), {at(i, k), at(i + 1, k + 1), at(i + 1, k)});
+    }
+  }
+  return mesh;
+}
+
+TEST(Normals, CreaseAngleSplitsACube) {
+  for (const Mesh& source : {cube_mesh(), torn(cube_mesh())}) {
+    Mesh sharp = source, smooth = source, just_below = source, just_above = source;
+    make_normals(sharp, 60.0f);
+    make_normals(smooth, 180.0f);
+    make_normals(just_below, 89.5f);
+    make_normals(just_above, 90.5f);
+    EXPECT_EQ(sharp.positions.size(), 24u);
+    EXPECT_EQ(smooth.positions.size(), 8u);
+    EXPECT_EQ(just_below.positions.size(), 24u);
+    EXPECT_EQ(just_above.positions.size(), 8u);
+    for (std::size_t i = 0; i < sharp.indices.size(); ++i) {
+      EXPECT_LT(glm::distance(sharp.normals[sharp.indices[i]], face_normal(sharp, i / 3)), 1e-6f);
+      EXPECT_EQ(sharp.positions[sharp.indices[i]], source.positions[source.indices[i]]);
+    }
+    // Weighted by angle, a corner's normal is its diagonal however its faces are cut in two.
+    for (std::size_t v = 0; v < 8; ++v) {
+      const glm::vec3 diagonal = glm::normalize(smooth.positions[v] - 0.5f);
+      EXPECT_LT(glm::distance(smooth.normals[v], diagonal), 1e-5f);
+    }
+  }
+}
+
+TEST(Normals, KeepTextureSeams) {
+  Mesh mesh = torn(cube_mesh());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) mesh.uvs.emplace_back(v < 18 ? 0.0f : 1.0f, 0.0f);
+  make_normals(mesh, 180.0f);
+  ASSERT_EQ(mesh.uvs.size(), mesh.positions.size());
+  EXPECT_GT(mesh.positions.size(), 8u) << "where the texture coordinates differ, vertices stay apart";
+  EXPECT_LE(mesh.positions.size(), 16u);
+  for (std::size_t i = 0; i < mesh.indices.size(); ++i) EXPECT_EQ(mesh.uvs[mesh.indices[i]].x, i < 18 ? 0.0f : 1.0f);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    EXPECT_LT(glm::distance(mesh.normals[v], glm::normalize(mesh.positions[v] - 0.5f)), 1e-5f) << "and share a normal";
+  }
+}
+
+TEST(Normals, OfASphereAreRadialAtAnyScale) {
+  struct Case {
+    float radius;
+    glm::vec3 center;
+    float tolerance_deg;
+  };
+  // At the last one a step of the float grid is 0.008, a share of 1e-4 of the radius and 0.2 degrees of a face.
+  for (const Case& c : {Case{1.0f, glm::vec3(0.0f), 1.0f}, Case{1e-6f, glm::vec3(0.0f), 1.0f},
+                        Case{1e-15f, glm::vec3(0.0f), 1.0f}, Case{1e6f, glm::vec3(0.0f), 1.0f},
+                        Case{1e15f, glm::vec3(0.0f), 1.0f}, Case{80.0f, glm::vec3(1e5f, 0.0f, 0.0f), 1.0f}}) {
+    Scene scene;
+    scene.meshes.push_back(sphere_mesh(48, 96, c.radius, c.center));
+    const std::size_t dropped = finish_scene(scene);
+    ASSERT_EQ(scene.meshes.size(), 1u) << c.radius;
+    EXPECT_LE(dropped, 192u) << "at most the triangles at the poles";
+    const Mesh& mesh = scene.meshes[0];
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const glm::dvec3 radial = glm::normalize(glm::dvec3(mesh.positions[v]) - glm::dvec3(c.center));
+      const double cosine = glm::dot(radial, glm::dvec3(mesh.normals[v]));
+      ASSERT_GT(cosine, std::cos(glm::radians(double(c.tolerance_deg)))) << c.radius << " vertex " << v;
+      ASSERT_NEAR(glm::length(mesh.normals[v]), 1.0f, 1e-5f);
+    }
+  }
+}
+
+TEST(Normals, AreUnitWhereFacesCancel) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.indices = {0, 1, 2, 0, 2, 1};
+  make_normals(mesh, 180.0f);
+  for (const glm::vec3& normal : mesh.normals) EXPECT_NEAR(glm::length(normal), 1.0f, 1e-6f);
+}
+
+TEST(Finish, RepairsBadNormals) {
+  Scene scene;
+  Mesh mesh = sphere_mesh(8, 16, 1.0f, glm::vec3(0.0f));
+  mesh.normals = mesh.positions;
+  for (glm::vec3& normal : mesh.normals) normal *= 3.0f;
+  mesh.normals[40] = glm::vec3(0.0f);
+  mesh.normals[50] = glm::vec3(std::numeric_limits<float>::quiet_NaN());
+  scene.meshes.push_back(mesh);
+  finish_scene(scene);
+  const Mesh& done = scene.meshes.at(0);
+  for (std::size_t v = 0; v < done.positions.size(); ++v) {
+    EXPECT_NEAR(glm::length(done.normals[v]), 1.0f, 1e-5f);
+    EXPECT_GT(glm::dot(done.normals[v], glm::normalize(done.positions[v])), 0.95f) << v;
+  }
+}
+
+TEST(Finish, DropsByShapeAndNotBySize) {
+  Scene scene;
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {1e-6f, 0, 0}, {0, 1e-6f, 0}, {1, 0, 0}, {1, 1e-3f, 0}, {0.5f, 0, 0}};
+  mesh.indices = {0, 1, 2, /* a sliver */ 0, 3, 4, /* without area */ 0, 5, 3, /* half a triangle */ 0, 1};
+  scene.meshes = {mesh, Mesh{}};
+  EXPECT_EQ(finish_scene(scene), 2u);
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  EXPECT_EQ(scene.triangle_count(), 2u);
+  EXPECT_EQ(scene.materials.size(), 1u) << "a mesh has a material to point at";
+}
+
+TEST(Finish, TakesAnEmptyScene) {
+  Scene scene;
+  EXPECT_EQ(finish_scene(scene), 0u);
+  EXPECT_EQ(scene.radius(), 0.0f);
+}
+
+TEST(TextureFile, RefusesWhatIsNoImage) {
+  const std::vector<std::uint8_t> noise(100, 7);
+  const Result<Texture> texture = decode_texture(noise, "noise.png");
+  ASSERT_FALSE(texture);
+  EXPECT_EQ(texture.error().kind, ErrorKind::kFile);
+  EXPECT_NE(texture.error().message.find("noise.png"), std::string::npos);
+  EXPECT_FALSE(decode_texture({}, "empty.png"));
+  EXPECT_FALSE(read_texture("/nowhere/at/all.png"));
+}
+
+}  // namespace
+}  // namespace umbrage
