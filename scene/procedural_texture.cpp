@@ -130,7 +130,7 @@ Texture wood(int size, int boards, vec3 light, vec3 dark, std::uint32_t seed) {
     // Rings stretched along the board; noise bends them round knots.
     const float bend = noise::gradient({uv.x * 4.0f, y * 1.5f + offset}, seed + (id & 15u), 0);
     // One plank fills the repeat with many fine rings; a board among others shows a few.
-    const float count = boards > 1 ? 3.5f : 14.0f, sway = boards > 1 ? 0.35f : 0.07f;
+    const float count = boards > 1 ? 3.5f : 14.0f, sway = boards > 1 ? 0.2f : 0.07f;
     const float rings = fract(count * (fract(y) + sway * bend * std::sin(2.0f * kPi * uv.x + offset)) + offset);
     const float early = glm::smoothstep(0.0f, 0.75f, rings) * (1.0f - glm::smoothstep(0.85f, 1.0f, rings));
     const float fibre = noise::fractal({uv.x * 16.0f, uv.y * float(boards) * 40.0f}, 2, seed + 5);
