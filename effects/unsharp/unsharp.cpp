@@ -11,6 +11,7 @@ namespace umbrage {
 
 UMBRAGE_DECLARE_KERNEL(linearize)
 UMBRAGE_DECLARE_KERNEL(unsharp)
+void run_tuned_unsharp(const KernelFrame&, const Tile&);  // unsharp.tuned.cpp
 
 namespace {
 
@@ -129,7 +130,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const float zero = params.linearization == 0   ? near_depth / far_depth
                      : params.linearization == 1 ? 2.0f * near_depth / (near_depth + far_depth)
                                                  : 0.0f;
-  c.border_depth = std::floor(zero * kSteps + 0.5f);
+  c.border_depth = std::min(std::floor(zero * kSteps + 0.5f), kSteps - 1.0f);
   c.scale = params.strength / kSteps;
   const float sigma = std::max(float(side) / kSigmasPerKernel, 0.25f);
   for (int i = 0; i < kUnsharpWeights; ++i)
@@ -155,11 +156,14 @@ const Effect& effect_unsharp() {
                   .lanes = run_lanes_linearize,
                   .spirv = kLinearizeSpirv},
                  {.name = "unsharp",
-                  .inputs = {"unsharp_depth"},
+                  .inputs = {"depth", "unsharp_depth"},
                   .outputs = {"ao"},
                   .scalar = run_scalar_unsharp,
                   .lanes = run_lanes_unsharp,
-                  .spirv = kUnsharpSpirv}},
+                  .tuned = run_tuned_unsharp,
+                  .spirv = kUnsharpSpirv,
+                  .tile_width = 128,
+                  .tile_height = 32}},
   };
   return effect;
 }

@@ -4,27 +4,38 @@
 // Depth comes in whole steps of 2^-24 (linearize.kernel.h), so that a tuned summation agrees to the bit.
 // Differs: the window is k x k also for odd k, where the listing runs over k - 1; and the listing's border check lets
 // one column and one row of copies in, at x = width and y = height.
+IN_REAL(depth)
 IN_REAL(unsharp_depth)
 OUT_REAL(ao)
 
 CONST int kLowBits = 12;           // a sum is kept as two words, of the samples' upper and lower 12 bits:
 CONST int kLowMask = 4095;         // 1023 x 1023 samples of up to 4096 still fit 32 bits
 
-// 1 - shade, from the exact sum of a window's steps (split as above), its count and the pixel's own step.
+// 1 - shade, from the window's excess (the sum of its samples less the centre's step as many times) and its count.
 // shade = strength (D - mean) [Chamberlin 2011, listing: the factor 20].
-FN Real ao_from_sum(Uint high, Uint low, Uint count, Uint centre)
+FN Real ao_from_excess(Real excess, Real count)
 {
-  // sum - count * centre, with both carried so that the upper words hold all but the last 12 bits
+  Real ao = excess * (Real(C.scale) / count) + 1.0f;
+  return C.keep_white_edge != 0 ? ao : min(ao, Real(1.0f));
+}
+
+// The excess in whole 4096 steps, rounded down, and what remains: as one rounded number.
+FN Real excess_of(Real upper, Real lower) { return mad(upper, Real(4096.0f), lower); }
+
+// The excess from the exact sum of a window's steps, split as above.
+FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre)
+{
+  // sum - count * centre, both carried so that the upper words hold all but the last 12 bits
   Uint own_low = count * (centre & Uint(kLowMask));
   Uint own_high = count * (centre >> kLowBits) + (own_low >> kLowBits);
   Uint sum_high = high + (low >> kLowBits);
   Uint sum_low = low & Uint(kLowMask);
   own_low = own_low & Uint(kLowMask);
+  Bool borrow = sum_low < own_low;
+  own_high = own_high + select(borrow, Uint(1u), Uint(0u));
+  sum_low = sum_low + select(borrow, Uint(kLowMask + 1), Uint(0u));
   Real upper = select(sum_high < own_high, -to_real(own_high - sum_high), to_real(sum_high - own_high));
-  Real lower = to_real(to_signed(sum_low) - to_signed(own_low));
-  Real excess = mad(upper, Real(4096.0f), lower);
-  Real ao = excess * (Real(C.scale) / to_real(count)) + 1.0f;
-  return C.keep_white_edge != 0 ? ao : min(ao, Real(1.0f));
+  return excess_of(upper, to_real(sum_low - own_low));
 }
 
 // A sample of the window in the border mode; `inside` says whether it lies in the picture.
@@ -46,8 +57,13 @@ FN Real window_sample(Int px, Int py, int i, int j, Bool inside)
 
 FN void unsharp_pixel(Int px, Int py)
 {
+  Bool surface = is_finite(near_depth(0, 0));
+  if (!some(surface))
+  {
+    store_ao(Real(1.0f));
+    return;
+  }
   Real centre = near_unsharp_depth(0, 0);
-  Bool surface = centre >= 0.0f;
   Uint high = Uint(0u);
   Uint low = Uint(0u);
   Int count = Int(0);
@@ -86,7 +102,9 @@ FN void unsharp_pixel(Int px, Int py)
   }
   else
   {
-    ao = ao_from_sum(high, low, to_uint(max(count, Int(1))), to_uint(to_int(max(centre, Real(0.0f)))));
+    Uint samples = to_uint(max(count, Int(1)));
+    Real excess = excess_from_sum(high, low, samples, to_uint(to_int(max(centre, Real(0.0f)))));
+    ao = ao_from_excess(excess, to_real(samples));
   }
   store_ao(select(surface, ao, Real(1.0f)));
 }

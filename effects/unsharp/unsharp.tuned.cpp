@@ -1,0 +1,360 @@
+// `unsharp` on the CPU at a cost that hardly grows with the window; equal to unsharp.kernel.h to the bit, which is its
+// oracle. Sums of whole steps are exact in any order, so that only the order differs:
+//   no threshold  running sums over columns and rows: the same few additions per pixel for any window
+//   threshold     the window in blocks of 16, 8 and 4 pixels that each know their least, greatest and sum: a block
+//                 wholly inside the threshold counts at once, one wholly outside is skipped, the rest is opened
+// A Gaussian window, and thresholds above a quarter, go to the plain kernel.
+// Measured gain: see docs/performance.md.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "effects/unsharp/unsharp.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "effects/unsharp/unsharp.tuned.cpp"
+#include "hwy/foreach_target.h"
+#include "machine/lanes.h"
+#include "machine/lanes_view.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace umbrage {
+namespace HWY_NAMESPACE {
+namespace {
+
+// For the formulas of the kernel text.
+struct Formulas {
+  LanesView view;
+  const FrameConstants F = view.frame.frame;
+  const UnsharpConstants& C = *static_cast<const UnsharpConstants*>(view.frame.constants);
+  HWY_INLINE Bool near_inside(int i, int j) const { return view.inside(i, j); }
+#include "machine/kernel_begin.h"
+#include "effects/unsharp/unsharp.kernel.h"
+#include "machine/kernel_end.h"
+};
+
+using VI = hn::Vec<DI>;
+using MI = hn::Mask<DI>;
+
+constexpr std::int32_t kAbsent = 1 << 30;  // a sample that never counts: farther from any step than any threshold
+constexpr int kSlack = 16;                 // vectors may read this far past the end of a row
+
+// The tile's samples and the border around them that its windows reach, with the border mode applied.
+struct Patch {
+  int width = 0, height = 0, stride = 0;
+  std::vector<std::int32_t> steps;
+  const std::int32_t* row(int y) const { return steps.data() + std::ptrdiff_t(y) * stride; }
+};
+
+int wrapped(int i, int size) {
+  i %= size;
+  return i < 0 ? i + size : i;
+}
+
+void load_patch(const KernelFrame& frame, const UnsharpConstants& c, const Tile& tile, Patch& patch) {
+  const FrameConstants& f = frame.frame;
+  const float* plane = frame.plane("unsharp_depth");
+  patch.width = tile.x1 - tile.x0 + c.last_column - c.first_column;
+  patch.height = tile.y1 - tile.y0 + c.last_row - c.first_row;
+  patch.stride = (patch.width + kSlack + 15) / 16 * 16;
+  patch.steps.resize(std::size_t(patch.stride) * patch.height);
+  const auto sample = [&](int x, int y) {
+    const float v = plane[std::ptrdiff_t(y) * f.stride + x];
+    return v >= 0.0f ? std::int32_t(v) : kAbsent;
+  };
+  const std::int32_t outside = c.border == 1 ? std::int32_t(c.border_depth) : kAbsent;
+  const int left = tile.x0 + c.first_column;
+  const int inside_begin = std::clamp(-left, 0, patch.width), inside_end = std::clamp(f.width - left, 0, patch.width);
+  for (int r = 0; r < patch.height; ++r) {
+    std::int32_t* out = patch.steps.data() + std::ptrdiff_t(r) * patch.stride;
+    int y = tile.y0 + c.first_row + r;
+    const bool above_or_below = y < 0 || y >= f.height;
+    if (c.border == 2) y = std::clamp(y, 0, f.height - 1);
+    if (c.border == 3) y = wrapped(y, f.height);
+    if (above_or_below && c.border < 2) {
+      std::fill_n(out, patch.stride, outside);
+      continue;
+    }
+    for (int i = inside_begin; i < inside_end; ++i) out[i] = sample(left + i, y);
+    for (int i = 0; i < patch.width; ++i) {
+      if (i == inside_begin) i = inside_end;
+      if (i >= patch.width) break;
+      if (c.border < 2) out[i] = outside;
+      else out[i] = sample(c.border == 2 ? std::clamp(left + i, 0, f.width - 1) : wrapped(left + i, f.width), y);
+    }
+    std::fill(out + patch.width, out + patch.stride, kAbsent);
+  }
+}
+
+// Pixels whose depth is finite, as a mask.
+HWY_INLINE MI surface_at(const float* depth) {
+  const D d;
+  return hn::RebindMask(DI(), hn::Le(hn::Abs(hn::LoadU(d, depth)), hn::Set(d, 3.402823466e38f)));
+}
+
+// ---- no threshold ----------------------------------------------------------------------------------------------------
+
+// One sample of a window as a number that can be added: how many (upper 20 bits) and the steps (lower 44 bits); 1023 x
+// 1023 samples of 24 bits still fit.
+constexpr int kCountShift = 44;
+HWY_INLINE std::uint64_t packed(std::int32_t steps) {
+  return steps == kAbsent ? 0 : (std::uint64_t(1) << kCountShift) + std::uint64_t(steps);
+}
+
+void RunOpen(const KernelFrame& frame, const Tile& tile, Formulas& formulas, const Patch& patch) {
+  const int rows = tile.y1 - tile.y0, columns = tile.x1 - tile.x0;
+  const int window_rows = patch.height - rows + 1, window_columns = patch.width - columns + 1;
+  std::vector<std::uint64_t> column(patch.width, 0), before(patch.width + 1, 0);
+  std::vector<float> upper(columns + kSlack, 0.0f), lower(columns + kSlack, 0.0f), count(columns + kSlack, 1.0f);
+  const float* depth = frame.plane("depth");
+  float* ao = frame.plane("ao");
+  for (int y = 0; y < window_rows - 1; ++y)
+    for (int x = 0; x < patch.width; ++x) column[x] += packed(patch.row(y)[x]);
+  for (int y = 0; y < rows; ++y) {
+    const std::int32_t* entering = patch.row(y + window_rows - 1);
+    for (int x = 0; x < patch.width; ++x) column[x] += packed(entering[x]);
+    for (int x = 0; x < patch.width; ++x) before[x + 1] = before[x] + column[x];
+    const std::int32_t* centre = patch.row(y - formulas.C.first_row) - formulas.C.first_column;
+    for (int x = 0; x < columns; ++x) {
+      const std::uint64_t window = before[x + window_columns] - before[x];
+      const std::int64_t samples = std::int64_t(window >> kCountShift);
+      const std::int64_t sum = std::int64_t(window & ((std::uint64_t(1) << kCountShift) - 1));
+      const std::int64_t excess = sum - samples * (centre[x] == kAbsent ? 0 : centre[x]);
+      upper[x] = float(excess >> 12);
+      lower[x] = float(excess & 4095);
+      count[x] = float(std::max<std::int64_t>(samples, 1));
+    }
+    const std::size_t at = std::size_t(tile.y0 + y) * frame.frame.stride + tile.x0;
+    for (int x = 0; x < columns; x += kLanes) {
+      const D d;
+      const Real excess = formulas.excess_of(hn::LoadU(d, upper.data() + x), hn::LoadU(d, lower.data() + x));
+      const Real value = formulas.ao_from_excess(excess, hn::LoadU(d, count.data() + x));
+      const Bool surface{hn::RebindMask(d, surface_at(depth + at + x))};
+      hn::StoreU(select(surface, value, Real(1.0f)).v, d, ao + at + x);
+    }
+    const std::int32_t* leaving = patch.row(y);
+    for (int x = 0; x < patch.width; ++x) column[x] -= packed(leaving[x]);
+  }
+}
+
+// ---- threshold -------------------------------------------------------------------------------------------------------
+
+// Least, greatest and sum of the size x size samples right and down of every sample of a patch. Sums wrap where samples
+// are absent, and are read only where none is.
+struct Level {
+  std::vector<std::int32_t> least, greatest, sum;
+};
+
+// One level from the next finer one, whose blocks have half the size.
+void coarser(const std::int32_t* least, const std::int32_t* greatest, const std::int32_t* sum, int stride, int height,
+             int half, Level& out) {
+  const DI di;
+  const std::size_t count = std::size_t(stride) * height;
+  for (auto* plane : {&out.least, &out.greatest, &out.sum}) plane->resize(count);
+  // Blocks that reach past the patch are never read: the last rows and columns may hold anything.
+  const std::size_t down = std::size_t(half) * stride;
+  const std::size_t end = count > down + half + kSlack ? count - down - half - kSlack : 0;
+  for (std::size_t i = 0; i < end; i += kLanes) {
+    const auto at = [&](const std::int32_t* p, std::size_t k) { return hn::LoadU(di, p + i + k); };
+    hn::StoreU(hn::Min(hn::Min(at(least, 0), at(least, half)), hn::Min(at(least, down), at(least, down + half))), di,
+               out.least.data() + i);
+    hn::StoreU(hn::Max(hn::Max(at(greatest, 0), at(greatest, half)),
+                       hn::Max(at(greatest, down), at(greatest, down + half))),
+               di, out.greatest.data() + i);
+    hn::StoreU(hn::Add(hn::Add(at(sum, 0), at(sum, half)), hn::Add(at(sum, down), at(sum, down + half))), di,
+               out.sum.data() + i);
+  }
+}
+
+constexpr int kLevels = 5;  // blocks of 1, 2, 4, 8, 16
+
+struct Block {
+  int x, y, level;
+};
+
+// Covers a rectangle of a window with blocks, the largest first.
+void cover(int x, int y, int width, int height, int level, std::vector<Block>& blocks) {
+  if (width <= 0 || height <= 0) return;
+  const int size = 1 << level;
+  const int across = width / size, down = height / size;
+  for (int j = 0; j < down; ++j)
+    for (int i = 0; i < across; ++i) blocks.push_back({x + i * size, y + j * size, level});
+  if (level == 0) return;
+  cover(x + across * size, y, width - across * size, down * size, level - 1, blocks);
+  cover(x, y + down * size, width, height - down * size, level - 1, blocks);
+}
+
+struct Pyramid {
+  Patch patch;
+  Level levels[kLevels];  // levels[0] is the patch itself and stays empty
+};
+
+// The sums of one vector of pixels.
+struct Sums {
+  VI centre, low, high, reach;         // low = centre - reach, high = centre + reach
+  VI excess = hn::Zero(DI());          // sum of (sample - centre) since the last flush
+  VI upper = hn::Zero(DI()), lower = hn::Zero(DI());
+  VI count = hn::Zero(DI());
+};
+
+HWY_INLINE void flush(Sums& s) {
+  const DI di;
+  s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.excess));
+  s.lower = hn::Add(s.lower, hn::And(s.excess, hn::Set(di, 4095)));
+  s.excess = hn::Zero(di);
+}
+
+HWY_INLINE void add_sample(Sums& s, MI mask, const std::int32_t* steps) {
+  const VI difference = hn::Sub(hn::LoadU(DI(), steps), s.centre);
+  const MI counts = hn::And(mask, hn::Not(hn::Gt(hn::Abs(difference), s.reach)));
+  s.excess = hn::Add(s.excess, hn::IfThenElseZero(counts, difference));
+  s.count = hn::Sub(s.count, hn::VecFromMask(DI(), counts));
+}
+
+// A block of one of the levels 2 to 4, or of level 1 by its samples.
+template <int kLevel>
+HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at) {
+  const DI di;
+  constexpr int kSize = 1 << kLevel;
+  if constexpr (kLevel <= 1) {
+    for (int j = 0; j < kSize; ++j)
+      for (int i = 0; i < kSize; ++i) add_sample(s, mask, p.patch.steps.data() + at + std::ptrdiff_t(j) * p.patch.stride + i);
+  } else {
+    const Level& level = p.levels[kLevel];
+    const VI least = hn::LoadU(di, level.least.data() + at);
+    const VI greatest = hn::LoadU(di, level.greatest.data() + at);
+    const MI outside = hn::Or(hn::Lt(greatest, s.low), hn::Gt(least, s.high));
+    const MI beyond = hn::Or(hn::Lt(least, s.low), hn::Gt(greatest, s.high));
+    const MI whole = hn::And(mask, hn::Not(beyond));
+    const VI sum = hn::Sub(hn::LoadU(di, level.sum.data() + at), hn::ShiftLeft<2 * kLevel>(s.centre));
+    s.excess = hn::Add(s.excess, hn::IfThenElseZero(whole, sum));
+    s.count = hn::Add(s.count, hn::IfThenElseZero(whole, hn::Set(di, kSize * kSize)));
+    const MI mixed = hn::And(mask, hn::And(beyond, hn::Not(outside)));
+    if (hn::AllFalse(di, mixed)) return;
+    if constexpr (kLevel == 2) {
+      // Sixteen samples cost as much as four more blocks, half of them opened.
+      for (int j = 0; j < kSize; ++j)
+        for (int i = 0; i < kSize; ++i)
+          add_sample(s, mixed, p.patch.steps.data() + at + std::ptrdiff_t(j) * p.patch.stride + i);
+    } else {
+      constexpr int kHalf = kSize / 2;
+      const std::ptrdiff_t down = std::ptrdiff_t(kHalf) * p.patch.stride;
+      add_block<kLevel - 1>(s, mixed, p, at);
+      add_block<kLevel - 1>(s, mixed, p, at + kHalf);
+      add_block<kLevel - 1>(s, mixed, p, at + down);
+      add_block<kLevel - 1>(s, mixed, p, at + down + kHalf);
+    }
+  }
+}
+
+void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas, Pyramid& p, int reach) {
+  const DI di;
+  const Patch& patch = p.patch;
+  const int side = patch.width - (tile.x1 - tile.x0) + 1;
+  int top = 0;
+  while (top + 1 < kLevels && (2 << top) <= side) ++top;
+  const std::int32_t *least = patch.steps.data(), *greatest = least, *sum = least;
+  for (int level = 1; level <= top; ++level) {
+    coarser(least, greatest, sum, patch.stride, patch.height, 1 << (level - 1), p.levels[level]);
+    least = p.levels[level].least.data();
+    greatest = p.levels[level].greatest.data();
+    sum = p.levels[level].sum.data();
+  }
+  std::vector<Block> blocks;
+  cover(0, 0, side, side, top, blocks);
+  // So many samples may be added before 32 bits could overflow.
+  const int budget = int((std::int64_t(1) << 31) / (reach + 1)) - 1;
+
+  const float* depth = frame.plane("depth");
+  float* ao = frame.plane("ao");
+  for (int y = 0; y < tile.y1 - tile.y0; ++y)
+    for (int x = 0; x < tile.x1 - tile.x0; x += kLanes) {
+      const std::size_t out = std::size_t(tile.y0 + y) * frame.frame.stride + tile.x0 + x;
+      const MI surface = surface_at(depth + out);
+      if (hn::AllFalse(di, surface)) {
+        hn::StoreU(hn::Set(D(), 1.0f), D(), ao + out);
+        continue;
+      }
+      const VI centre = hn::LoadU(di, patch.row(y - formulas.C.first_row) - formulas.C.first_column + x);
+      const VI reaches = hn::Set(di, reach);
+      Sums s{centre, hn::Sub(centre, reaches), hn::Add(centre, reaches), reaches};
+      int pending = 0;
+      for (const Block& block : blocks) {
+        const int samples = 1 << (2 * block.level);
+        if (pending + samples > budget) {
+          flush(s);
+          pending = 0;
+        }
+        pending += samples;
+        const std::ptrdiff_t at = std::ptrdiff_t(y + block.y) * patch.stride + x + block.x;
+        switch (block.level) {
+          case 4: add_block<4>(s, surface, p, at); break;
+          case 3: add_block<3>(s, surface, p, at); break;
+          case 2: add_block<2>(s, surface, p, at); break;
+          case 1: add_block<1>(s, surface, p, at); break;
+          default: add_block<0>(s, surface, p, at); break;
+        }
+      }
+      flush(s);
+      s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.lower));
+      s.lower = hn::And(s.lower, hn::Set(di, 4095));
+      const Real excess = formulas.excess_of(to_real(Int(s.upper)), to_real(Int(s.lower)));
+      const Real value = formulas.ao_from_excess(excess, to_real(Int(hn::Max(s.count, hn::Set(di, 1)))));
+      hn::StoreU(select(Bool{hn::RebindMask(D(), surface)}, value, Real(1.0f)).v, D(), ao + out);
+    }
+}
+
+void RunTuned(const KernelFrame& frame, const Tile& tile) {
+  Formulas formulas{{frame}};
+  const DI di;
+  // A tile without a surface needs no window.
+  const float* depth = frame.plane("depth");
+  bool empty = true;
+  for (int y = tile.y0; y < tile.y1 && empty; ++y)
+    for (int x = tile.x0; x < tile.x1 && empty; x += kLanes)
+      empty = hn::AllFalse(di, surface_at(depth + std::size_t(y) * frame.frame.stride + x));
+  if (empty) {
+    float* ao = frame.plane("ao");
+    for (int y = tile.y0; y < tile.y1; ++y)
+      std::fill_n(ao + std::size_t(y) * frame.frame.stride + tile.x0, tile.x1 - tile.x0, 1.0f);
+    return;
+  }
+  // Kept from tile to tile: a fresh megabyte per tile costs more than filling it.
+  static thread_local Pyramid pyramid;
+  load_patch(frame, formulas.C, tile, pyramid.patch);
+  constexpr float kNoThreshold = 16777216.0f;  // no two steps differ by as much
+  if (formulas.C.threshold >= kNoThreshold)
+    RunOpen(frame, tile, formulas, pyramid.patch);
+  else
+    RunThreshold(frame, tile, formulas, pyramid, int(std::ceil(formulas.C.threshold)) - 1);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace umbrage
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace umbrage {
+namespace {
+
+HWY_EXPORT(RunTuned);
+// Above this, sums of whole blocks could overflow 32 bits: 256 samples times 2^22.
+constexpr float kMostThreshold = 4194304.0f;
+constexpr float kNoThreshold = 16777216.0f;
+
+}  // namespace
+
+void run_lanes_unsharp(const KernelFrame&, const Tile&);
+
+void run_tuned_unsharp(const KernelFrame& frame, const Tile& tile) {
+  const auto& c = *static_cast<const UnsharpConstants*>(frame.constants);
+  const bool blocks = c.threshold > 0.0f && c.threshold <= kMostThreshold;
+  if (c.gaussian != 0 || (!blocks && c.threshold < kNoThreshold))
+    run_lanes_unsharp(frame, tile);
+  else
+    HWY_DYNAMIC_DISPATCH(RunTuned)(frame, tile);
+}
+
+}  // namespace umbrage
+#endif
