@@ -1,5 +1,9 @@
 // Functions in the dialect that any kernel may call. F is the FrameConstants.
 
+// v, or 0 where it is NaN or infinite.
+FN Real finite_or_zero(Real v) { return select(is_finite(v), v, Real(0.0f)); }
+FN Vec3 finite_or_zero(Vec3 v) { return Vec3(finite_or_zero(v.x), finite_or_zero(v.y), finite_or_zero(v.z)); }
+
 // v scaled to length 1; the zero vector stays zero.
 FN Vec3 normalized(Vec3 v)
 {

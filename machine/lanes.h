@@ -116,10 +116,15 @@ OP Real abs(Real a) { return hn::Abs(a.v); }
 OP Real floor(Real a) { return hn::Floor(a.v); }
 OP Real fract(Real a) { return hn::Sub(a.v, hn::Floor(a.v)); }
 OP Real sqrt(Real a) { return hn::Sqrt(a.v); }
-/// The machine's estimate with one Newton step: relative error below 1e-6.
+/// The machine's estimate with one Newton step: relative error below 1e-6. Without vectors there is no estimate worth
+/// the name.
 OP Real rsqrt(Real a) {
+#if HWY_TARGET == HWY_SCALAR
+  return hn::Div(hn::Set(D(), 1.0f), hn::Sqrt(a.v));
+#else
   const Real y = hn::ApproximateReciprocalSqrt(a.v);
   return y * (Real(1.5f) - (a * Real(0.5f)) * (y * y));
+#endif
 }
 OP Real mad(Real a, Real b, Real c) {
 #if HWY_NATIVE_FMA

@@ -1,6 +1,7 @@
 #include "devices/cpu/cpu_device.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -40,10 +41,16 @@ std::optional<float> neutral_value(std::string_view plane) {
   return std::nullopt;
 }
 
+/// As many as asked for, but no more than the machine has.
+int thread_count(int wish) {
+  const int most = tbb::info::default_concurrency();
+  return wish > 0 ? std::min(wish, most) : most;
+}
+
 class CpuDevice final : public Device {
  public:
   explicit CpuDevice(const CpuSettings& settings)
-      : settings_(settings), arena_(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic) {}
+      : settings_(settings), arena_(thread_count(settings.threads)) {}
 
   std::string_view name() const override { return "cpu"; }
 

@@ -31,5 +31,5 @@ FN void composite_pixel(Int px, Int py)
     light = light + gray(d * Real(C.darkness));
   }
   if (C.mode == 4) light = gray(ao);
-  store_lit(light);
+  store_lit(finite_or_zero(light));
 }

@@ -1,6 +1,7 @@
 // Lambert and Blinn-Phong from the G-buffer. Based on [Blinn 1977].
 //
 // Radiance is kept apart by what occlusion may darken: `direct` from the lights, `ambient` from everywhere.
+// What is not a finite number in the end is 0.
 // Differs: Lambert's reflectance is not divided by pi; lights' colours are the radiance of a white surface facing them.
 IN_REAL(depth)
 IN_VECTOR(normal)
@@ -53,7 +54,7 @@ FN void lighting_pixel(Int px, Int py)
     sum = sum + color * (albedo * (lambert * Real(C.diffuse)) + white);
   }
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  store_direct(select(surface, sum, none));
+  store_direct(select(surface, finite_or_zero(sum), none));
   Vec3 around = Vec3(Real(C.ambient_r), Real(C.ambient_g), Real(C.ambient_b));
-  store_ambient(select(surface, albedo * around, none));
+  store_ambient(select(surface, finite_or_zero(albedo * around), none));
 }

@@ -10,13 +10,11 @@ FN Real srgb_from_linear(Real v)
   return select(v > 0.0031308f, curve, v * 12.92f);
 }
 
-// Values that are not numbers become black.
-FN Real sane(Real v) { return select(is_finite(v), max(v, Real(0.0f)), Real(0.0f)); }
-
 FN void output_pixel(Int px, Int py)
 {
   Vec3 light = near_lit(0, 0) * Real(C.gain);
-  light = Vec3(sane(light.x), sane(light.y), sane(light.z));
+  light = finite_or_zero(light);  // what is not a number is black
+  light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
   if (C.transfer == 0)
     light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Bool surface = is_finite(near_depth(0, 0));

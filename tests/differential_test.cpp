@@ -1,0 +1,160 @@
+// Rung 3: every effect on every SIMD target, at any number of threads and through its tuned kernels, against scalar.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "devices/cpu/cpu_device.h"
+#include "effects/effects.h"
+#include "machine/cpu_target.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+struct Size {
+  int width, height;
+};
+constexpr Size kSizes[] = {{1, 1}, {3, 2}, {191, 347}};
+
+/// Parameters of an effect, drawn from its table: variant 0 is what it has when nobody sets anything.
+ParameterBytes variant_of(const Effect& effect, unsigned variant) {
+  ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
+  if (variant == 0) return bytes;
+  for (std::size_t k = 0; k < effect.parameters.size(); ++k) {
+    const Parameter& row = effect.parameters[k];
+    const unsigned r = test::hash(variant * 101u + unsigned(k));
+    std::string text;
+    // Windows of kernels that are scalar and plain are kept small; numbers near what people set.
+    constexpr double kLargestWindow = 21.0, kLargestNumber = 8.0;
+    switch (row.type) {
+      case ParameterType::kChoice: text = row.choices[r % row.choices.size()]; break;
+      case ParameterType::kBool: text = r % 2 ? "on" : "off"; break;
+      case ParameterType::kLength: text = fmt::format("{}", 1 + r % int(kLargestWindow)); break;
+      case ParameterType::kInt: text = fmt::format("{}", row.least + r % int(std::min(row.most - row.least, 8.0) + 1)); break;
+      default: {
+        const double most = std::min(row.most, row.least + kLargestNumber);
+        text = fmt::format("{}", r % 4 == 0 ? row.initial : row.least + (most - row.least) * (r % 1000) / 999.0);
+      }
+    }
+    EXPECT_TRUE(set_parameter(effect.name, row, text, bytes)) << row.name << " = " << text;
+  }
+  return bytes;
+}
+
+/// All planes that the effect makes of a G-buffer.
+Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer& gbuffer, const CpuSettings& settings) {
+  const auto device = make_cpu_device(settings);
+  auto frame = device->upload(gbuffer);
+  const auto done = device->run(effect, params, *frame);
+  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  std::vector<std::string> names;
+  for (const Pass& pass : effect.passes)
+    for (std::string_view name : pass.outputs) names.emplace_back(name);
+  auto image = device->download(*frame, names);
+  EXPECT_TRUE(image);
+  return *image;
+}
+
+/// Inputs of an effect that other effects make.
+void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
+  for (const Pass& pass : effect.passes)
+    for (std::string_view input : pass.inputs) {
+      bool made_here = false;
+      for (const Pass& other : effect.passes)
+        for (std::string_view output : other.outputs) made_here |= output == input;
+      if (made_here || gbuffer.layers[0].find(input)) continue;
+      Plane& plane = gbuffer.layers[0].add(input);
+      for (int y = 0; y < plane.height; ++y)
+        for (int x = 0; x < plane.width; ++x)
+          plane.at(x, y) = float(test::hash(x + 4099u * y + unsigned(input.size())) >> 8) * 0x1.4p-24f;
+    }
+}
+
+class Differential : public testing::TestWithParam<const Effect*> {
+ protected:
+  void TearDown() override { choose_simd_target(""); }
+};
+
+TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
+  const Effect& effect = *GetParam();
+  for (const Size size : kSizes)
+    for (unsigned variant = 0; variant < 6; ++variant) {
+      GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7 + variant);
+      if (variant % 2) gbuffer.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
+      add_made_inputs(effect, gbuffer);
+      const ParameterBytes params = variant_of(effect, variant);
+      const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
+      for (const std::string& target : simd_target_names()) {
+        ASSERT_TRUE(choose_simd_target(target));
+        const Image lanes = outputs(effect, params, gbuffer, {.tuned = false});
+        for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
+          // Light of many lights and strong factors exceeds 1: the bounds hold relative to the brightest value there.
+          double scale = 1.0;
+          for (int y = 0; y < size.height; ++y)
+            for (int x = 0; x < size.width; ++x)
+              scale = std::max(scale, double(std::fabs(oracle.planes[p].at(x, y))));
+          const auto d = test::difference(oracle.planes[p], lanes.planes[p], 1e-4 * scale);
+          EXPECT_LE(d.most, 1e-4 * scale) << effect.name << ' ' << oracle.names[p] << ' ' << target << " variant "
+                                          << variant << " at " << size.width << 'x' << size.height;
+          EXPECT_LE(d.mean, 1e-6 * scale) << effect.name << ' ' << oracle.names[p] << ' ' << target;
+        }
+      }
+    }
+}
+
+TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
+  const Effect& effect = *GetParam();
+  for (const Size size : kSizes)
+    for (unsigned variant = 0; variant < 12; ++variant) {
+      GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 70 + variant);
+      add_made_inputs(effect, gbuffer);
+      const ParameterBytes params = variant_of(effect, variant);
+      for (const std::string& target : simd_target_names()) {
+        ASSERT_TRUE(choose_simd_target(target));
+        const Image plain = outputs(effect, params, gbuffer, {.tuned = false});
+        const Image tuned = outputs(effect, params, gbuffer, {.tuned = true});
+        for (std::size_t p = 0; p < plain.planes.size(); ++p)
+          EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).most, 0.0)
+              << effect.name << ' ' << plain.names[p] << ' ' << target << " variant " << variant << " at "
+              << size.width << 'x' << size.height;
+      }
+    }
+}
+
+TEST_P(Differential, ThreadsAndRunsDoNotMatter) {
+  const Effect& effect = *GetParam();
+  GBuffer gbuffer = test::bumpy_gbuffer(191, 347, 3);
+  add_made_inputs(effect, gbuffer);
+  const ParameterBytes params = variant_of(effect, 0);
+  const Image one = outputs(effect, params, gbuffer, {.threads = 1});
+  for (int threads : {1, 2, 5}) {
+    const Image many = outputs(effect, params, gbuffer, {.threads = threads});
+    for (std::size_t p = 0; p < one.planes.size(); ++p)
+      EXPECT_EQ(test::difference(one.planes[p], many.planes[p], 0.0).most, 0.0) << effect.name << ' ' << threads;
+  }
+}
+
+TEST_P(Differential, HostileInputGivesDefinedOutput) {
+  const Effect& effect = *GetParam();
+  for (const Size size : kSizes)
+    for (unsigned variant = 0; variant < 4; ++variant) {
+      GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
+      add_made_inputs(effect, gbuffer);
+      for (const bool scalar : {true, false}) {
+        const Image image = outputs(effect, variant_of(effect, variant), gbuffer, {.scalar = scalar});
+        for (std::size_t p = 0; p < image.planes.size(); ++p) {
+          long bad = 0;
+          for (int y = 0; y < size.height; ++y)
+            for (int x = 0; x < size.width; ++x) bad += !std::isfinite(image.planes[p].at(x, y));
+          EXPECT_EQ(bad, 0) << effect.name << ' ' << image.names[p] << (scalar ? " scalar" : " lanes") << " variant "
+                            << variant;
+        }
+      }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Effects, Differential, testing::ValuesIn(effects().begin(), effects().end()),
+                         [](const auto& info) { return std::string(info.param->name); });
+
+}  // namespace
+}  // namespace umbrage

@@ -1,0 +1,123 @@
+// The tables: complete, consistent, and what the text of a value does.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+
+#include "effects/effects.h"
+#include "looks/looks.h"
+
+namespace umbrage {
+namespace {
+
+TEST(Registry, TablesCoverEveryFieldOfTheirParams) {
+  for (const Effect* effect : effects()) {
+    std::set<std::size_t> bytes;
+    for (const Parameter& row : effect->parameters)
+      for (std::size_t k = 0; k < parameter_size(row.type); ++k)
+        EXPECT_TRUE(bytes.insert(row.offset + k).second) << effect->name << '.' << row.name << " overlaps another row";
+    EXPECT_EQ(bytes.size(), effect->params_size) << effect->name << " has fields without a row";
+  }
+}
+
+TEST(Registry, RowsAreUsable) {
+  for (const Effect* effect : effects()) {
+    EXPECT_FALSE(effect->summary.empty()) << effect->name;
+    std::set<std::string_view> names;
+    for (const Parameter& row : effect->parameters) {
+      EXPECT_TRUE(names.insert(row.name).second) << effect->name << '.' << row.name << " twice";
+      EXPECT_FALSE(row.help.empty()) << effect->name << '.' << row.name;
+      ParameterBytes bytes = initial_parameters(effect->parameters, effect->params_size);
+      const std::string text = parameter_text(row, bytes);
+      EXPECT_TRUE(set_parameter(effect->name, row, text, bytes)) << effect->name << '.' << row.name << " = " << text;
+      EXPECT_EQ(parameter_text(row, bytes), text);
+      EXPECT_FALSE(set_parameter(effect->name, row, "nonsense", bytes));
+      EXPECT_FALSE(set_parameter(effect->name, row, "", bytes));
+      EXPECT_FALSE(set_parameter(effect->name, row, "nan", bytes));
+      EXPECT_FALSE(set_parameter(effect->name, row, "1e99", bytes));
+    }
+  }
+}
+
+TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
+  for (const Effect* effect : effects())
+    for (const Pass& pass : effect->passes) {
+      EXPECT_NE(pass.scalar, nullptr) << effect->name;
+      EXPECT_NE(pass.lanes, nullptr) << effect->name;
+      ASSERT_GT(pass.spirv.size(), 5u) << effect->name;
+      EXPECT_EQ(pass.spirv[0], 0x07230203u) << effect->name << ": not SPIR-V";
+      EXPECT_FALSE(pass.outputs.empty()) << effect->name;
+      EXPECT_EQ(pass.tile_width % 16, 0) << effect->name;
+    }
+}
+
+TEST(Registry, ShadersBindExactlyTheirPlanes) {
+  // Bindings are found by name: OpName (5) of a variable's block is `constants_block` or the plane's name.
+  for (const Effect* effect : effects())
+    for (const Pass& pass : effect->passes) {
+      std::set<std::string> blocks;
+      for (std::size_t at = 5; at < pass.spirv.size();) {
+        const std::uint32_t op = pass.spirv[at] & 0xffff, words = pass.spirv[at] >> 16;
+        ASSERT_GT(words, 0u);
+        if (op == 5) {
+          const std::string name(reinterpret_cast<const char*>(&pass.spirv[at + 2]));
+          if (name.ends_with("_block") && name != "constants_block") blocks.insert(name);
+        }
+        at += words;
+      }
+      std::set<std::string> expected;
+      for (const auto* names : {&pass.inputs, &pass.outputs})
+        for (std::string_view name : *names) {
+          std::string block(name);
+          std::replace(block.begin(), block.end(), '.', '_');
+          expected.insert(block + "_block");
+        }
+      EXPECT_EQ(blocks, expected) << effect->name << ", pass " << pass.name;
+    }
+}
+
+TEST(Registry, EveryEffectHasItsFolderWhole) {
+  for (const Effect* effect : effects()) {
+    const std::string folder = fmt::format("{}/effects/{}/", UMBRAGE_SOURCE, effect->name);
+    for (const std::string& file : {std::string("README.md"), fmt::format("{}.h", effect->name),
+                                    fmt::format("{}.kernel.h", effect->name), fmt::format("{}_test.cpp", effect->name)})
+      EXPECT_TRUE(std::ifstream(folder + file)) << folder << file << " is missing";
+    std::stringstream readme;
+    readme << std::ifstream(folder + "README.md").rdbuf();
+    for (const Parameter& row : effect->parameters)
+      EXPECT_NE(readme.str().find(fmt::format("`{}`", row.name)), std::string::npos)
+          << folder << "README.md does not explain " << row.name;
+  }
+}
+
+TEST(Registry, LooksNameEffectsAndParametersThatExist) {
+  for (const Look* look : looks()) {
+    look_settings(*look);  // aborts on a preset that is wrong
+    for (std::string_view name : look->effects)
+      EXPECT_TRUE(name == "occlusion" || find_effect(name)) << look->name << ": " << name;
+    const auto techniques = occlusion_names();
+    EXPECT_NE(std::find(techniques.begin(), techniques.end(), look->occlusion), techniques.end()) << look->name;
+  }
+}
+
+TEST(Settings, AssignmentsSayWhatIsWrong) {
+  EffectSettings settings = look_settings(*find_look("ao"));
+  EXPECT_TRUE(apply_setting(settings, "unsharp.kernel=40"));
+  EXPECT_TRUE(apply_setting(settings, "unsharp.kernel=4%"));
+  const auto message = [&](std::string_view text) {
+    const auto done = apply_setting(settings, text);
+    EXPECT_FALSE(done) << text;
+    return done ? std::string() : done.error().message;
+  };
+  EXPECT_NE(message("unsharp.kernel=0").find("1 to 1023 px"), std::string::npos);
+  EXPECT_NE(message("unsharp.kernel=1024").find("'1024'"), std::string::npos);
+  EXPECT_NE(message("unsharp.kernel=-3%").find("-3%"), std::string::npos);
+  EXPECT_NE(message("unsharp.border=clmp").find("did you mean 'clamp'"), std::string::npos);
+  EXPECT_NE(message("unsharp.kernl=3").find("did you mean 'kernel'"), std::string::npos);
+  EXPECT_NE(message("unshrp.kernel=3").find("did you mean 'unsharp'"), std::string::npos);
+  EXPECT_NE(message("unsharp.kernel").find("effect.parameter=value"), std::string::npos);
+  EXPECT_NE(message("unsharp=3").find("effect.parameter=value"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace umbrage

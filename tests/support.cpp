@@ -1,0 +1,95 @@
+#include "support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "core/check.h"
+
+namespace umbrage::test {
+
+unsigned hash(unsigned v) {
+  v = (v ^ (v >> 16)) * 0x7feb352du;
+  v = (v ^ (v >> 15)) * 0x846ca68bu;
+  return v ^ (v >> 16);
+}
+
+GBuffer empty_gbuffer(int width, int height) {
+  GBuffer g;
+  g.info.width = width;
+  g.info.height = height;
+  g.info.camera = perspective_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 40.0f, float(width) / float(height));
+  g.info.depth_min = 1.0f;
+  g.info.depth_max = 10.0f;
+  g.info.scene_radius = 5.0f;
+  g.info.lights.push_back({.direction = glm::normalize(glm::vec3(-1, 1, 1)), .color = glm::vec3(0.7f)});
+  g.layers.emplace_back(width, height);
+  return g;
+}
+
+GBuffer bumpy_gbuffer(int width, int height, unsigned seed) {
+  GBuffer g = empty_gbuffer(width, height);
+  Image& image = g.layers[0];
+  const auto random = [&](unsigned x, unsigned y, unsigned k) {
+    return float(hash(hash(hash(seed + k) + x) + y) >> 8) * 0x1p-24f;
+  };
+  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g", "albedo.b", "specular",
+                           "shininess", "shadow", "object_id", "material_id"})
+    image.add(name);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const unsigned cell = unsigned(x / 13 + 57 * (y / 9));
+      const bool hole = hash(seed ^ cell) % 5 == 0;
+      const float base = 2.0f + 6.0f * float(hash(seed * 3 + cell) % 8) / 8.0f;
+      const float depth = base + 0.3f * std::sin(0.21f * x) * std::cos(0.17f * y) + 0.002f * random(x, y, 1);
+      image.plane("depth").at(x, y) = hole ? std::numeric_limits<float>::infinity() : depth;
+      const glm::vec3 n =
+          glm::normalize(glm::vec3(random(x, y, 2) - 0.5f, random(x, y, 3) - 0.5f, 0.3f + random(x, y, 4)));
+      for (int c = 0; c < 3; ++c) {
+        image.planes[1 + c].at(x, y) = hole ? 0.0f : n[c];
+        image.planes[4 + c].at(x, y) = hole ? 0.0f : random(x, y, 5 + c);
+      }
+      image.plane("specular").at(x, y) = random(x, y, 8);
+      image.plane("shininess").at(x, y) = 1.0f + 100.0f * random(x, y, 9);
+      image.plane("shadow").at(x, y) = random(x, y, 10) < 0.5f ? 0.0f : 1.0f;
+      image.plane("object_id").at(x, y) = image.plane("material_id").at(x, y) = hole ? -1.0f : float(cell);
+    }
+  return g;
+}
+
+GBuffer hostile_gbuffer(int width, int height, unsigned seed) {
+  GBuffer g = bumpy_gbuffer(width, height, seed);
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float odd[] = {std::nanf(""), infinity, -infinity, 0.0f, -0.0f, -1.0f, 1e30f, -1e30f, 1e-40f, 3.4e38f};
+  for (std::size_t p = 0; p < g.layers[0].planes.size(); ++p)
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        if (const unsigned r = hash(seed + 977u * unsigned(p) + 31u * x + 7919u * y); r % 3 == 0)
+          g.layers[0].planes[p].at(x, y) = odd[(r / 3) % std::size(odd)];
+  return g;
+}
+
+Difference difference(const Plane& a, const Plane& b, double bound) {
+  check_equal(a.width, b.width, "widths of compared planes");
+  check_equal(a.height, b.height, "heights of compared planes");
+  Difference d;
+  double sum = 0.0;
+  long over = 0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      const float u = a.at(x, y), v = b.at(x, y);
+      double e = 0.0;
+      if (std::isnan(u) != std::isnan(v)) e = std::numeric_limits<double>::infinity();
+      else if (u != v && !std::isnan(u)) e = std::fabs(double(u) - double(v));
+      d.most = std::max(d.most, e);
+      sum += e;
+      over += e > bound;
+    }
+  const double count = std::max(1.0, double(a.width) * a.height);
+  d.mean = sum / count;
+  d.share_over = double(over) / count;
+  return d;
+}
+
+}  // namespace umbrage::test

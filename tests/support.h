@@ -1,0 +1,31 @@
+// What several tests need: G-buffers made in code, comparisons.
+#pragma once
+#include <string>
+
+#include "core/device.h"
+#include "core/gbuffer.h"
+
+namespace umbrage::test {
+
+/// A picture with a perspective camera of 40 degrees, `depth_min` 1 and `depth_max` 10, one light, and no planes yet.
+GBuffer empty_gbuffer(int width, int height);
+
+/// A G-buffer with every plane of core/gbuffer.h: bumpy surfaces with steps, holes to the background, varied materials.
+/// The same for the same seed.
+GBuffer bumpy_gbuffer(int width, int height, unsigned seed);
+
+/// The same with NaN, infinities, zeros, negative and huge numbers strewn over all planes.
+GBuffer hostile_gbuffer(int width, int height, unsigned seed);
+
+struct Difference {
+  double most = 0.0, mean = 0.0;
+  double share_over = 0.0;   ///< share of pixels that differ by more than the bound
+};
+
+/// Compares planes of one size; two NaN are equal.
+Difference difference(const Plane& a, const Plane& b, double bound);
+
+/// A random 32-bit number from a counter.
+unsigned hash(unsigned v);
+
+}  // namespace umbrage::test
