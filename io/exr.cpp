@@ -33,11 +33,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <glm/ext/matrix_double4x4.hpp>
 #include <limits>
 #include <map>
 #include <stdexcept>
 
+#include "io/exr_camera.h"
 #include "io/format.h"
 
 namespace umbrage {
@@ -126,7 +126,6 @@ class Stream : public Imf::OStream {
   std::FILE* file_;
 };
 
-/// glm transforms columns and stores columns, Imath transforms rows and stores rows: the same 16 numbers.
 Imath::M44f imath(const glm::dmat4& m) {
   Imath::M44f out;
   for (int i = 0; i < 4; ++i)
@@ -134,30 +133,21 @@ Imath::M44f imath(const glm::dmat4& m) {
   return out;
 }
 
-/// worldToCamera: OpenEXR's camera looks along +z. worldToNDC: (0, 0) is the upper left corner of the display window,
-/// (1, 1) the lower right one; x and y are to be divided by w. OpenEXR leaves z open: it is 1 - 1 / depth for
-/// perspective and depth for parallel cameras, so that the matrix can be inverted.
+glm::dmat4 glm_from(const Imath::M44f& m) {
+  glm::dmat4 out;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) out[i][j] = m[i][j];
+  return out;
+}
+
 void add_camera(Imf::Header& header, const Camera& camera) {
-  glm::dmat4 to_camera(camera.view_from_world);
-  for (int i = 0; i < 4; ++i) to_camera[i][2] = -to_camera[i][2];
-  const double width = double(camera.right) - camera.left, height = double(camera.top) - camera.bottom;
-  // The camera's x, y and depth d, columns first. Perspective: u = (x / d - left) / width, v = (top - y / d) / height.
-  glm::dmat4 ndc(0.0);
-  ndc[0][0] = 1.0 / width;
-  ndc[1][1] = -1.0 / height;
-  ndc[2][2] = 1.0;
-  const bool perspective = camera.projection == Projection::kPerspective;
-  glm::dvec4& offset = ndc[perspective ? 2 : 3];
-  offset[0] = -camera.left / width;
-  offset[1] = camera.top / height;
-  offset[3] = 1.0;
-  if (perspective) ndc[3][2] = -1.0;
-  Imf::addWorldToCamera(header, imath(to_camera));
-  Imf::addWorldToNDC(header, imath(ndc * to_camera));
-  if (!perspective) return;
-  // The screen window has the same meaning as ours, at distance 1.
-  header.screenWindowWidth() = float(width);
-  header.screenWindowCenter() = Imath::V2f(float(camera.left + width / 2), float(camera.bottom + height / 2));
+  const ExrCamera matrices = exr_camera(camera);
+  Imf::addWorldToCamera(header, imath(matrices.camera_from_world));
+  Imf::addWorldToNDC(header, imath(matrices.ndc_from_world));
+  if (camera.projection != Projection::kPerspective) return;
+  // OpenEXR's screen window lies at distance 1, as ours does.
+  header.screenWindowWidth() = camera.right - camera.left;
+  header.screenWindowCenter() = Imath::V2f((camera.left + camera.right) / 2, (camera.bottom + camera.top) / 2);
 }
 
 Result<void> write(const fs::path& file, const Image& image, const WriteSettings& settings) {
@@ -306,6 +296,25 @@ Result<Image> read(const fs::path& file) {
 bool recognises(std::string_view start) { return start.starts_with("\x76\x2f\x31\x01"); }
 
 }  // namespace
+
+Result<std::optional<Camera>> read_camera(const fs::path& file) {
+  std::int64_t size = 0;
+  Result<InputFile> stream = open_to_read(file, size);
+  if (!stream) return stream.error();
+  char start[4] = {};
+  const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
+  if (!recognises(std::string_view(start, got))) return std::optional<Camera>();
+  set_up();
+  try {
+    constexpr bool kNoRepair = false;
+    const Imf::MultiPartInputFile input(file.c_str(), 0, kNoRepair);
+    const Imf::Header& header = input.header(0);
+    if (!Imf::hasWorldToCamera(header) || !Imf::hasWorldToNDC(header)) return std::optional<Camera>();
+    return camera_from({glm_from(Imf::worldToCamera(header)), glm_from(Imf::worldToNDC(header))});
+  } catch (const std::exception& exception) {
+    return file_error("'{}' cannot be read as EXR: {}", file.string(), cause(exception));
+  }
+}
 
 const ImageFormat kExr = {"exr", "any planes as float or half channels, with the camera", write, read, recognises};
 

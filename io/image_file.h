@@ -1,6 +1,7 @@
 // Image files: one source file per format behind one function to write and one to read.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -48,6 +49,10 @@ Result<Image> read_image(const std::filesystem::path& file);
 
 /// Removes the temporary file of a write that is under way. For signal handlers, before they end the program.
 void abandon_writes();
+
+/// The camera that an EXR file's worldToCamera and worldToNDC give; nothing where it has none that we can use, and for
+/// other formats. Errors: kFile.
+Result<std::optional<Camera>> read_camera(const std::filesystem::path& file);
 
 /// Writes text whole or not at all.
 Result<void> write_text(const std::filesystem::path& file, std::string_view text);

@@ -558,6 +558,60 @@ TEST_F(ExrFile, OrthographicCameraAttributes) {
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
 }
 
+TEST_F(ExrFile, CameraComesBack) {
+  for (const Projection projection : {Projection::kPerspective, Projection::kOrthographic}) {
+    Camera camera = perspective_camera({120, -35, 7}, {-3, 8, 1}, {0, 0, 1}, 40, 1);
+    camera.projection = projection;
+    camera.left = -0.4f, camera.right = 0.7f, camera.bottom = -0.5f, camera.top = 0.3f;
+    ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
+    const Result<std::optional<Camera>> back = read_camera(*this / "x.exr");
+    ASSERT_TRUE(back) << back.error().message;
+    ASSERT_TRUE(*back);
+    EXPECT_EQ((*back)->projection, projection);
+    EXPECT_EQ((*back)->view_from_world, camera.view_from_world);
+    EXPECT_NEAR((*back)->left, camera.left, 2e-5f);
+    EXPECT_NEAR((*back)->right, camera.right, 2e-5f);
+    EXPECT_NEAR((*back)->bottom, camera.bottom, 2e-5f);
+    EXPECT_NEAR((*back)->top, camera.top, 2e-5f);
+  }
+}
+
+TEST_F(ExrFile, CameraFarFromTheOriginComesBack) {
+  Camera camera = perspective_camera({1e5f, -2e5f, 3e4f}, {1e5f + 1, -2e5f + 2, 3e4f - 1}, {0, 1, 0}, 40, 1.5f);
+  ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
+  const Result<std::optional<Camera>> back = read_camera(*this / "x.exr");
+  ASSERT_TRUE(back && *back);
+  EXPECT_EQ((*back)->projection, Projection::kPerspective);
+  EXPECT_NEAR((*back)->right, camera.right, 1e-4f);
+}
+
+TEST_F(ExrFile, OnlyUsableCamerasComeBack) {
+  const Image image = random_image(8, 4, {"ao"});
+  for (const char* name : {"x.exr", "x.png"}) {
+    ASSERT_TRUE(write_image(*this / name, image));
+    const Result<std::optional<Camera>> none = read_camera(*this / name);
+    ASSERT_TRUE(none);
+    EXPECT_FALSE(*none) << name;
+  }
+  const Imath::M44f scaled(2, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1), identity, empty(0.0f);
+  Imath::M44f nan;
+  nan[1][1] = kNan;
+  for (auto [to_camera, to_ndc] : {std::pair(scaled, identity), std::pair(identity, empty), std::pair(nan, identity),
+                                   std::pair(identity, nan), std::pair(empty, empty)}) {
+    Imf::Header header(4, 4);
+    header.channels().insert("ao", Imf::Channel(Imf::FLOAT));
+    Imf::addWorldToCamera(header, to_camera);
+    Imf::addWorldToNDC(header, to_ndc);
+    { Imf::OutputFile out((*this / "bad.exr").c_str(), header); }
+    const Result<std::optional<Camera>> none = read_camera(*this / "bad.exr");
+    ASSERT_TRUE(none);
+    EXPECT_FALSE(*none);
+  }
+  expect_error(read_camera(*this / "none.exr"), {"none.exr", "does not exist"});
+  put(*this / "cut.exr", content(*this / "x.exr").substr(0, 40));
+  expect_error(read_camera(*this / "cut.exr"), {"cut.exr"});
+}
+
 /// Channels of a part: name and the value of the pixel (x, y), which is `base` + x + 100 * y.
 struct Channels {
   Imath::Box2i window;

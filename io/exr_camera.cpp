@@ -1,0 +1,76 @@
+// Rests on OpenEXR's ImfStandardAttributes.h, which defines both matrices.
+#include "io/exr_camera.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace umbrage {
+namespace {
+
+/// Matrices come from float attributes, the inverse of one adds to their error.
+constexpr double kTolerance = 1e-3;
+
+/// Our view space looks along -z, OpenEXR's along +z.
+glm::dmat4 with_z_turned(glm::dmat4 m) {
+  for (int i = 0; i < 4; ++i) m[i][2] = -m[i][2];
+  return m;
+}
+
+bool is_rigid(const glm::dmat4& m) {
+  const glm::dmat3 rotation(m);
+  const glm::dmat3 product = glm::transpose(rotation) * rotation;
+  double worst = std::abs(m[0][3]) + std::abs(m[1][3]) + std::abs(m[2][3]) + std::abs(m[3][3] - 1.0);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) worst += std::abs(product[i][j] - (i == j ? 1.0 : 0.0));
+  return worst <= kTolerance;  // not for NaN
+}
+
+}  // namespace
+
+ExrCamera exr_camera(const Camera& camera) {
+  ExrCamera out;
+  out.camera_from_world = with_z_turned(glm::dmat4(camera.view_from_world));
+  const double width = double(camera.right) - camera.left, height = double(camera.top) - camera.bottom;
+  // From the camera's x, y and depth d. Perspective: u = (x / d - left) / width, v = (top - y / d) / height.
+  glm::dmat4 ndc(0.0);
+  ndc[0][0] = 1.0 / width;
+  ndc[1][1] = -1.0 / height;
+  ndc[2][2] = 1.0;
+  const bool perspective = camera.projection == Projection::kPerspective;
+  glm::dvec4& offset = ndc[perspective ? 2 : 3];
+  offset[0] = -camera.left / width;
+  offset[1] = camera.top / height;
+  offset[3] = 1.0;
+  if (perspective) ndc[3][2] = -1.0;
+  out.ndc_from_world = ndc * out.camera_from_world;
+  return out;
+}
+
+std::optional<Camera> camera_from(const ExrCamera& matrices) {
+  if (!is_rigid(matrices.camera_from_world)) return std::nullopt;
+  const glm::dmat4 ndc = matrices.ndc_from_world * glm::inverse(matrices.camera_from_world);
+  // Of w = ndc[.][3] only depth (perspective) or only the constant (parallel) may count, and of u and v that one and
+  // x or y: the column `used` holds the offset of the window, the other of the two is empty.
+  const bool perspective = std::abs(ndc[2][3]) > std::abs(ndc[3][3]);
+  const int used = perspective ? 2 : 3, other = perspective ? 3 : 2;
+  const double w = ndc[used][3];
+  // Rounding of the constants grows with the distance from the world's origin.
+  const double reach = 1.0 + glm::length(glm::dvec3(matrices.camera_from_world[3]));
+  const double apart = std::abs(ndc[other][0]) + std::abs(ndc[other][1]) + std::abs(ndc[other][3]);
+  const double strays = std::abs(ndc[0][3]) + std::abs(ndc[1][3]) + std::abs(ndc[1][0]) + std::abs(ndc[0][1]) +
+                        (perspective ? apart / reach : apart);
+  if (!(strays <= kTolerance * std::abs(w))) return std::nullopt;
+  Camera camera;
+  camera.view_from_world = glm::mat4(with_z_turned(matrices.camera_from_world));
+  camera.projection = perspective ? Projection::kPerspective : Projection::kOrthographic;
+  camera.left = float(-ndc[used][0] / ndc[0][0]);
+  camera.right = float((w - ndc[used][0]) / ndc[0][0]);
+  camera.top = float(-ndc[used][1] / ndc[1][1]);
+  camera.bottom = float((w - ndc[used][1]) / ndc[1][1]);
+  const float width = camera.right - camera.left, height = camera.top - camera.bottom;
+  if (!(width > 0.0f && height > 0.0f && std::isfinite(width) && std::isfinite(height))) return std::nullopt;
+  return camera;
+}
+
+}  // namespace umbrage
