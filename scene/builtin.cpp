@@ -18,14 +18,14 @@ constexpr std::string_view kScheme = "scene:";
 constexpr double kLeastDetail = 1e3, kMostDetail = 1e7;
 
 constexpr std::array kScenes = {
-    BuiltinScene{"atrium", "an open court with two storeys of arches, coloured drapes and plants", 250'000,
+    BuiltinScene{"atrium", "an open court with two storeys of arches, coloured drapes and plants", 280'000,
                  make_atrium},
     BuiltinScene{"claw", "a robot's claw after the toon figures", 60'000, make_claw},
     BuiltinScene{"pink", "figures in one pink room after the colour bleeding figures", 60'000, make_pink},
     BuiltinScene{"room", "a furnished living room lit through its window", 120'000, make_room},
     BuiltinScene{"solids", "simple solids on a plane, for which the truth is known", 30'000, make_solids},
     BuiltinScene{"tank", "a tank after the toon figures", 60'000, make_tank},
-    BuiltinScene{"terrain", "mountains round a lake, a kilometre across", 260'000, make_terrain},
+    BuiltinScene{"terrain", "mountains round a lake, a kilometre across", 400'000, make_terrain},
 };
 
 /// The number after detail=: an integer or like 1e6, all of the text, within the limits.

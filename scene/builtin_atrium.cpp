@@ -68,15 +68,15 @@ Materials add_materials(Scene& scene) {
   };
   m.stone = textured("dressed stone", plaster(512, {0.62f, 0.55f, 0.44f}, 0.16f, 11));
   m.blocks = textured("stone blocks", stone_blocks(512, 4, 8, {0.60f, 0.52f, 0.40f}, {0.42f, 0.37f, 0.30f}, 0.05f, 12));
-  m.plaster = textured("plaster", plaster(512, {0.66f, 0.52f, 0.36f}, 0.14f, 13));
-  m.vault = textured("vault plaster", plaster(512, {0.68f, 0.63f, 0.54f}, 0.10f, 14));
+  m.plaster = textured("plaster", plaster(256, {0.66f, 0.52f, 0.36f}, 0.14f, 13));
+  m.vault = textured("vault plaster", plaster(256, {0.68f, 0.63f, 0.54f}, 0.10f, 14));
   m.court = textured("court floor",
                      marble_tiles(512, {0.60f, 0.55f, 0.46f}, {0.36f, 0.22f, 0.15f}, {0.12f, 0.17f, 0.19f}, 15), 0.15f,
                      64.0f);
   m.tiles = textured("gallery floor",
                      marble_tiles(512, {0.46f, 0.22f, 0.12f}, {0.40f, 0.18f, 0.10f}, {0.50f, 0.43f, 0.32f}, 16));
-  m.wood = textured("ceiling wood", wood(512, 1, {0.30f, 0.17f, 0.08f}, {0.14f, 0.07f, 0.03f}, 17));
-  m.door = textured("doors", wood(512, 5, {0.24f, 0.13f, 0.06f}, {0.11f, 0.05f, 0.02f}, 18));
+  m.wood = textured("ceiling wood", wood(256, 1, {0.30f, 0.17f, 0.08f}, {0.14f, 0.07f, 0.03f}, 17));
+  m.door = textured("doors", wood(256, 5, {0.24f, 0.13f, 0.06f}, {0.11f, 0.05f, 0.02f}, 18));
   m.roof = textured("roof tiles", plaster(256, {0.47f, 0.21f, 0.12f}, 0.3f, 19));
   m.terracotta = textured("terracotta", plaster(256, {0.50f, 0.22f, 0.11f}, 0.2f, 20));
   m.iron = cut_out("window grilles", lattice(256, 5, 0.07f, {0.05f, 0.045f, 0.04f}));
@@ -158,7 +158,7 @@ Mesh leafy_capital(float radius_low, float radius_high, float height, const Deta
     return inside * midrib * (0.35f + 0.65f * t * t);
   };
   return surface(
-      d(64, 12), d(20, 4),
+      d(72, 8), d(24, 3),
       [&](float u, float v) {
         const float bell = radius_low + (radius_high - radius_low) * std::pow(v, 2.2f);
         const float low = leaf_row(8.0f * u, v, -0.02f, 0.52f), high = leaf_row(8.0f * u + 0.5f, v, 0.2f, 0.94f);
@@ -173,7 +173,7 @@ Mesh leafy_capital(float radius_low, float radius_high, float height, const Deta
 Mesh column(float height, float radius, int flutes, const Detail& d) {
   const float plinth = 0.55f * radius, base = 0.75f * radius, capital = 1.9f * radius, abacus = 0.45f * radius;
   const float half = 1.42f * radius, neck = 0.84f * radius;
-  Mesh mesh = box({-half, 0, -half}, {half, plinth, half}, 0.04f * radius, d(1));
+  Mesh mesh = box({-half, 0, -half}, {half, plinth, half}, 0.04f * radius, d(1, 0));
   // Attic base: a torus, a hollow, a smaller torus.
   const int turn = d(6, 2);
   Points2 low = arc({1.18f * radius, plinth + 0.17f * radius}, 0.17f * radius, -90.0f, 90.0f, turn);
@@ -196,14 +196,14 @@ Mesh column(float height, float radius, int flutes, const Detail& d) {
   append(mesh, moved(torus(neck, 0.09f * radius, d(32, 8), d(8, 4)), {0, to, 0}));
   append(mesh, moved(leafy_capital(neck, 1.3f * radius, capital, d), {0, to, 0}));
   append(mesh, box({-1.36f * radius, height - abacus, -1.36f * radius}, {1.36f * radius, height, 1.36f * radius},
-                   0.08f * radius, d(1)));
+                   0.08f * radius, d(1, 0)));
   return mesh;
 }
 
 /// A corner pier with a foot and a head.
 Mesh pier(float low, float high, const Detail& d) {
   const float half = 0.5f * kPier;
-  Mesh mesh = box({-half, low, -half}, {half, high, half}, 0.02f, d(1));
+  Mesh mesh = box({-half, low, -half}, {half, high, half}, 0.02f, d(1, 0));
   const Points2 foot = join({{{0.07f, 0.0f}, {0.07f, 0.24f}}, arc({0.0f, 0.24f}, 0.05f, 0.0f, 90.0f, d(4, 2))});
   append(mesh, moulding(ring(vec2(half), low, true), foot, true));
   return mesh;
@@ -223,7 +223,7 @@ Mesh archivolt(float spring, const Detail& d) {
   const float radius = 0.5f * kOpening, front = 0.5f * kWall;
   Points3 path;
   for (const vec2 p : arc({0, spring}, radius + 0.11f, 0.0f, 180.0f, d(24, 6))) path.emplace_back(p.x, p.y, front);
-  Points2 section = rectangle({0.20f, 0.10f}, 0.025f, d(2));
+  Points2 section = rectangle({0.20f, 0.10f}, 0.025f, d(2, 0));
   Mesh mesh = sweep(path, section, {1, 0, 0});
   const Points2 key = {
       {-0.10f, radius - 0.03f}, {0.10f, radius - 0.03f}, {0.15f, radius + 0.42f}, {-0.15f, radius + 0.42f}};
@@ -317,7 +317,7 @@ Mesh tied_curtain(float width, float height, float tie, std::uint32_t seed, cons
   constexpr float kFolds = 7.0f;
   noise::Random random{noise::hash(seed)};
   const float start = random.next();
-  return surface(d(72, 14), d(40, 6), [&](float u, float v) {
+  return surface(d(72, 10), d(40, 4), [&](float u, float v) {
     const float down = 1.0f - v, y = -height * down;
     const float at_tie = tie / height;
     // Share of the full width: the free edge falls in an arc to the tie, then opens again a little.
@@ -342,7 +342,7 @@ Mesh rail_banner(float width, float rail, vec2 ledge, float drop, std::uint32_t 
   constexpr float kBehind = 0.55f, kOff = 0.015f;  // metres behind the rail, and off the stone
   const float half = 0.5f * rail + kOff;
   const float total = kBehind + 2.0f * half + drop;
-  return surface(d(40, 8), d(64, 12), [&](float u, float v) {
+  return surface(d(40, 6), d(64, 12), [&](float u, float v) {
     const float s = total * (1.0f - v);  // along the cloth, from the hem behind
     vec3 p(width * (u - 0.5f), kOff, 0.0f);
     float loose = 0.0f, out = 0.0f;
@@ -389,12 +389,12 @@ Mesh fern(float size, int fronds, std::uint32_t seed, const Detail& d) {
     const float steep = glm::radians(random.between(48.0f, 82.0f));
     const float length = size * random.between(0.75f, 1.1f), width = 0.26f * length;
     const float bow = random.between(1.5f, 2.4f), twist = random.between(-0.3f, 0.3f);
-    Mesh blade = surface(2 * d(1), d(8, 3), [&](float u, float v) {
+    Mesh blade = surface(d(2), d(8, 3), [&](float u, float v) {
       // A bow: the angle to the ground falls evenly along the frond. Integrated in closed form.
       const float end = steep - bow * v;
       const float out = length * (std::sin(steep) - std::sin(end)) / bow,
                   up = length * (std::cos(end) - std::cos(steep)) / bow;
-      const float side = (u - 0.5f) * width, cup = std::abs(u - 0.5f) * 0.5f * width;
+      const float side = (0.5f - u) * width, cup = std::abs(u - 0.5f) * 0.5f * width;
       return SurfacePoint{{side, up + cup * std::cos(end) + twist * side * v, out - cup * std::sin(end)}, {u, v}};
     });
     append(mesh, turned_y(std::move(blade), turn));
@@ -403,7 +403,7 @@ Mesh fern(float size, int fronds, std::uint32_t seed, const Detail& d) {
 }
 
 /// A crown of leaves scattered over and inside a lumpy ball round the origin.
-Mesh crown(float radius, int leaves, std::uint32_t seed) {
+Mesh crown(float radius, int leaves, std::uint32_t seed, const Detail& d) {
   Mesh mesh;
   noise::Random random{noise::hash(seed)};
   for (int i = 0; i < leaves; ++i) {
@@ -417,7 +417,7 @@ Mesh crown(float radius, int leaves, std::uint32_t seed) {
     const vec3 helper = std::abs(tip.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0);
     const vec3 across = glm::normalize(glm::cross(helper, tip)), over = glm::cross(tip, across);
     const float size = random.between(0.11f, 0.17f);
-    append(mesh, surface(2, 2, [&](float u, float v) {
+    append(mesh, surface(d(2), d(2), [&](float u, float v) {
              const float side = (u - 0.5f) * 0.55f * size;
              const vec3 bend = over * (0.25f * std::abs(side) - 0.25f * size * v * v);
              return SurfacePoint{at + side * across + v * size * tip + bend, {u, v}};
@@ -514,19 +514,19 @@ void add_lower_bay(Parts& parts, const Bay& bay, const Detail& d) {
     for (const float x : {-0.36f, 0.36f})  // two leaves with two raised panels each
       for (const vec2 span : {vec2(0.15f, 0.95f), vec2(1.1f, 2.1f)})
         put(parts.door, box({x - 0.26f, kStep + span.x, -kGallery - 0.8f * kDepth},
-                            {x + 0.26f, kStep + span.y, -kGallery - 0.6f * kDepth}, 0.025f, d(1)));
+                            {x + 0.26f, kStep + span.y, -kGallery - 0.6f * kDepth}, 0.025f, d(1, 0)));
     put(parts.brass, moved(sphere(0.035f, d(12, 6), d(6, 4)), {0.06f, kStep + 1.02f, -kGallery - 0.55f * kDepth}));
     Points3 path;
     for (const vec2 p : arc({0, kStep + kDoorSpring}, 0.5f * kDoor + 0.09f, 0.0f, 180.0f, d(20, 6)))
       path.emplace_back(p.x, p.y, -kGallery);
     path.insert(path.begin(), vec3(0.5f * kDoor + 0.09f, kStep, -kGallery));
     path.push_back(vec3(-0.5f * kDoor - 0.09f, kStep, -kGallery));
-    put(parts.stone, sweep(path, rectangle({0.18f, 0.12f}, 0.02f, d(1)), {1, 0, 0}));
+    put(parts.stone, sweep(path, rectangle({0.18f, 0.12f}, 0.02f, d(1, 0)), {1, 0, 0}));
   } else {
     put(parts.plaster, quad({-0.5f * kBay, kStep, -kGallery}, {0.5f * kBay, kStep, -kGallery},
                             {0.5f * kBay, kFloor, -kGallery}, {-0.5f * kBay, kFloor, -kGallery}, 1, 1));
     put(parts.stone,
-        box({-0.95f, kStep, -kGallery}, {0.95f, kStep + 0.42f, -kGallery + 0.4f}, 0.03f, d(1)));  // a bench
+        box({-0.95f, kStep, -kGallery}, {0.95f, kStep + 0.42f, -kGallery + 0.4f}, 0.03f, d(1, 0)));  // a bench
   }
 }
 
@@ -540,23 +540,23 @@ void add_upper_bay(Parts& parts, const Bay& bay, const Detail& d) {
   // Balustrade: a foot, balusters, a rail, between the pedestals of the columns.
   const float end = half - 0.36f, deep = 0.5f * kRailDepth;
   put(parts.stone,
-      box({-end, kKerb, kRailOut - 0.9f * deep}, {end, kKerb + 0.09f, kRailOut + 0.9f * deep}, 0.015f, d(1)));
-  put(parts.stone, box({-end, kRail - 0.13f, kRailOut - deep}, {end, kRail, kRailOut + deep}, 0.03f, d(1)));
-  constexpr int kBalusters = 8;
+      box({-end, kKerb, kRailOut - 0.9f * deep}, {end, kKerb + 0.09f, kRailOut + 0.9f * deep}, 0.015f, d(1, 0)));
+  put(parts.stone, box({-end, kRail - 0.13f, kRailOut - deep}, {end, kRail, kRailOut + deep}, 0.03f, d(1, 0)));
+  const int balusters = d(8, 3);
   const Mesh one = baluster(kRail - 0.13f - kKerb - 0.09f, d);
-  for (int i = 0; i < kBalusters; ++i)
-    put(parts.stone, moved(one, {-end + 2.0f * end * (float(i) + 0.5f) / kBalusters, kKerb + 0.09f, kRailOut}));
+  for (int i = 0; i < balusters; ++i)
+    put(parts.stone, moved(one, {-end + 2.0f * end * (float(i) + 0.5f) / float(balusters), kKerb + 0.09f, kRailOut}));
   // Outer wall with a grilled window, wooden ceiling with beams.
   constexpr float kWindow = 1.2f, kSill = 0.9f, kWindowSpring = 2.6f, kDepth = 0.3f;
   const float height = kTop - kFloor;
   put(parts.plaster,
       moved(wall_with_arched_hole(kBay, height, kWindow, kSill, kWindowSpring, kDepth, d), {0, kFloor, -kGallery}));
   put(parts.iron, moved(arched_panel(kWindow, kWindowSpring, d), {0, kFloor, -kGallery - 0.5f * kDepth}));
-  put(parts.stone,
-      box({-0.75f, kFloor + kSill - 0.12f, -kGallery - 0.02f}, {0.75f, kFloor + kSill, -kGallery + 0.1f}, 0.02f, d(1)));
+  put(parts.stone, box({-0.75f, kFloor + kSill - 0.12f, -kGallery - 0.02f}, {0.75f, kFloor + kSill, -kGallery + 0.1f},
+                       0.02f, d(1, 0)));
   for (const float x : {-1.0f, 0.0f, 1.0f})
     put(parts.wood,
-        box({x - 0.09f, kTop - 0.24f, -kGallery - 0.02f}, {x + 0.09f, kTop, -0.5f * kWall + 0.02f}, 0.012f, d(1)));
+        box({x - 0.09f, kTop - 0.24f, -kGallery - 0.02f}, {x + 0.09f, kTop, -0.5f * kWall + 0.02f}, 0.012f, d(1, 0)));
 }
 
 /// The square where two galleries meet, built for the corner at +x, +z.
@@ -579,16 +579,16 @@ void add_transverse_arch(Parts& parts, const mat4& place, float width, const Det
   Mesh span = turned_y(arch(2.0f * kGalleryHalf - 0.3f, 2.0f * kGalleryHalf, 1.7f, width, d(20, 6)), 90.0f);
   append(parts.blocks, transformed(moved(std::move(span), {0, kSpring, -kGalleryMiddle}), place));
   const float half = 0.5f * width + 0.03f;
-  Mesh pilaster = box({-half, kStep, -kGallery - 0.02f}, {half, kSpring, -kGallery + 0.18f}, 0.02f, d(1));
+  Mesh pilaster = box({-half, kStep, -kGallery - 0.02f}, {half, kSpring, -kGallery + 0.18f}, 0.02f, d(1, 0));
   append(pilaster, box({-half - 0.06f, kSpring - 0.16f, -kGallery - 0.02f}, {half + 0.06f, kSpring, -kGallery + 0.25f},
-                       0.02f, d(1)));
-  append(pilaster,
-         box({-half - 0.05f, kStep, -kGallery - 0.02f}, {half + 0.05f, kStep + 0.3f, -kGallery + 0.23f}, 0.02f, d(1)));
+                       0.02f, d(1, 0)));
+  append(pilaster, box({-half - 0.05f, kStep, -kGallery - 0.02f}, {half + 0.05f, kStep + 0.3f, -kGallery + 0.23f},
+                       0.02f, d(1, 0)));
   append(parts.stone, transformed(std::move(pilaster), place));
 }
 
 void add_floors(Scene& scene, const Materials& m, const Detail& d) {
-  const vec2 step = kCourt - vec2(0.6f), out = kCourt + vec2(kGallery);
+  const vec2 step = kCourt - vec2(0.6f), out = kCourt + vec2(kGallery + 0.3f);  // into the walls, under the doors
   Mesh court = plane(-step, step, 0.0f, d(8), d(16));
   scale_uvs(court, vec2(0.5f));
   add_mesh(scene, "court floor", std::move(court), m.court);
@@ -752,7 +752,7 @@ void add_plants(Scene& scene, const Materials& m, const Detail& d) {
   for (const vec2 at : {vec2(-2.9f, -4.6f), vec2(2.9f, -4.6f), vec2(-2.9f, 1.4f), vec2(2.9f, 1.4f)}) {
     constexpr float kHalf = 0.38f, kHigh = 0.62f, kTrunk = 1.25f, kCrown = 0.72f;
     const vec3 foot(at.x, 0.0f, at.y);
-    Mesh tub = box({-kHalf, 0.06f, -kHalf}, {kHalf, kHigh - 0.03f, kHalf}, 0.015f, d(1));
+    Mesh tub = box({-kHalf, 0.06f, -kHalf}, {kHalf, kHigh - 0.03f, kHalf}, 0.015f, d(1, 0));
     const Points2 rim = {{0.0f, -0.1f}, {0.05f, -0.1f}, {0.05f, 0.0f}, {-0.06f, 0.0f}, {-0.06f, -0.1f}};
     append(tub, moulding(ring(vec2(kHalf), kHigh, true), sharp(rim), true));
     for (const float x : {-1.0f, 1.0f})
@@ -765,7 +765,7 @@ void add_plants(Scene& scene, const Materials& m, const Detail& d) {
              moved(plane({-kHalf + 0.02f, -kHalf + 0.02f}, {kHalf - 0.02f, kHalf - 0.02f}, kHigh - 0.02f, 1, 1), foot),
              m.soil, id);
     const int tree = add_mesh(scene, "tree trunk", moved(trunk(kTrunk, d), foot + vec3(0, kHigh - 0.02f, 0)), m.bark);
-    add_mesh(scene, "tree crown", moved(crown(kCrown, d(900, 120), seed), foot + vec3(0, kHigh + kTrunk + 0.45f, 0)),
+    add_mesh(scene, "tree crown", moved(crown(kCrown, d(900, 120), seed, d), foot + vec3(0, kHigh + kTrunk + 0.45f, 0)),
              m.leaf, tree);
     ++seed;
   }
@@ -784,7 +784,7 @@ Scene build(const Materials& m, const Detail& d) {
 
   const Mesh lower = moved(column(kSpring - kStep, 0.30f, 0, d), {0, kStep, 0});
   const Mesh upper = moved(column(kSpringUpper - kRail, 0.235f, 16, d), {0, kRail, 0});
-  const Mesh pedestal = box({-0.38f, kKerb, -0.34f}, {0.38f, kRail, 0.34f}, 0.03f, d(1));
+  const Mesh pedestal = box({-0.38f, kKerb, -0.34f}, {0.38f, kRail, 0.34f}, 0.03f, d(1, 0));
   const Mesh boss = moved(rosette(0.34f, d), {0, kSpring + 1.08f, 0.5f * kWall - 0.005f});
   for (const mat4& place : column_places()) {
     const int id = add_mesh(scene, "lower column", transformed(lower, place), m.stone);
@@ -832,9 +832,9 @@ Scene make_atrium(int triangles) {
   scene.textures = std::move(palette.textures);
   // A high sun from behind the camera's right shoulder: it lights the left side, the far end and part of the floor.
   scene.lights = {
-      {.direction = glm::normalize(vec3(0.50f, 0.80f, 0.30f)), .color = {1.0f, 0.90f, 0.74f}, .casts_shadow = true},
+      {.direction = glm::normalize(vec3(0.35f, 0.86f, 0.38f)), .color = {1.30f, 1.15f, 0.92f}, .casts_shadow = true},
       {.direction = glm::normalize(vec3(-0.7f, 0.35f, 0.4f)), .color = {0.10f, 0.085f, 0.07f}}};
-  scene.ambient = {0.36f, 0.39f, 0.44f};
+  scene.ambient = {0.32f, 0.35f, 0.40f};
   scene.views = {{.eye = {1.3f, 2.4f, 10.6f}, .target = {-0.35f, 3.7f, -6.0f}, .angle_deg = 60.0f}};
   return scene;
 }

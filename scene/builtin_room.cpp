@@ -136,7 +136,7 @@ void add_shell(Scene& scene, const Materials& m, const Detail& d) {
 
   // The window: a frame deep in the wall, two mullions and a transom, and a sill board.
   const float in = -x - 0.6f * kWallDepth, wide = 0.055f, deep = 0.035f;
-  const int n = d(1);
+  const int n = d(1, 0);
   Mesh frame;
   const auto bar = [&](vec2 low, vec2 high) {
     append(frame, box({in - deep, low.y, low.x}, {in + deep, high.y, high.x}, 0.006f, n));
@@ -167,7 +167,7 @@ void add_shell(Scene& scene, const Materials& m, const Detail& d) {
   constexpr float kFin = 0.085f;
   for (int i = 0; i < kFins; ++i) {
     const float at = (float(i) - 0.5f * float(kFins - 1)) * kFin;
-    append(radiator, box({-x + 0.045f, 0.14f, at - 0.033f}, {-x + 0.145f, 0.70f, at + 0.033f}, 0.028f, d(3)));
+    append(radiator, box({-x + 0.045f, 0.14f, at - 0.033f}, {-x + 0.145f, 0.70f, at + 0.033f}, 0.028f, d(3, 0)));
   }
   const float half = 0.5f * kFin * float(kFins);
   for (const float y : {0.2f, 0.64f})
@@ -192,7 +192,7 @@ void add_curtains(Scene& scene, const Materials& m, const Detail& d) {
   int seed = 5;
   for (const float at : {kWindowLow.x - 0.2f, kWindowHigh.x + 0.2f})
     append(cloth,
-           moved(turned_y(drape(kWidth, kRod - 0.02f, 6.0f, 0.055f, std::uint32_t(seed++), d(96, 18), d(36, 6)), 90.0f),
+           moved(turned_y(drape(kWidth, kRod - 0.02f, 6.0f, 0.055f, std::uint32_t(seed++), d(96, 14), d(36, 4)), 90.0f),
                  {out, kRod, at}));
   scale_uvs(cloth, vec2(2.0f));
   const int id = add_mesh(scene, "curtains", std::move(cloth), m.curtain);
@@ -221,7 +221,7 @@ struct Seating {
 Seating seating(int seats, const Detail& d) {
   constexpr float kSeat = 0.72f, kArm = 0.20f, kDepth = 0.92f, kLeg = 0.13f;
   const float inner = kSeat * float(seats), half = 0.5f * inner + kArm, back = -0.5f * kDepth, front = 0.5f * kDepth;
-  const int n = d(18, 5), bevel = d(4, 1);
+  const int n = d(18, 4), bevel = d(4, 0);
   Seating s;
   append(s.cloth, box({-half + 0.02f, kLeg, back + 0.03f}, {half - 0.02f, 0.30f, front - 0.03f}, 0.03f, bevel));
   for (const float side : {-1.0f, 1.0f}) {
@@ -253,7 +253,7 @@ void add_seating(Scene& scene, const Materials& m, const Detail& d) {
   place("sofa", 3, m.sofa, sofa, 0.0f);
   place("armchair", 1, m.armchair, {1.75f, 0.0f, -0.35f}, -62.0f);
   const auto pillow = [&](const char* name, int material, vec3 at, float lean, float turn, float roll) {
-    Mesh mesh = cushion({0.46f, 0.17f, 0.46f}, d(28, 6));
+    Mesh mesh = cushion({0.46f, 0.17f, 0.46f}, d(28, 5));
     scale_uvs(mesh, vec2(1.6f));
     mesh = turned_y(turned_x(turned_y(std::move(mesh), roll), 90.0f - lean), turn);
     add_mesh(scene, name, moved(std::move(mesh), at), material);
@@ -284,14 +284,14 @@ Seating chair(const Detail& d) {
   }
   const Points3 across = {{-kHalf + 0.02f, 0.20f, 0.0f}, {kHalf - 0.02f, 0.20f, 0.0f}};
   append(s.wood, tube(across, 0.011f, sides));
-  append(s.wood, box({-kHalf - 0.01f, kHigh - 0.035f, -kHalf}, {kHalf + 0.01f, kHigh, kHalf + 0.02f}, 0.014f, d(2)));
+  append(s.wood, box({-kHalf - 0.01f, kHigh - 0.035f, -kHalf}, {kHalf + 0.01f, kHigh, kHalf + 0.02f}, 0.014f, d(2, 0)));
   for (const float y : {0.60f, 0.73f, 0.86f}) {
     // Slats bow backwards between the uprights.
     const float z = -kHalf - 0.02f - 0.34f * std::max(y - 0.66f, 0.0f);
     const Points3 bones = {
         {-kHalf + 0.01f, y, z}, {-0.5f * kHalf, y, z - 0.028f}, {0.5f * kHalf, y, z - 0.028f}, {kHalf - 0.01f, y, z}};
     const Points3 path = smooth(bones, d(4, 1));
-    append(s.wood, sweep(path, rectangle({0.016f, 0.075f}, 0.006f, d(2)), {0, 0, 1}));
+    append(s.wood, sweep(path, rectangle({0.016f, 0.075f}, 0.006f, d(2, 0)), {0, 0, 1}));
   }
   append(s.cloth, moved(upholstery({2.0f * kHalf, 0.05f, 2.0f * kHalf}, d(12, 4)), {0, kHigh + 0.018f, 0.01f}));
   return s;
@@ -345,7 +345,7 @@ void add_tables(Scene& scene, const Materials& m, const Detail& d) {
     const Points3 path = smooth(bones, d(4, 1));
     std::vector<float> scale;
     for (std::size_t k = 0; k < path.size(); ++k) scale.push_back(1.0f - 0.45f * float(k) / float(path.size() - 1));
-    Mesh foot = sweep(path, rectangle({0.05f, 0.064f}, 0.015f, d(2)), {1, 0, 0}, false, scale);
+    Mesh foot = sweep(path, rectangle({0.05f, 0.064f}, 0.015f, d(2, 0)), {1, 0, 0}, false, scale);
     append(foot, moved(sphere(0.022f, d(12, 6), d(8, 4)), {0, 0.021f, 0.40f}));
     append(table, turned_y(std::move(foot), 45.0f + 90.0f * float(i)));
   }
@@ -394,9 +394,9 @@ void add_tables(Scene& scene, const Materials& m, const Detail& d) {
   const vec3 low(-0.35f, 0.0f, -0.78f);
   constexpr float kLow = 0.40f;
   constexpr vec2 kHalf(0.58f, 0.31f);
-  Mesh coffee = plank({-kHalf.x, kLow - 0.035f, -kHalf.y}, {kHalf.x, kLow, kHalf.y}, 0.008f, d(2));
-  append(coffee,
-         plank({-kHalf.x + 0.07f, 0.14f, -kHalf.y + 0.05f}, {kHalf.x - 0.07f, 0.16f, kHalf.y - 0.05f}, 0.005f, d(1)));
+  Mesh coffee = plank({-kHalf.x, kLow - 0.035f, -kHalf.y}, {kHalf.x, kLow, kHalf.y}, 0.008f, d(2, 0));
+  append(coffee, plank({-kHalf.x + 0.07f, 0.14f, -kHalf.y + 0.05f}, {kHalf.x - 0.07f, 0.16f, kHalf.y - 0.05f}, 0.005f,
+                       d(1, 0)));
   for (const float x : {-1.0f, 1.0f})
     for (const float z : {-1.0f, 1.0f})
       append(coffee, moved(turned_z(turned_x(cone(0.014f, 0.024f, kLow - 0.02f, d(12, 6)), z * -5.0f), x * 5.0f),
@@ -417,7 +417,7 @@ void add_tables(Scene& scene, const Materials& m, const Detail& d) {
 void add_rug(Scene& scene, const Materials& m, const Detail& d) {
   constexpr vec2 kHalf(1.45f, 1.0f);
   constexpr float kThick = 0.014f;
-  Mesh rug = box({-kHalf.x, 0.0f, -kHalf.y}, {kHalf.x, kThick, kHalf.y}, 0.007f, d(2));
+  Mesh rug = box({-kHalf.x, 0.0f, -kHalf.y}, {kHalf.x, kThick, kHalf.y}, 0.007f, d(2, 0));
   for (std::size_t i = 0; i < rug.uvs.size(); ++i)
     rug.uvs[i] = {0.5f + 0.4995f * rug.positions[i].x / kHalf.x, 0.5f - 0.4995f * rug.positions[i].z / kHalf.y};
   add_mesh(scene, "rug", stand(std::move(rug), {-0.25f, 0.0f, -0.62f}, 3.0f), m.rug);
@@ -436,7 +436,7 @@ void add_book_row(Mesh& books, vec3 at, float width, float space_above, noise::R
     const float lean = leans ? random.between(6.0f, 11.0f) : 0.0f;
     const float need = thick + (leans ? high * std::sin(glm::radians(lean)) + 0.004f : 0.0f);
     if (x + need > width) return;
-    Mesh book = box({0, 0, -deep}, {thick, high, 0}, 0.004f, d(1));
+    Mesh book = box({0, 0, -deep}, {thick, high, 0}, 0.004f, d(1, 0));
     for (std::size_t i = 0; i < book.uvs.size(); ++i) {
       const vec3 p = book.positions[i];
       book.uvs[i] = {(float(spine) + std::clamp(p.x / thick, 0.04f, 0.96f)) / float(kBooks),
@@ -452,7 +452,7 @@ void add_shelf(Scene& scene, const Materials& m, const Detail& d) {
   constexpr float kHalf = 0.62f, kHigh = 2.05f, kDeep = 0.30f, kBoard = 0.024f, kFoot = 0.08f;
   constexpr int kShelves = 5;
   const vec3 at(1.72f, 0.0f, -kRoom.z + 0.02f);
-  const int n = d(1);
+  const int n = d(1, 0);
   Mesh frame;
   for (const float x : {-kHalf, kHalf - kBoard})
     append(frame, plank({x, 0.0f, 0.0f}, {x + kBoard, kHigh, kDeep}, 0.003f, n));
@@ -591,7 +591,7 @@ void add_plant(Scene& scene, const Materials& m, vec3 at, const Detail& d) {
       const float direction = glm::degrees(turn) + 137.5f * float(i) + random.between(-25.0f, 25.0f);
       const float size = random.between(0.20f, 0.30f) * (1.1f - 0.3f * share),
                   steep = glm::radians(random.between(25.0f, 70.0f)), bow = random.between(0.9f, 1.7f);
-      Mesh blade = surface(2 * d(2), d(8, 3), [&](float u, float v) {
+      Mesh blade = surface(d(4), d(8, 3), [&](float u, float v) {
         const float end = steep - bow * v;
         const float out = size * (std::sin(steep) - std::sin(end)) / bow,
                     up = size * (std::cos(end) - std::cos(steep)) / bow;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/gtc/matrix_transform.hpp>
+#include <glm/vec2.hpp>
 #include <numbers>
 
 #include "scene/builtin_list.h"
@@ -25,7 +25,7 @@ constexpr float kPi = std::numbers::pi_v<float>;
 
 constexpr float kHalf = 500.0f;  // the land lies in x, z = +-kHalf
 constexpr float kLake = 14.0f;   // height of the water
-constexpr float kTreeLine = 135.0f, kSnowLine = 205.0f;
+constexpr float kTreeLine = 115.0f, kSnowLine = 165.0f;
 constexpr float kBase = -40.0f;  // the block of land is cut off here
 constexpr int kField = 400;      // samples of the worn field along a side: 2.5 m
 
@@ -40,29 +40,48 @@ struct Field {
   float step() const { return 2.0f * kHalf / float(n - 1); }
 };
 
+/// A height and its change per metre along x and z.
+struct Slope {
+  float height = 0.0f;
+  vec2 rise{0.0f};
+  vec3 normal() const { return glm::normalize(vec3(-rise.x, 1.0f, -rise.y)); }
+};
+
 /// A cubic B-spline through the neighbourhood of a place: smooth to the second derivative, so that finer meshes get
 /// rounder, not more faceted.
-float smooth_height(const Field& field, vec2 p) {
+Slope smooth_slope(const Field& field, vec2 p) {
   const vec2 q = (p + vec2(kHalf)) / field.step();
   const int x = int(std::floor(q.x)), z = int(std::floor(q.y));
-  const auto weights = [](float t, float w[4]) {
+  const auto weights = [](float t, float w[4], float dw[4]) {
     const float s = 1.0f - t;
     w[0] = s * s * s / 6.0f;
     w[1] = (3.0f * t * t * t - 6.0f * t * t + 4.0f) / 6.0f;
     w[2] = (3.0f * s * s * s - 6.0f * s * s + 4.0f) / 6.0f;
     w[3] = t * t * t / 6.0f;
+    dw[0] = -0.5f * s * s;
+    dw[1] = 1.5f * t * t - 2.0f * t;
+    dw[2] = 2.0f * s - 1.5f * s * s;
+    dw[3] = 0.5f * t * t;
   };
-  float wx[4], wz[4];
-  weights(q.x - float(x), wx);
-  weights(q.y - float(z), wz);
-  float sum = 0.0f;
+  float wx[4], wz[4], dx[4], dz[4];
+  weights(q.x - float(x), wx, dx);
+  weights(q.y - float(z), wz, dz);
+  Slope slope;
   for (int j = 0; j < 4; ++j) {
-    float row = 0.0f;
-    for (int i = 0; i < 4; ++i) row += wx[i] * field.clamped(x + i - 1, z + j - 1);
-    sum += wz[j] * row;
+    float row = 0.0f, row_rise = 0.0f;
+    for (int i = 0; i < 4; ++i) {
+      const float height = field.clamped(x + i - 1, z + j - 1);
+      row += wx[i] * height;
+      row_rise += dx[i] * height;
+    }
+    slope.height += wz[j] * row;
+    slope.rise += vec2(wz[j] * row_rise, dz[j] * row) / field.step();
   }
-  return sum;
+  return slope;
 }
+
+/// Where the valley's middle line runs at a given z.
+float valley_middle(float z) { return 55.0f * std::sin(z / 150.0f + 0.4f) + 0.10f * z; }
 
 /// Mountains before the rain: ridges all round, lower towards a winding valley that opens to the viewer at +z.
 float raw_height(vec2 p) {
@@ -78,17 +97,28 @@ float raw_height(vec2 p) {
     size *= 0.48f;
     q = vec2(0.8f * q.x - 0.6f * q.y, 0.6f * q.x + 0.8f * q.y) * 2.03f;  // turned, so that no axis shows through
   }
-  const float middle = 55.0f * std::sin(p.y / 150.0f + 0.4f) + 0.10f * p.y;
-  const float from_valley = std::abs(p.x + 0.5f * warp.x - middle);
-  const float width =
-      80.0f + 70.0f * glm::smoothstep(-60.0f, 120.0f, p.y) * (1.0f - 0.45f * glm::smoothstep(170.0f, 420.0f, p.y));
-  const float rise = glm::smoothstep(0.5f * width, width + 290.0f, from_valley);
+  const float from_valley = std::abs(p.x + 0.5f * warp.x - valley_middle(p.y));
+  const vec2 from_lake = (p + 0.8f * warp - vec2(valley_middle(60.0f) - 15.0f, 50.0f)) * vec2(1.0f, 0.8f);
+  const float basin =
+      1.0f - glm::smoothstep(55.0f, 170.0f, glm::length(from_lake) + 30.0f * noise::fractal(p / 75.0f, 3, 321));
+  const float width = 95.0f + 45.0f * glm::smoothstep(-80.0f, 60.0f, p.y);
+  const float rise = glm::smoothstep(0.45f * width, width + 300.0f, from_valley);
   const float head =
-      1.0f - glm::smoothstep(-330.0f, -110.0f, p.y + 0.3f * warp.y);  // the valley ends in the main range
+      1.0f - glm::smoothstep(-340.0f, -100.0f, p.y + 0.3f * warp.y);  // the valley ends in the main range
   const float high = std::clamp(rise + 0.95f * head, 0.0f, 1.15f);
-  const float floor = 9.0f + 10.0f * noise::fractal(p / 90.0f, 3, 301) -
-                      14.0f * (1.0f - glm::smoothstep(60.0f, 190.0f, glm::length(p - vec2(middle, 110.0f))));
-  return floor + high * (30.0f + 215.0f * (0.25f + 0.75f * high) * sum);
+  const float floor = kLake + 6.0f + 7.0f * noise::fractal(p / 90.0f, 3, 301) - 22.0f * basin;
+  return floor + high * (14.0f + 118.0f * (0.30f + 0.70f * high) * sum);
+}
+
+/// The river leaves the lake towards +z, cut into the worn valley floor down below the water's level.
+float river_bed(vec2 p, float height) {
+  constexpr float kHalfWidth = 8.0f, kDepth = 3.0f;
+  const float middle = valley_middle(p.y) + 24.0f * std::sin(p.y / 38.0f) * glm::smoothstep(110.0f, 220.0f, p.y);
+  const float off = (p.x - middle) / (kHalfWidth * (1.0f + 0.4f * noise::gradient(p / 30.0f, 311)));
+  const float cut = std::exp(-std::pow(std::abs(off), 3.0f)) * glm::smoothstep(40.0f, 90.0f, p.y);
+  const float banks = std::exp(-off * off / 30.0f) * glm::smoothstep(90.0f, 160.0f, p.y);
+  const float low = height - 0.85f * banks * std::max(height - kLake - 2.5f, 0.0f);
+  return low - cut * std::max(low - (kLake - kDepth), 0.0f);
 }
 
 /// Rain: drops run down the field, take up earth where they are fast and leave it where they are slow.
@@ -149,23 +179,56 @@ void erode(Field& field) {
   }
 }
 
+/// Frost: ground steeper than it can lie slides down to its neighbours, and gathers as scree below the cliffs.
+void weather(Field& field) {
+  constexpr int kRounds = 28;
+  constexpr float kShare = 0.18f;  // of what is too much; above a quarter, four neighbours together overshoot
+  std::vector<float> change(field.height.size());
+  for (int round = 0; round < kRounds; ++round) {
+    std::fill(change.begin(), change.end(), 0.0f);
+    for (int z = 0; z < field.n; ++z)
+      for (int x = 0; x < field.n; ++x) {
+        const std::size_t here = std::size_t(z) * std::size_t(field.n) + std::size_t(x);
+        // Rock holds steeper in some places than in others: crags stay between the screes.
+        const float holds = field.step() * (0.75f + 1.0f * noise::unit(noise::hash(x / 9, z / 9, 331u)));
+        for (const glm::ivec2 to : {glm::ivec2(1, 0), glm::ivec2(0, 1)}) {
+          if (x + to.x >= field.n || z + to.y >= field.n) continue;
+          const std::size_t there = here + std::size_t(to.x) + std::size_t(to.y) * std::size_t(field.n);
+          const float drop = field.height[here] - field.height[there];
+          const float moved = kShare * std::max(std::abs(drop) - holds, 0.0f) * (drop > 0.0f ? 1.0f : -1.0f);
+          change[here] -= moved;
+          change[there] += moved;
+        }
+      }
+    for (std::size_t i = 0; i < change.size(); ++i) field.height[i] += change[i];
+  }
+}
+
 Field worn_field() {
   Field field{kField, std::vector<float>(std::size_t(kField) * kField)};
   for (int z = 0; z < kField; ++z)
     for (int x = 0; x < kField; ++x) field.at(x, z) = raw_height(vec2(float(x), float(z)) * field.step() - vec2(kHalf));
+  weather(field);
   erode(field);
+  weather(field);
+  constexpr float kDeepest = kLake - 15.0f;
+  for (int z = 0; z < kField; ++z)
+    for (int x = 0; x < kField; ++x)
+      field.at(x, z) =
+          std::max(river_bed(vec2(float(x), float(z)) * field.step() - vec2(kHalf), field.at(x, z)), kDeepest);
   return field;
 }
 
 /// What the worn field is too coarse for: broken rock on steep ground, down to what a mesh of that spacing can show.
 float fine_height(vec2 p, float steepness, float spacing) {
-  float sum = 0.0f, size = 0.9f, wavelength = 9.0f;
-  for (std::uint32_t octave = 0; octave < 4 && wavelength > 2.0f * spacing; ++octave) {
-    sum += size * noise::gradient(p / wavelength, 401u + octave);
-    size *= 0.5f;
+  float sum = 0.0f, size = 2.4f, wavelength = 26.0f;
+  for (std::uint32_t octave = 0; octave < 6 && wavelength > 2.0f * spacing; ++octave) {
+    // Folded noise has edges, as broken rock has.
+    sum += size * (0.5f - 1.6f * std::abs(noise::gradient(p / wavelength, 401u + octave)));
+    size *= 0.52f;
     wavelength *= 0.5f;
   }
-  return sum * (0.12f + 1.1f * glm::smoothstep(0.35f, 1.1f, steepness));
+  return sum * (0.05f + 1.1f * glm::smoothstep(0.45f, 1.1f, steepness));
 }
 
 /// The field that the mesh shows, n samples along a side.
@@ -173,16 +236,12 @@ Field shown_field(const Field& worn, int n) {
   Field field{n, std::vector<float>(std::size_t(n) * std::size_t(n))};
   const float step = field.step();
   for (int z = 0; z < n; ++z)
-    for (int x = 0; x < n; ++x) field.at(x, z) = smooth_height(worn, vec2(float(x), float(z)) * step - vec2(kHalf));
-  Field fine = field;
-  for (int z = 0; z < n; ++z)
     for (int x = 0; x < n; ++x) {
-      const vec2 slope(field.clamped(x + 1, z) - field.clamped(x - 1, z),
-                       field.clamped(x, z + 1) - field.clamped(x, z - 1));
-      fine.at(x, z) +=
-          fine_height(vec2(float(x), float(z)) * step - vec2(kHalf), glm::length(slope) / (2.0f * step), step);
+      const vec2 p = vec2(float(x), float(z)) * step - vec2(kHalf);
+      const Slope slope = smooth_slope(worn, p);
+      field.at(x, z) = slope.height + fine_height(p, glm::length(slope.rise), step);
     }
-  return fine;
+  return field;
 }
 
 /// Height and upward normal of the field's surface, between its samples as the mesh's triangles are.
@@ -212,27 +271,28 @@ float woods(vec2 p, const Ground& ground) {
 
 /// Colour of the ground by height and slope: sand, meadow, forest floor, scree, rock, snow.
 vec3 ground_color(const Field& worn, vec2 p) {
-  const float reach = worn.step();
-  const float height = smooth_height(worn, p);
-  const float dx = smooth_height(worn, p + vec2(reach, 0)) - height,
-              dz = smooth_height(worn, p + vec2(0, reach)) - height;
-  const Ground ground{height, glm::normalize(vec3(-dx, reach, -dz))};
+  const Slope slope = smooth_slope(worn, p);
+  const float height = slope.height;
+  const Ground ground{height, slope.normal()};
   const float blotch = noise::fractal(p / 45.0f, 4, 601), speck = noise::fractal(p / 5.0f, 2, 611);
   const float flat = ground.normal.y + 0.05f * blotch + 0.04f * speck;
-  const float strata = noise::gradient({height / 5.0f + 1.2f * blotch, 0.5f}, 621);
+  const float strata = noise::gradient({height / 5.0f + 2.5f * blotch, p.x / 60.0f}, 621);
 
   const vec3 meadow = glm::mix(vec3(0.13f, 0.20f, 0.045f), vec3(0.27f, 0.26f, 0.09f),
                                glm::smoothstep(-0.35f, 0.45f, blotch + height / 400.0f));
-  const vec3 rock =
-      glm::mix(vec3(0.23f, 0.205f, 0.18f), vec3(0.40f, 0.36f, 0.31f), 0.5f + 0.35f * strata + 0.4f * speck);
+  const float cracks =
+      1.0f - glm::smoothstep(0.0f, 0.13f,
+                             std::abs(noise::gradient({p.x / 9.0f + 0.4f * blotch, p.y / 9.0f + height / 26.0f}, 631)));
+  const vec3 rock = (1.0f - 0.12f * cracks) * glm::mix(vec3(0.22f, 0.20f, 0.18f), vec3(0.41f, 0.37f, 0.32f),
+                                                       0.5f + 0.12f * strata + 0.35f * speck + 0.5f * blotch);
   const vec3 scree = vec3(0.37f, 0.335f, 0.28f) * (1.0f + 0.25f * speck);
   const vec3 snow(0.86f, 0.89f, 0.93f), sand(0.46f, 0.40f, 0.28f), needles(0.055f, 0.085f, 0.03f);
 
   vec3 color = glm::mix(meadow * (1.0f + 0.25f * speck), needles, 0.75f * woods(p, ground));
   color = glm::mix(color, scree, glm::smoothstep(kTreeLine - 10.0f, kSnowLine - 10.0f, height + 40.0f * blotch));
-  color = glm::mix(color, rock, 1.0f - glm::smoothstep(0.70f, 0.82f, flat));
+  color = glm::mix(color, rock, 1.0f - glm::smoothstep(0.66f, 0.77f, flat));
   const float snowy = glm::smoothstep(kSnowLine - 25.0f, kSnowLine + 20.0f, height + 30.0f * blotch) *
-                      glm::smoothstep(0.58f, 0.70f, flat);
+                      glm::smoothstep(0.50f, 0.64f, flat);
   color = glm::mix(color, snow, snowy);
   return glm::mix(sand * (1.0f + 0.15f * speck), color,
                   glm::smoothstep(kLake + 0.6f, kLake + 2.6f, height + 0.8f * speck));
@@ -243,7 +303,7 @@ struct Materials {
 };
 
 Materials add_materials(Scene& scene, const Field& worn) {
-  constexpr int kTexels = 1536;  // 0.65 m each
+  constexpr int kTexels = 1280;  // 0.8 m each
   Materials m{};
   Texture ground = procedural::paint("ground", kTexels, kTexels, [&worn](vec2 uv) {
     return glm::vec4(ground_color(worn, vec2(2.0f * uv.x - 1.0f, 1.0f - 2.0f * uv.y) * kHalf), 1.0f);
@@ -321,9 +381,9 @@ Mesh fir(int slices, int tiers, std::uint32_t seed) {
 
 /// Firs where the wood is and boulders below the cliffs, for about `budget` triangles.
 void add_cover(Scene& scene, const Materials& m, const Field& field, int budget) {
-  constexpr int kMostFirs = 5200, kKinds = 4;
+  constexpr int kMostFirs = 9000, kKinds = 4;
   constexpr int kLeastSlices = 4, kMostSlices = 24;
-  const int tiers = budget < 20'000 ? 2 : 4;
+  const int tiers = budget < 20'000 ? 2 : 3;
   const int fir_budget = budget * 9 / 10;
   const auto cost = [tiers](int slices) { return 2 * slices * (2 * tiers + 1); };
   const int slices = std::clamp(fir_budget / (kMostFirs * cost(1)), kLeastSlices, kMostSlices);
@@ -337,7 +397,7 @@ void add_cover(Scene& scene, const Materials& m, const Field& field, int budget)
     const vec2 p(random.between(-kHalf + 6.0f, kHalf - 6.0f), random.between(-kHalf + 6.0f, kHalf - 6.0f));
     const Ground ground = ground_at(field, p);
     if (random.next() > woods(p, ground)) continue;
-    const float size = random.between(7.0f, 15.0f) * (1.0f - 0.35f * glm::smoothstep(60.0f, kTreeLine, ground.height));
+    const float size = random.between(6.0f, 12.5f) * (1.0f - 0.35f * glm::smoothstep(60.0f, kTreeLine, ground.height));
     // Sunk a little, so that the foot is in the ground on a slope too.
     Mesh tree = turned_y(scaled(kinds[std::size_t(placed % kKinds)], {size * random.between(0.85f, 1.15f), size, size}),
                          360.0f * random.next());
@@ -371,8 +431,8 @@ void add_cover(Scene& scene, const Materials& m, const Field& field, int budget)
 }  // namespace
 
 Scene make_terrain(int triangles) {
-  // The land gets seven tenths of the triangles, two for each of its quads; the wood and the boulders get the rest.
-  constexpr float kLandShare = 0.7f;
+  // The land gets six tenths of the triangles, two for each of its quads; the wood and the boulders get the rest.
+  constexpr float kLandShare = 0.6f;
   Scene scene;
   scene.name = "terrain";
   const Field worn = worn_field();
@@ -385,7 +445,7 @@ Scene make_terrain(int triangles) {
       {.direction = glm::normalize(vec3(-0.72f, 0.52f, 0.30f)), .color = {1.35f, 1.22f, 1.0f}, .casts_shadow = true},
       {.direction = glm::normalize(vec3(0.5f, 0.6f, 0.5f)), .color = {0.08f, 0.09f, 0.12f}}};
   scene.ambient = {0.34f, 0.40f, 0.50f};
-  scene.views = {{.eye = {90.0f, 330.0f, 700.0f}, .target = {-5.0f, 60.0f, -20.0f}, .angle_deg = 40.0f}};
+  scene.views = {{.eye = {110.0f, 300.0f, 620.0f}, .target = {-10.0f, 50.0f, -60.0f}, .angle_deg = 40.0f}};
   return scene;
 }
 

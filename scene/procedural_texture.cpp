@@ -154,6 +154,8 @@ Texture damask(int size, vec3 ground, vec3 figure) {
     for (const vec2 centre :
          {vec2(0.5f, 0.5f), vec2(0.0f, 0.0f), vec2(1.0f, 0.0f), vec2(0.0f, 1.0f), vec2(1.0f, 1.0f)}) {
       const vec2 p = uv - centre;
+      constexpr vec2 kField(0.18f, 0.35f);  // no part of a flower lies further out
+      if (std::abs(p.x) > kField.x || std::abs(p.y) > kField.y) continue;
       const float radius = glm::length(p), angle = std::atan2(p.x, p.y);
       const float petals = 0.115f + 0.055f * std::cos(6.0f * angle);
       ink = std::max(ink, band(radius, petals, 0.008f) * (1.0f - band(radius, 0.045f, 0.006f)));

@@ -296,7 +296,7 @@ Mesh drape(float width, float height, float folds, float depth, std::uint32_t se
 Mesh box(vec3 low, vec3 high, float bevel, int bevel_segments) {
   const vec3 centre = 0.5f * (low + high), half = 0.5f * (high - low);
   bevel = std::min({bevel, half.x, half.y, half.z});
-  const int n = bevel > 0.0f ? std::max(bevel_segments, 1) : 0;
+  const int n = bevel > 0.0f ? std::max(bevel_segments, 0) : 0;
   Mesh mesh;
   for (const CubeFace& face : kCubeFaces) {
     // Along each edge direction: n steps round the low edge, one over the flat, n round the high edge.
@@ -613,7 +613,7 @@ Points2 circle(float radius, int n) {
 Points2 rectangle(vec2 size, float round, int n) {
   const vec2 half = 0.5f * size;
   round = std::min({round, half.x, half.y});
-  if (round <= 0.0f) {
+  if (round <= 0.0f || n < 1) {
     const Points2 corners = {{-half.x, -half.y}, {half.x, -half.y}, {half.x, half.y}, {-half.x, half.y}};
     return sharp(corners);
   }
@@ -776,12 +776,15 @@ Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& b
   constexpr int kMostTries = 6;
   constexpr float kMostAtOnce = 64.0f;  // counts are rounded, so no leap further than this rests on one count
   Detail detail;
+  float count_before = 0.0f;
   for (int i = 0;; ++i) {
     Scene scene = build(detail);
     const float count = float(scene.triangle_count()), wanted = float(triangles);
-    if (i + 1 == kMostTries || (count < kNear * wanted && count * kNear > wanted)) return scene;
+    const bool near = count < kNear * wanted && count * kNear > wanted;
+    if (near || i + 1 == kMostTries || count == count_before) return scene;
     const float ratio = std::clamp(wanted / std::max(count, 1.0f), 1.0f / kMostAtOnce, kMostAtOnce);
     detail.scale *= std::sqrt(ratio);
+    count_before = count;
   }
 }
 

@@ -51,7 +51,7 @@ Mesh drape(float width, float height, float folds, float depth, std::uint32_t se
 
 // ------------------------------------------------------------------------------------------------------------ solids
 
-/// A box between two corners. Edges are rounded by `bevel` with 2 * bevel_segments quads across; bevel 0 is sharp.
+/// A box between two corners. Edges are rounded by `bevel` with 2 * bevel_segments quads across; with either 0, sharp.
 Mesh box(glm::vec3 low, glm::vec3 high, float bevel = 0.0f, int bevel_segments = 1);
 
 /// A sphere round the origin.
@@ -114,7 +114,8 @@ Mesh wall_with_hole(glm::vec2 size, glm::vec2 hole_low, glm::vec2 hole_high, flo
 /// n points evenly round a circle, counter-clockwise from (radius, 0).
 Points2 circle(float radius, int n);
 
-/// A rectangle round the origin, counter-clockwise, all four corners sharp; with `round` > 0, rounded by n segments.
+/// A rectangle round the origin, counter-clockwise, all four corners sharp; with `round` and n > 0, rounded by n
+/// segments.
 Points2 rectangle(glm::vec2 size, float round = 0.0f, int n = 1);
 
 /// The same points, each a sharp corner.
