@@ -182,7 +182,8 @@ Mesh column(float height, float radius, int flutes, const Detail& d) {
   append(mesh, lathe(join({low, hollow, high, {{radius, plinth + base}}}), d(32, 8)));
   // Shaft with entasis: straight for a third, then drawn in along a curve.
   const float from = plinth + base, to = height - capital - abacus;
-  const int slices = flutes > 0 ? flutes * d(4, 2) : d(32, 8);
+  if (d(4) < 3) flutes = 0;  // too coarse to show them
+  const int slices = flutes > 0 ? flutes * d(4) : d(32, 8);
   append(mesh, surface(slices, d(12, 3),
                        [&](float u, float v) {
                          const float rise = std::max(v - 0.3f, 0.0f) / 0.7f;
