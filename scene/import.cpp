@@ -21,6 +21,7 @@
 #include <glm/matrix.hpp>
 #include <new>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 #include "scene/finish.h"
@@ -111,13 +112,36 @@ Error unreadable(const fs::path& file, const std::string& format, const std::str
   return file_error("{}: cannot be read as {}{}", file.string(), upper(format), reason_of(reason));
 }
 
-/// The text of an OBJ file with a zero before each number that begins with its point, or nothing where there is none:
-/// Assimp does not take ".5" for a number.
-std::string with_leading_zeros(const fs::path& file) {
+std::string text_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::error_code error;
   std::string text(std::size_t(fs::file_size(file, error)), '\0');
-  if (error || !stream.read(text.data(), std::streamsize(text.size()))) return {};
+  if (error || !stream.read(text.data(), std::streamsize(text.size()))) text.clear();
+  return text;
+}
+
+/// Looks for lists of indices in a DAE file that hold something else: Assimp would read those forever.
+std::optional<Error> check_index_lists(const fs::path& file) {
+  const std::string text = text_of(file);
+  for (std::string_view tag : {"p", "ph", "h", "v", "vcount"}) {
+    const std::string open = "<" + std::string(tag);
+    for (std::size_t at = text.find(open); at != std::string::npos; at = text.find(open, at + 1)) {
+      const char after = at + open.size() < text.size() ? text[at + open.size()] : '\0';
+      if (after != '>' && !std::isspace(static_cast<unsigned char>(after))) continue;  // another tag
+      const std::size_t begin = text.find('>', at);
+      const std::size_t wrong = text.find_first_not_of("0123456789- \t\r\n>", begin);
+      if (begin == std::string::npos || (wrong != std::string::npos && text[wrong] == '<')) continue;
+      return file_error("{}: cannot be read as DAE (a list of indices, <{}>, holds something else)", file.string(),
+                        tag);
+    }
+  }
+  return std::nullopt;
+}
+
+/// The text of an OBJ file with a zero before each number that begins with its point, or nothing where there is none:
+/// Assimp does not take ".5" for a number.
+std::string with_leading_zeros(const fs::path& file) {
+  const std::string text = text_of(file);
   std::string changed;
   std::size_t copied = 0;
   for (std::size_t i = text.find('.', 1); i < text.size(); i = text.find('.', i + 1)) {
@@ -265,6 +289,9 @@ void warn_of_vertex_colors(const aiScene& source, Scene& scene) {
 }
 
 Result<Scene> import_by_assimp(const fs::path& file, const std::string& format) {
+  if (format == "dae") {
+    if (auto error = check_index_lists(file)) return std::move(*error);
+  }
   std::vector<std::string> missing_libraries;
   Assimp::Importer importer;
   importer.SetIOHandler(

@@ -133,6 +133,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
 /// Reads the header and moves `text` behind it.
 Result<Header> read_header(std::string_view& text, const std::string& file) {
   Header header;
+  constexpr std::size_t kMostShown = 60;  // of a line in a message
   bool first = true, has_format = false;
   while (true) {
     const std::size_t end = text.find('\n');
@@ -146,8 +147,10 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
     first = false;
     if (words.empty() || words[0] == "ply" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
-    const Error wrong =
-        file_error("{}: has the PLY header line '{}', which cannot be understood", file, line.substr(0, 60));
+    std::string shown(line.substr(0, kMostShown));
+    std::replace_if(
+        shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+    const Error wrong = file_error("{}: has the PLY header line '{}', which cannot be understood", file, shown);
     if (words[0] == "comment") {
       if (words.size() > 2 && words[1] == "TextureFile") header.texture = line.substr(words[2].data() - line.data());
     } else if (words[0] == "format") {

@@ -261,20 +261,22 @@ TEST_F(Import, ReadsOff) {
 }
 
 TEST_F(Import, ReadsDaeAndTurnsItUp) {
-  const auto dae = [](const std::string& up) {
+  const auto dae = [](const std::string& up, const std::string& last_index) {
     return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><up_axis>)" +
            up + R"(</up_axis></asset><library_geometries><geometry id="g"><mesh><source id="p">
 <float_array id="pa" count="9">0 0 0 1 0 0 0 0 5</float_array><technique_common><accessor source="#pa" count="3" stride="3">
 <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
 </source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">
-<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 )" +
+           last_index + R"(</p></triangles></mesh></geometry></library_geometries>
 <library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node></visual_scene>
 </library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
   };
-  const Scene z_up = read("z.dae", dae("Z_UP")), y_up = read("y.dae", dae("Y_UP"));
+  const Scene z_up = read("z.dae", dae("Z_UP", "2")), y_up = read("y.dae", dae("Y_UP", "2"));
   EXPECT_NEAR(glm::dot(z_up.bounds_max, z_up.up), 5.0f, 1e-5f);
   EXPECT_NEAR(glm::dot(y_up.bounds_max, y_up.up), 0.0f, 1e-5f);
+  expect_error(write("bad.dae", dae("Y_UP", "two")), "<p>");
 }
 
 TEST_F(Import, BakesTransformsAndTurnsMirroredFaces) {
