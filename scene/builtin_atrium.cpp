@@ -833,9 +833,9 @@ Scene make_atrium(int triangles) {
   scene.textures = std::move(palette.textures);
   // A high sun from behind the camera's right shoulder: it lights the left side, the far end and part of the floor.
   scene.lights = {
-      {.direction = glm::normalize(vec3(0.35f, 0.86f, 0.38f)), .color = {1.30f, 1.15f, 0.92f}, .casts_shadow = true},
+      {.direction = glm::normalize(vec3(0.35f, 0.86f, 0.38f)), .color = {0.98f, 0.88f, 0.72f}, .casts_shadow = true},
       {.direction = glm::normalize(vec3(-0.7f, 0.35f, 0.4f)), .color = {0.10f, 0.085f, 0.07f}}};
-  scene.ambient = {0.32f, 0.35f, 0.40f};
+  scene.ambient = {0.33f, 0.36f, 0.41f};
   scene.views = {{.eye = {1.3f, 2.4f, 10.6f}, .target = {-0.35f, 3.7f, -6.0f}, .angle_deg = 60.0f}};
   return scene;
 }

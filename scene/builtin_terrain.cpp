@@ -303,7 +303,7 @@ struct Materials {
 };
 
 Materials add_materials(Scene& scene, const Field& worn) {
-  constexpr int kTexels = 1280;  // 0.8 m each
+  constexpr int kTexels = 1024;  // a metre each
   Materials m{};
   Texture ground = procedural::paint("ground", kTexels, kTexels, [&worn](vec2 uv) {
     return glm::vec4(ground_color(worn, vec2(2.0f * uv.x - 1.0f, 1.0f - 2.0f * uv.y) * kHalf), 1.0f);
@@ -442,7 +442,7 @@ Scene make_terrain(int triangles) {
   add_land(scene, m, field);
   add_cover(scene, m, field, std::max(triangles - 2 * n * n, 0));
   scene.lights = {
-      {.direction = glm::normalize(vec3(-0.72f, 0.52f, 0.30f)), .color = {1.35f, 1.22f, 1.0f}, .casts_shadow = true},
+      {.direction = glm::normalize(vec3(-0.72f, 0.52f, 0.30f)), .color = {1.12f, 1.02f, 0.86f}, .casts_shadow = true},
       {.direction = glm::normalize(vec3(0.5f, 0.6f, 0.5f)), .color = {0.08f, 0.09f, 0.12f}}};
   scene.ambient = {0.34f, 0.40f, 0.50f};
   scene.views = {{.eye = {110.0f, 300.0f, 620.0f}, .target = {-10.0f, 50.0f, -60.0f}, .angle_deg = 40.0f}};

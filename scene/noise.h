@@ -35,21 +35,31 @@ inline float fade(float t) { return t * t * t * (t * (t * 6.0f - 15.0f) + 10.0f)
 
 /// Gradient noise in the plane, about -1 to 1, mean 0, one feature per unit. With a period (in units), it repeats.
 inline float gradient(glm::vec2 p, std::uint32_t seed, int period = 0) {
+  // Sixteen directions: a table of eight shows as streaks along the axes.
+  static constexpr float kX[16] = {1.0f,  0.924f,  0.707f,  0.383f,  0.0f, -0.383f, -0.707f, -0.924f,
+                                   -1.0f, -0.924f, -0.707f, -0.383f, 0.0f, 0.383f,  0.707f,  0.924f};
+  static constexpr float kY[16] = {0.0f, 0.383f,  0.707f,  0.924f,  1.0f,  0.924f,  0.707f,  0.383f,
+                                   0.0f, -0.383f, -0.707f, -0.924f, -1.0f, -0.924f, -0.707f, -0.383f};
   const int ix = int(std::floor(p.x)), iy = int(std::floor(p.y));
   const float fx = p.x - float(ix), fy = p.y - float(iy);
-  const auto wrap = [period](int i) { return period > 0 ? ((i % period) + period) % period : i; };
-  const auto corner = [&](int dx, int dy) {
-    // Sixteen directions: a table of eight shows as streaks along the axes.
-    static constexpr float kX[16] = {1.0f,  0.924f,  0.707f,  0.383f,  0.0f, -0.383f, -0.707f, -0.924f,
-                                     -1.0f, -0.924f, -0.707f, -0.383f, 0.0f, 0.383f,  0.707f,  0.924f};
-    static constexpr float kY[16] = {0.0f, 0.383f,  0.707f,  0.924f,  1.0f,  0.924f,  0.707f,  0.383f,
-                                     0.0f, -0.383f, -0.707f, -0.924f, -1.0f, -0.924f, -0.707f, -0.383f};
-    const std::uint32_t h = hash(wrap(ix + dx), wrap(iy + dy), seed) >> 28;
-    return kX[h] * (fx - float(dx)) + kY[h] * (fy - float(dy));
+  int x0 = ix, x1 = ix + 1, y0 = iy, y1 = iy + 1;
+  if (period > 0) {
+    x0 = (ix % period + period) % period;
+    y0 = (iy % period + period) % period;
+    x1 = x0 + 1 == period ? 0 : x0 + 1;
+    y1 = y0 + 1 == period ? 0 : y0 + 1;
+  }
+  // The hash of (x, y, seed), with what the four corners share made once.
+  const std::uint32_t of_seed = hash(seed);
+  const std::uint32_t row0 = hash(std::uint32_t(y0) + of_seed), row1 = hash(std::uint32_t(y1) + of_seed);
+  const auto corner = [](int x, std::uint32_t row, float dx, float dy) {
+    const std::uint32_t h = hash(std::uint32_t(x) + row) >> 28;
+    return kX[h] * dx + kY[h] * dy;
   };
   const float u = fade(fx), v = fade(fy);
-  const float low = corner(0, 0) + u * (corner(1, 0) - corner(0, 0));
-  const float high = corner(0, 1) + u * (corner(1, 1) - corner(0, 1));
+  const float a = corner(x0, row0, fx, fy), b = corner(x1, row0, fx - 1.0f, fy);
+  const float c = corner(x0, row1, fx, fy - 1.0f), d = corner(x1, row1, fx - 1.0f, fy - 1.0f);
+  const float low = a + u * (b - a), high = c + u * (d - c);
   return 1.4f * (low + v * (high - low));
 }
 
