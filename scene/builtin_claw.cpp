@@ -160,7 +160,7 @@ void add_trunk(Maker& m) {
           const float under = -p.y - 0.14f - 0.35f * p.x * p.x;
           return 0.9f * sdf::overlap(sdf::overlap(shell, 0.9f * front, 0.04f), 0.8f * under, 0.04f);
         },
-        {-0.66f, -0.3f, -0.62f}, {0.66f, 0.46f, 0.2f}, frame, 0.75f);
+        {-0.66f, -0.3f, -0.62f}, {0.66f, 0.46f, 0.2f}, frame, 0.55f);
     for (int k = -2; k <= 2; ++k) {
       const float turn = 0.46f * float(k),
                   length = (k == 0 ? 0.50f : 0.30f - 0.05f * float(std::abs(k))) * (1.0f - 0.08f * float(i));
@@ -185,7 +185,7 @@ void add_trunk(Maker& m) {
           const float shell = sdf::overlap(whole, -(whole + 0.070f), 0.02f);
           return sdf::overlap(shell, -p.y - 0.35f * size, 0.04f);
         },
-        vec3(-size, -size, -size) * 1.05f, vec3(size) * 1.05f, pitched(at, -12.0f), 0.75f);
+        vec3(-size, -size, -size) * 1.05f, vec3(size) * 1.05f, pitched(at, -12.0f), 0.6f);
     m.add(
         "abdomen", m.paint.flesh,
         [=](vec3 p) {
@@ -458,7 +458,7 @@ void add_arm(Maker& m, const Arm& arm) {
         const float shell = sdf::overlap(whole, -(whole + 0.070f), 0.02f);
         return sdf::overlap(shell, -p.y + 0.02f - 0.25f * arm.side * p.x, 0.04f);
       },
-      vec3(-0.36f), vec3(0.36f), glm::translate(mat4(1.0f), arm.shoulder + vec3(arm.side * 0.02f, 0.0f, 0.0f)), 0.7f);
+      vec3(-0.36f), vec3(0.36f), glm::translate(mat4(1.0f), arm.shoulder + vec3(arm.side * 0.02f, 0.0f, 0.0f)), 0.5f);
   add_horn(m, "shoulder spine", m.paint.spine,
            {arm.shoulder + vec3(arm.side * 0.10f, 0.25f, -0.05f), arm.shoulder + vec3(arm.side * 0.22f, 0.42f, -0.10f),
             arm.shoulder + vec3(arm.side * 0.30f, 0.62f, -0.26f), 0.085f, 0.007f});

@@ -247,16 +247,15 @@ void add_bowl(Table& t) {
       vec2(0.0f, middle) + outer * vec2(std::cos(glm::radians(foot_deg)), std::sin(glm::radians(foot_deg)));
   shapes::Points2 inside = shapes::arc({0.0f, middle}, kInner, -90.0f, cut_deg, steps);
   std::reverse(inside.begin(), inside.end());
-  const shapes::Points2 profile = shapes::join({{{0.0f, 0.0f}, {foot.x + 0.01f, 0.0f}},
-                                                {{foot.x + 0.01f, 0.0f}, foot},
-                                                shapes::arc({0.0f, middle}, outer, foot_deg, cut_deg, steps)});
-  shapes::Points2 whole = profile;
+  shapes::Points2 profile = shapes::join({{{0.0f, 0.0f}, {foot.x + 0.01f, 0.0f}},
+                                          {{foot.x + 0.01f, 0.0f}, foot},
+                                          shapes::arc({0.0f, middle}, outer, foot_deg, cut_deg, steps)});
   const shapes::Points2 lip =
       shapes::arc(vec2(0.0f, middle) + (kInner + 0.5f * kWall) * end, 0.5f * kWall, cut_deg, cut_deg + 180.0f, rim);
-  whole.insert(whole.end(), lip.begin() + 1, lip.end());
-  whole.insert(whole.end(), inside.begin() + 1, inside.end());
+  profile.insert(profile.end(), lip.begin() + 1, lip.end());
+  profile.insert(profile.end(), inside.begin() + 1, inside.end());
   const vec3 at(-0.32f, 0.0f, 1.38f);
-  t.add("bowl", shapes::moved(shapes::lathe(whole, t.detail(56.0f, 12)), at), t.paint.cream);
+  t.add("bowl", shapes::moved(shapes::lathe(profile, t.detail(56.0f, 12)), at), t.paint.cream);
   const float ring = 2.0f * kBall / std::sqrt(3.0f), reach = kInner - kBall;
   const float low = middle - std::sqrt(reach * reach - ring * ring),
               high = low + std::sqrt(4.0f * kBall * kBall - ring * ring);
@@ -275,16 +274,11 @@ void add_small_things(Table& t) {
         shapes::moved(shapes::turned_y(on_face(dodecahedron_mesh, {0.0f, 1.0f, kGolden}), 14.0f), {0.46f, 0.0f, 1.02f}),
         t.paint.sage);
   const float r = 0.105f;
-  Mesh capsule;
   const int steps = t.detail(10.0f, 3);
-  capsule = shapes::lathe(
-      [&] {
-        shapes::Points2 profile = shapes::arc({0.0f, r}, r, -90.0f, 0.0f, steps);
-        const shapes::Points2 cap = shapes::arc({0.0f, r + 0.30f}, r, 0.0f, 90.0f, steps);
-        profile.insert(profile.end(), cap.begin(), cap.end());
-        return profile;
-      }(),
-      t.detail(30.0f, 10));
+  shapes::Points2 profile = shapes::arc({0.0f, r}, r, -90.0f, 0.0f, steps);
+  const shapes::Points2 cap = shapes::arc({0.0f, r + 0.30f}, r, 0.0f, 90.0f, steps);
+  profile.insert(profile.end(), cap.begin(), cap.end());
+  const Mesh capsule = shapes::lathe(profile, t.detail(30.0f, 10));
   t.add("capsule",
         shapes::moved(shapes::turned_y(shapes::turned_z(shapes::moved(capsule, {0.0f, -0.25f, 0.0f}), 90.0f), 28.0f),
                       {0.60f, r, 1.92f}),

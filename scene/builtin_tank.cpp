@@ -1014,7 +1014,7 @@ Scene build(const Detail& detail) {
   add_turret(w);
   add_pad(w);
   w.scene.views = {{.eye = {-6.9f, 4.5f, -11.2f}, .target = {-0.15f, 1.22f, -0.55f}, .angle_deg = 31.0f},
-                   {.eye = {7.2f, 3.4f, 11.0f}, .target = {0.25f, 1.25f, 0.85f}, .angle_deg = 33.0f}};
+                   {.eye = {8.0f, 3.6f, 11.4f}, .target = {0.15f, 1.35f, 1.35f}, .angle_deg = 33.0f}};
   return std::move(w.scene);
 }
 
