@@ -32,19 +32,26 @@ struct Grid {
   ivec3 blocks{1};
 };
 
-/// Gradient from four samples at the corners of a tetrahedron.
-vec3 gradient(const Field& field, vec3 p, float step) {
+/// Value and gradient from four samples at the corners of a tetrahedron round a point. Their mean stands for the value
+/// at the point itself: it is off by the square of the step times the curvature, far less than a cell.
+struct Sample {
+  float value;
+  vec3 slope;
+};
+
+Sample sample(const Field& field, vec3 p, float step) {
   const vec3 a(1, -1, -1), b(-1, -1, 1), c(-1, 1, -1), d(1, 1, 1);
-  return (a * field(p + step * a) + b * field(p + step * b) + c * field(p + step * c) + d * field(p + step * d)) /
-         (4.0f * step);
+  const float at_a = field(p + step * a), at_b = field(p + step * b), at_c = field(p + step * c),
+              at_d = field(p + step * d);
+  return {0.25f * (at_a + at_b + at_c + at_d), (a * at_a + b * at_b + c * at_c + d * at_d) / (4.0f * step)};
 }
 
 /// One Newton step onto the surface, no longer than `reach`. Returns the field's direction of growth where it began.
 vec3 project(const Field& field, vec3& p, float step, float reach) {
-  const vec3 slope = gradient(field, p, step);
+  const auto [value, slope] = sample(field, p, step);
   const float square = glm::dot(slope, slope);
   if (!(square > 1e-12f)) return vec3(0, 1, 0);
-  const vec3 move = -field(p) / square * slope;
+  const vec3 move = -value / square * slope;
   const float length = glm::length(move);
   p += length > reach ? move * (reach / length) : move;
   return slope / std::sqrt(square);
@@ -243,7 +250,7 @@ Mesh mesh(const Field& field, vec3 low, vec3 high, float cell) {
   grid.blocks = glm::max(grid.blocks, ivec3(1));
 
   // The gradient's step is small against the cell, yet large against the rounding of coordinates.
-  const float step = std::max(0.05f * cell, 1e-5f * glm::length(size));
+  const float step = std::max(0.03f * cell, 1e-5f * glm::length(size));
   const float reach = 0.5f * grid.cell;
   Mesh made = surface_nets(field, grid);
   for (vec3& p : made.positions)
