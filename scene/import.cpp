@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <exception>
@@ -120,8 +121,20 @@ std::string text_of(const fs::path& file) {
   return text;
 }
 
-/// Looks for lists of indices in a DAE file that hold something else: Assimp would read those forever.
-std::optional<Error> check_index_lists(const fs::path& file) {
+/// A whole number of an XML tag, as in `count="3"`; nothing where it is not there or no number.
+std::optional<std::uint64_t> attribute_of(std::string_view tag, const std::string& name) {
+  const std::size_t at = tag.find(name + "=");
+  if (at == std::string_view::npos || at + name.size() + 2 > tag.size()) return std::nullopt;
+  tag.remove_prefix(at + name.size() + 2);  // the sign and a quotation mark
+  std::uint64_t value = 0;
+  const auto [stop, error] = std::from_chars(tag.data(), tag.data() + tag.size(), value);
+  if (error != std::errc() || stop == tag.data()) return std::nullopt;
+  return value;
+}
+
+/// Looks for what Assimp does not survive in a DAE file: lists of indices that hold something else, which it reads
+/// forever, and counts of numbers that are not there, which it reads beyond.
+std::optional<Error> check_dae(const fs::path& file) {
   const std::string text = text_of(file);
   for (std::string_view tag : {"p", "ph", "h", "v", "vcount"}) {
     const std::string open = "<" + std::string(tag);
@@ -133,6 +146,26 @@ std::optional<Error> check_index_lists(const fs::path& file) {
       if (begin == std::string::npos || (wrong != std::string::npos && text[wrong] == '<')) continue;
       return file_error("{}: cannot be read as DAE (a list of indices, <{}>, holds something else)", file.string(),
                         tag);
+    }
+  }
+  const auto tag_at = [&](std::size_t at) { return std::string_view(text).substr(at, text.find('>', at) - at); };
+  constexpr const char* kArray = "<float_array";
+  for (std::size_t at = text.find(kArray); at != std::string::npos; at = text.find(kArray, at + 1)) {
+    const std::optional<std::uint64_t> numbers = attribute_of(tag_at(at), "count");
+    if (!numbers || *numbers > text.size() - at) {
+      return file_error("{}: cannot be read as DAE (a <float_array> has no count, or a wrong one)", file.string());
+    }
+    const std::size_t accessor = text.find("<accessor", at);
+    if (accessor == std::string::npos || accessor > text.find("</source>", at)) continue;
+    const std::string_view tag = tag_at(accessor);
+    const std::uint64_t count = attribute_of(tag, "count").value_or(*numbers + 1),
+                        stride = attribute_of(tag, "stride").value_or(1),
+                        offset = attribute_of(tag, "offset").value_or(0);
+    const bool fits =
+        count <= *numbers && stride <= *numbers && offset <= *numbers && count * stride + offset <= *numbers;
+    if (!fits) {
+      return file_error("{}: cannot be read as DAE (an <accessor> asks for more than the {} numbers of its array)",
+                        file.string(), *numbers);
     }
   }
   return std::nullopt;
@@ -290,7 +323,7 @@ void warn_of_vertex_colors(const aiScene& source, Scene& scene) {
 
 Result<Scene> import_by_assimp(const fs::path& file, const std::string& format) {
   if (format == "dae") {
-    if (auto error = check_index_lists(file)) return std::move(*error);
+    if (auto error = check_dae(file)) return std::move(*error);
   }
   std::vector<std::string> missing_libraries;
   Assimp::Importer importer;

@@ -277,6 +277,9 @@ TEST_F(Import, ReadsDaeAndTurnsItUp) {
   EXPECT_NEAR(glm::dot(z_up.bounds_max, z_up.up), 5.0f, 1e-5f);
   EXPECT_NEAR(glm::dot(y_up.bounds_max, y_up.up), 0.0f, 1e-5f);
   expect_error(write("bad.dae", dae("Y_UP", "two")), "<p>");
+  std::string text = dae("Y_UP", "2");
+  text.replace(text.find("count=\"3\""), 9, "count=\"7\"");
+  expect_error(write("more.dae", text), "<accessor>");
 }
 
 TEST_F(Import, BakesTransformsAndTurnsMirroredFaces) {
