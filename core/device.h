@@ -32,6 +32,8 @@ class Device {
   virtual std::string_view name() const = 0;
   /// One line for people: model, driver, SIMD target, threads.
   virtual std::string description() const = 0;
+  /// CPU threads that work for it.
+  virtual int threads() const = 0;
   /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
   /// must outlive the device or the next prepare.
   virtual Result<void> prepare(const Scene& scene) = 0;

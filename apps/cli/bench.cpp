@@ -1,5 +1,133 @@
+// umbrage bench: time of every effect, device and size.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
 #include "apps/cli/commands.h"
+#include "apps/cli/options.h"
+#include "core/suggest.h"
+#include "effects/effects.h"
+
 namespace umbrage::cli {
-void add_figures(CLI::App&, std::function<Result<void>()>&) {}
-void add_bench(CLI::App&, std::function<Result<void>()>&) {}
+namespace {
+
+struct BenchOptions : CommonOptions {
+  std::vector<std::string> sizes = {"1024,1024"};
+  std::string effect;
+  int runs = 9;
+  bool json = false;
+};
+
+struct Times {
+  double median = 0.0, least = 0.0;
+};
+
+/// Runs something again and again. The first run warms caches and is not counted.
+template <class Run>
+Result<Times> time_of(int runs, const Run& run) {
+  std::vector<double> ms;
+  for (int i = 0; i <= runs; ++i) {
+    StageTimes times;
+    if (Result<void> done = run(); !done) return done.error();
+    times.done("run");
+    if (i > 0) ms.push_back(times.total());
+  }
+  std::sort(ms.begin(), ms.end());
+  return Times{ms[ms.size() / 2], ms[0]};
 }
+
+/// Settings of an effect that its cost hangs on, as "parameter=value"; the look's own when empty.
+std::vector<std::string> settings_of(std::string_view effect) {
+  if (effect == "unsharp")
+    return {"kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0", "kernel=121 threshold=0",
+            "kernel=15 window=gaussian"};
+  return {""};
+}
+
+Result<void> bench(const BenchOptions& o) {
+  constexpr int kMostRuns = 10000;
+  if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
+  std::vector<std::string_view> names = {"capture"};
+  for (const Effect* effect : effects()) names.push_back(effect->name);
+  if (!o.effect.empty() && std::find(names.begin(), names.end(), o.effect) == names.end())
+    return usage_error("there is no effect '{}' to time{}", o.effect, suggestion(o.effect, names));
+  std::vector<std::pair<int, int>> sizes;
+  for (const std::string& text : o.sizes) {
+    const auto size = parse_resolution(text);
+    if (!size) return size.error();
+    sizes.push_back(*size);
+  }
+  auto with_threads = device_of(o);
+  if (!with_threads) return with_threads.error();
+  Device& device = **with_threads;
+  auto scene = load_scene(o.models.empty() ? "scene:claw" : o.models[0]);
+  if (!scene) return scene.error();
+  if (auto ready = device.prepare(*scene); !ready) return ready;
+
+  nlohmann::json records = nlohmann::json::array();
+  if (!o.json)
+    fmt::print("{} ({} triangles), {}, median and least of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
+               scene->triangle_count(), device.description(), o.runs, "effect", "setting", "size", "ms", "ms_min");
+  for (const auto& [width, height] : sizes) {
+    const auto report = [&, width = width, height = height](std::string_view effect, const std::string& setting,
+                                                            const Times& t) {
+      records.push_back({{"effect", effect}, {"setting", setting}, {"device", device.name()}, {"width", width},
+                         {"height", height}, {"threads", device.threads()}, {"ms", t.median}, {"ms_min", t.least}});
+      if (!o.json)
+        fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}\n", effect, setting, fmt::format("{}x{}", width, height),
+                   t.median, t.least);
+    };
+    DrawSettings draw_with;
+    draw_with.width = width;
+    draw_with.height = height;
+    draw_with.look = "unsharp";
+    StageTimes ignored;
+    auto frame = draw(device, *scene, draw_with, ignored);
+    if (!frame) return frame.error();
+    if (o.effect.empty() || o.effect == "capture")
+      for (const bool shadow : {false, true}) {
+        const auto times = time_of(o.runs, [&, width = width, height = height]() -> Result<void> {
+          const auto drawn = device.capture(frame->info.camera, {width, height, shadow});
+          return drawn ? Result<void>() : drawn.error();
+        });
+        if (!times) return times.error();
+        report("capture", shadow ? "shadow" : "", *times);
+      }
+    for (const Effect* effect : effects()) {
+      if (!o.effect.empty() && o.effect != effect->name) continue;
+      for (const std::string& setting : settings_of(effect->name)) {
+        EffectSettings settings = look_settings(*find_look("unsharp"));
+        for (std::size_t start = 0; start < setting.size();) {
+          const std::size_t end = std::min(setting.find(' ', start), setting.size());
+          if (auto set = apply_setting(settings, fmt::format("{}.{}", effect->name, setting.substr(start, end - start)));
+              !set)
+            return set;
+          start = end + 1;
+        }
+        const auto times = time_of(
+            o.runs, [&] { return device.run(*effect, settings.find(effect->name)->second, *frame); });
+        if (!times) return times.error();
+        report(effect->name, setting, *times);
+      }
+    }
+  }
+  if (o.json) fmt::print("{}\n", records.dump(2));
+  return {};
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
+  CLI::App* command = app.add_subcommand("bench", "time every effect");
+  auto options = std::make_shared<BenchOptions>();
+  command->add_option("MODEL", options->models, "model or built-in scene [scene:claw]")->expected(0, 1);
+  command->add_option("--effect", options->effect, "time this one only; capture is one too");
+  command->add_option("--resolution", options->sizes, "width,height; may be given several times [1024,1024]")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--runs", options->runs, "runs behind each time [9]");
+  command->add_flag("--json", options->json, "print JSON");
+  add_device_options(*command, *options);
+  command->callback([options, &run] { run = [options] { return bench(*options); }; });
+}
+
+}  // namespace umbrage::cli

@@ -55,9 +55,10 @@ class CpuDevice final : public Device {
   std::string_view name() const override { return "cpu"; }
 
   std::string description() const override {
-    return fmt::format("cpu: {} lanes, {} threads", settings_.scalar ? "scalar" : simd_target_name(),
-                       const_cast<tbb::task_arena&>(arena_).max_concurrency());
+    return fmt::format("cpu: {} lanes, {} threads", settings_.scalar ? "scalar" : simd_target_name(), threads());
   }
+
+  int threads() const override { return arena_.max_concurrency(); }
 
   Result<void> prepare(const Scene& scene) override {
     auto traced = arena_.execute([&] { return trace_ready(scene); });

@@ -1,0 +1,341 @@
+// Figures 1 to 6 and the claims of cost of [Chamberlin 2011].
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_inverse.hpp>
+#include <numeric>
+
+#include "apps/figures/figures.h"
+#include "apps/job/job.h"
+#include "effects/effects.h"
+
+namespace umbrage {
+namespace {
+
+/// One picture with the depth behind it.
+struct Shot {
+  Image image;  // color.r, color.g, color.b, depth
+  PictureInfo info;
+  std::string command;
+
+  float gray(int x, int y) const { return image.plane("color.g").at(x, y); }
+  float depth(int x, int y) const { return image.plane("depth").at(x, y); }
+  bool surface(int x, int y) const { return std::isfinite(depth(x, y)); }
+  glm::vec3 world(int x, int y) const {
+    const Camera& c = info.camera;
+    const float d = depth(x, y);
+    const glm::vec4 view((c.left + (float(x) + 0.5f) / float(info.width) * (c.right - c.left)) * d,
+                         (c.top - (float(y) + 0.5f) / float(info.height) * (c.top - c.bottom)) * d, -d, 1.0f);
+    return glm::vec3(glm::inverse(c.view_from_world) * view);
+  }
+  FigurePicture picture(std::string file, std::string caption) const {
+    Image color(image.width, image.height);
+    for (const char* name : {"color.r", "color.g", "color.b"}) color.add(name) = image.plane(name);
+    return {std::move(file), std::move(caption), command, std::move(color)};
+  }
+};
+
+/// Draws one scene again and again with other settings.
+struct Studio {
+  Device& device;
+  std::string model;
+  Scene scene;
+  DrawSettings draw;
+
+  Result<Shot> shoot(const std::vector<std::string>& settings, const std::string& occlusion = "") {
+    DrawSettings with = draw;
+    with.settings.insert(with.settings.end(), settings.begin(), settings.end());
+    with.occlusion = occlusion;
+    StageTimes times;
+    auto frame = umbrage::draw(device, scene, with, times);
+    if (!frame) return frame.error();
+    auto image = device.download(*frame, {"color.r", "color.g", "color.b", "depth"});
+    if (!image) return image.error();
+    std::string command = fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look,
+                                      with.width, with.height);
+    if (!occlusion.empty()) command += " --ao " + occlusion;
+    if (with.framing.position)
+      command += fmt::format(" --camera-position={},{},{} --camera-focal-point={},{},{} --camera-view-angle={}",
+                             with.framing.position->x, with.framing.position->y, with.framing.position->z,
+                             with.framing.focal_point->x, with.framing.focal_point->y, with.framing.focal_point->z,
+                             *with.framing.view_angle_deg);
+    if (with.framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", with.framing.zoom);
+    for (const std::string& setting : with.settings) command += " --set " + setting;
+    return Shot{std::move(*image), frame->info, std::move(command)};
+  }
+};
+
+Result<Studio> open_studio(Device& device, const std::string& model, int size) {
+  auto scene = load_scene(model);
+  if (!scene) return scene.error();
+  Studio studio{device, model, std::move(*scene), {}};
+  studio.draw.width = studio.draw.height = size;
+  studio.draw.look = "unsharp";
+  return studio;
+}
+
+/// The device looks at the scene where it lies: a studio is ready once it has stopped moving.
+Result<void> ready(Studio& studio) { return studio.device.prepare(studio.scene); }
+
+/// Looks from one of the scene's suggested views.
+void look_from(Studio& studio, std::size_t view) {
+  const View& v = studio.scene.views.at(view);
+  studio.draw.framing.position = v.eye;
+  studio.draw.framing.focal_point = v.target;
+  studio.draw.framing.view_angle_deg = v.angle_deg;
+}
+
+template <class Test>
+double mean_gray(const Shot& shot, const Test& belongs) {
+  double sum = 0.0;
+  long count = 0;
+  for (int y = 0; y < shot.image.height; ++y)
+    for (int x = 0; x < shot.image.width; ++x)
+      if (belongs(x, y)) sum += std::clamp(shot.gray(x, y), 0.0f, 1.0f), ++count;
+  return count > 0 ? sum / double(count) : std::nan("");
+}
+
+constexpr double kAnything = 1e30;
+constexpr double kPaperSize = 1024.0;
+
+/// A window of the paper, which drew 1024 x 1024 pixels, at another size.
+std::string window(int k, int size) {
+  return fmt::format("unsharp.kernel={}", std::max(1, int(std::lround(k * size / kPaperSize))));
+}
+
+Result<Figure> tank_figure(Device& device, int size) {
+  auto studio = open_studio(device, "scene:tank", size);
+  if (!studio) return studio.error();
+  if (auto done = ready(*studio); !done) return done.error();
+  const auto without = studio->shoot({}, "none");
+  const auto with = studio->shoot({window(40, size)});
+  if (!without) return without.error();
+  if (!with) return with.error();
+  // Between the tracks, below the deck, behind the last road wheel.
+  const auto lower_rear = [&](int x, int y) {
+    if (!with->surface(x, y)) return false;
+    const glm::vec3 p = with->world(x, y);
+    return p.z < -2.2f && p.z > -4.2f && p.y > 0.25f && p.y < 1.25f && std::abs(p.x) < 1.8f;
+  };
+  return Figure{"1, 6",
+                "A tank without and with the unsharp mask",
+                {without->picture("unsharp-6-without.png", "without"), with->picture("unsharp-6-with.png", "with, k = 40")},
+                {{"fall of the mean over the tank's lower rear",
+                  mean_gray(*without, lower_rear) - mean_gray(*with, lower_rear), 0.03, kAnything}}};
+}
+
+Result<Figure> border_figure(Device& device, int size) {
+  auto studio = open_studio(device, "scene:room", size);
+  if (!studio) return studio.error();
+  if (auto done = ready(*studio); !done) return done.error();
+  const std::string kernel = window(40, size);
+  const auto off = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=zero"});
+  const auto on = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=skip"});
+  const auto none = studio->shoot({}, "none");
+  if (!off) return off.error();
+  if (!on) return on.error();
+  if (!none) return none.error();
+  const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
+  const auto side = [&](const Shot& shot) {
+    return mean_gray(shot, [&](int x, int y) {
+      const int from_side = std::min(x, shot.image.width - 1 - x);
+      return from_side < reach / 2 && y > reach && y < shot.image.height - reach && shot.surface(x, y);
+    });
+  };
+  return Figure{"2",
+                "Border check off: the sides darken",
+                {off->picture("unsharp-2-off.png", "border zero, threshold off"),
+                 on->picture("unsharp-2-on.png", "border checked, threshold off")},
+                {{"darker at the sides, check off", side(*none) - side(*off), 0.05, kAnything},
+                 {"darker at the sides, check on", side(*none) - side(*on), -0.02, 0.02}}};
+}
+
+Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) {
+  auto studio = open_studio(device, bunny, size);
+  if (!studio) return studio.error();
+  if (auto done = ready(*studio); !done) return done.error();
+  const auto gouraud = studio->shoot({}, "none");
+  const auto small = studio->shoot({window(15, size)});
+  const auto large = studio->shoot({window(40, size)});
+  if (!gouraud) return gouraud.error();
+  if (!small) return small.error();
+  if (!large) return large.error();
+  // The chest right under the jaw, in shares of the picture.
+  const auto under_chin = [&](int x, int y) {
+    const double u = (x + 0.5) / size, v = (y + 0.5) / size;
+    const double jaw = 0.500 - (u - 0.21) * 0.28;  // the line of the jaw from the chin to the cheek
+    return u > 0.21 && u < 0.31 && v > jaw && v < jaw + 0.02 && large->surface(x, y);
+  };
+  const double none = mean_gray(*gouraud, under_chin), k15 = mean_gray(*small, under_chin),
+               k40 = mean_gray(*large, under_chin);
+  return Figure{"3",
+                "The bunny with Gouraud shading, k = 15 and k = 40",
+                {gouraud->picture("unsharp-3-gouraud.png", "Gouraud"), small->picture("unsharp-3-k15.png", "k = 15"),
+                 large->picture("unsharp-3-k40.png", "k = 40")},
+                {{"under the chin, k = 15 darker than without", none - k15, 0.005, kAnything},
+                 {"under the chin, k = 40 darker than k = 15", k15 - k40, 0.005, kAnything}}};
+}
+
+Result<Figure> threshold_figure(Device& device, int size) {
+  auto studio = open_studio(device, "scene:claw", size);
+  if (!studio) return studio.error();
+  if (auto done = ready(*studio); !done) return done.error();
+  look_from(*studio, 0);
+  // A light at the eye leaves silhouettes dark, so that white ones are the mask's doing.
+  const std::vector<std::string> base = {window(40, size), "lighting.rig=head"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), base.begin(), base.end());
+    return studio->shoot(more);
+  };
+  const auto plain = studio->shoot(base, "none");
+  const auto open = with({"unsharp.threshold=0"});
+  const auto checked = with({"unsharp.threshold=0.1"});
+  if (!plain) return plain.error();
+  if (!open) return open.error();
+  if (!checked) return checked.error();
+  const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));
+  const auto near_background = [&](int x, int y) {
+    for (int j = -2; j <= 2; ++j)
+      for (int i = -2; i <= 2; ++i) {
+        const int u = x + i * reach / 4, v = y + j * reach / 4;
+        if (u >= 0 && v >= 0 && u < size && v < size && !open->surface(u, v)) return true;
+      }
+    return false;
+  };
+  // Of the upper claw: the tips and its outer edge stand against the background.
+  const auto blown_out = [&](const Shot& shot) {
+    long count = 0;
+    for (int y = 0; y < size; ++y)
+      for (int x = 0; x < size; ++x)
+        count += shot.surface(x, y) && near_background(x, y) && plain->gray(x, y) < 0.95f && shot.gray(x, y) >= 1.0f &&
+                 shot.world(x, y).z > 1.5f;
+    return double(count);
+  };
+  const auto mouth = [&](int x, int y) {
+    const double u = (x + 0.5) / size, v = (y + 0.5) / size;
+    return std::abs(u - 0.497) < 0.03 && std::abs(v - 0.325) < 0.045 && open->surface(x, y);
+  };
+  const double enough = 500.0 * (size / kPaperSize);  // a line along the claw's outline
+  return Figure{"4",
+                "The claw before the far plane: no threshold, and a threshold of 0.1",
+                {plain->picture("unsharp-4-without.png", "without"),
+                 open->picture("unsharp-4-threshold-none.png", "threshold none"),
+                 checked->picture("unsharp-4-threshold-0.1.png", "threshold 0.1")},
+                {{"claw's silhouette pixels at 1.0, threshold none", blown_out(*open), enough, kAnything},
+                 {"claw's silhouette pixels at 1.0, threshold 0.1", blown_out(*checked), 0.0, 0.0},
+                 {"shade at the mouth, threshold none less 0.1",
+                  mean_gray(*open, mouth) - mean_gray(*checked, mouth), -0.01, 0.01},
+                 {"shade at the mouth, threshold 0.1", mean_gray(*plain, mouth) - mean_gray(*checked, mouth), 0.01,
+                  kAnything}}};
+}
+
+Result<Figure> claw_figure(Device& device, int size) {
+  auto studio = open_studio(device, "scene:claw", size);
+  if (!studio) return studio.error();
+  if (auto done = ready(*studio); !done) return done.error();
+  look_from(*studio, 0);
+  // The far plane lies so far back that claw and body are between 0.02 and 0.1 apart.
+  const std::vector<std::string> base = {window(40, size), "unsharp.near=2", "unsharp.far=60", "lighting.rig=head"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), base.begin(), base.end());
+    return studio->shoot(more);
+  };
+  const auto plain = studio->shoot(base, "none");
+  const auto wide = with({"unsharp.threshold=0.1"});
+  const auto narrow = with({"unsharp.threshold=0.02"});
+  if (!plain) return plain.error();
+  if (!wide) return wide.error();
+  if (!narrow) return narrow.error();
+  // The body along the claw's outline: pixels of the chest with the claw within a quarter of the window to their left.
+  const int reach = std::max(1, int(std::lround(10 * size / kPaperSize)));
+  constexpr float kClawInFront = 1.5f;  // world z; the chest lies behind
+  const auto along_outline = [&](int x, int y) {
+    if (x < reach || !wide->surface(x, y) || !wide->surface(x - reach, y)) return false;
+    const double u = (x + 0.5) / size, v = (y + 0.5) / size;
+    if (u < 0.38 || u > 0.50 || v < 0.40 || v > 0.60) return false;
+    return wide->world(x, y).z < kClawInFront && wide->world(x - reach, y).z > kClawInFront;
+  };
+  const double lit = mean_gray(*plain, along_outline);
+  return Figure{"5",
+                "The claw before the body: threshold 0.1 and 0.02",
+                {wide->picture("unsharp-5-threshold-0.1.png", "threshold 0.1"),
+                 narrow->picture("unsharp-5-threshold-0.02.png", "threshold 0.02")},
+                {{"body along the claw's outline, darker with 0.1", lit - mean_gray(*wide, along_outline), 0.05, kAnything},
+                 {"body along the claw's outline, darker with 0.02", lit - mean_gray(*narrow, along_outline), -0.005,
+                  0.005}}};
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+Result<std::vector<Figure>> unsharp_figures(Device& device, const std::string& bunny, int size,
+                                            const std::function<void(const std::string&)>& progress) {
+  std::vector<Figure> figures;
+  const std::pair<const char*, std::function<Result<Figure>()>> all[] = {
+      {"figures 1 and 6", [&] { return tank_figure(device, size); }},
+      {"figure 2", [&] { return border_figure(device, size); }},
+      {"figure 3", [&] { return bunny_figure(device, bunny, size); }},
+      {"figure 4", [&] { return threshold_figure(device, size); }},
+      {"figure 5", [&] { return claw_figure(device, size); }},
+  };
+  for (const auto& [name, make] : all) {
+    progress(name);
+    auto figure = make();
+    if (!figure) return figure.error();
+    figures.push_back(std::move(*figure));
+  }
+  return figures;
+}
+
+Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::string& bunny, int size, int runs,
+                                                const std::function<void(const std::string&)>& progress) {
+  const Effect& effect = *find_effect("unsharp");
+  const auto time_of = [&](Frame& frame, const std::string& kernel) -> Result<double> {
+    EffectSettings settings = look_settings(*find_look("unsharp"));
+    if (auto done = apply_setting(settings, "unsharp.kernel=" + kernel); !done) return done.error();
+    std::vector<double> ms;
+    for (int i = 0; i < runs; ++i) {
+      StageTimes times;
+      if (auto done = device.run(effect, settings["unsharp"], frame); !done) return done.error();
+      times.done("run");
+      ms.push_back(times.total());
+    }
+    return median(ms);
+  };
+  const auto frame_of = [&](Studio& studio) -> Result<Frame> {
+    if (auto done = ready(studio); !done) return done.error();
+    StageTimes times;
+    return umbrage::draw(device, studio.scene, studio.draw, times);
+  };
+
+  progress("time against the window");
+  FigureTable windows{"window", "Time of unsharp against the window (bunny)", {}};
+  {
+    auto studio = open_studio(device, bunny, size);
+    if (!studio) return studio.error();
+    auto frame = frame_of(*studio);
+    if (!frame) return frame.error();
+    for (const int k : {15, 40, 121}) {
+      const auto ms = time_of(*frame, std::to_string(k));
+      if (!ms) return ms.error();
+      windows.rows.push_back({fmt::format("k = {}", k), *ms});
+    }
+  }
+  progress("time against the number of triangles");
+  FigureTable triangles{"triangles", "Time of unsharp against the number of triangles (scene:claw, k = 40)", {}};
+  for (const char* detail : {"1000", "58000", "1000000"}) {
+    auto studio = open_studio(device, fmt::format("scene:claw?detail={}", detail), size);
+    if (!studio) return studio.error();
+    auto frame = frame_of(*studio);
+    if (!frame) return frame.error();
+    const auto ms = time_of(*frame, "40");
+    if (!ms) return ms.error();
+    triangles.rows.push_back({fmt::format("{} triangles", studio->scene.triangle_count()), *ms});
+  }
+  return std::vector<FigureTable>{windows, triangles};
+}
+
+}  // namespace umbrage
