@@ -145,14 +145,37 @@ Image picture(int width, int height, int channels) {
 
 namespace {
 
-// The temporary file being written, for a signal handler: plain bytes, since that is all that a handler may read.
-constexpr std::size_t kLongestPath = 4096;
-char unfinished[kLongestPath];
+/// The temporary files being written, for a signal handler, which may read nothing but lock-free atomics. A write that
+/// finds no place free is only not tidied up after.
+constexpr int kMaxUnfinished = 64;
+std::atomic<const char*> unfinished[kMaxUnfinished];
+static_assert(std::atomic<const char*>::is_always_lock_free);
+
+/// Keeps a path in the list for as long as it lives.
+class Unfinished {
+ public:
+  explicit Unfinished(const fs::path& part) {
+    for (auto& place : unfinished) {
+      const char* free = nullptr;
+      if (!place.compare_exchange_strong(free, part.c_str())) continue;
+      place_ = &place;
+      return;
+    }
+  }
+  ~Unfinished() {
+    if (place_) *place_ = nullptr;
+  }
+  Unfinished(const Unfinished&) = delete;
+
+ private:
+  std::atomic<const char*>* place_ = nullptr;
+};
 
 }  // namespace
 
 void abandon_writes() {
-  if (unfinished[0] != '\0') ::unlink(unfinished);
+  for (const auto& place : unfinished)
+    if (const char* part = place) ::unlink(part);
 }
 
 Result<void> write_whole(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
@@ -174,16 +197,14 @@ Result<void> write_whole(const fs::path& file, const std::function<Result<void>(
     if (!stream && errno != EEXIST) break;
   }
   if (!stream) return write_error(file, errno);
-  std::strncpy(unfinished, part.c_str(), kLongestPath - 1);
+  const Unfinished listed(part);
   Result<void> done = fill(file, stream, write);
   if (done) {
     fs::rename(part, target, code);
-    unfinished[0] = '\0';
     if (!code) return {};
     done = write_error(file, code.value());
   }
   fs::remove(part, code);
-  unfinished[0] = '\0';
   return done;
 }
 

@@ -47,7 +47,7 @@ Result<void> write_image(const std::filesystem::path& file, const Image& image, 
 /// Errors: kFile.
 Result<Image> read_image(const std::filesystem::path& file);
 
-/// Removes the temporary file of a write that is under way. For signal handlers, before they end the program.
+/// Removes the temporary files of writes that are under way. For signal handlers, before they end the program.
 void abandon_writes();
 
 /// The camera that an EXR file's worldToCamera and worldToNDC give; nothing where it has none that we can use, and for

@@ -28,6 +28,7 @@
 #include <random>
 #include <thread>
 
+#include "io/format.h"
 #include "io/image_file.h"
 
 namespace umbrage {
@@ -925,6 +926,24 @@ TEST_F(WholeFile, FullDeviceIsAnError) {
   EXPECT_EQ(listing().size(), 3u);
   EXPECT_TRUE(write_text("/dev/null", "text"));
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(WholeFile, AbandonedWritesLeaveNothing) {
+  put(*this / "x.txt", "older");
+  abandon_writes();  // nothing is under way
+  std::size_t during = 0, after = 0;
+  const Result<void> done = write_whole(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
+    std::fputs("newer", stream);
+    during = listing().size();
+    abandon_writes();
+    after = listing().size();
+    return {};
+  });
+  EXPECT_EQ(during, 2u);
+  EXPECT_EQ(after, 1u);
+  expect_error(done, {"x.txt"});
+  EXPECT_EQ(listing(), std::vector<std::string>{"x.txt"});
+  EXPECT_EQ(content(*this / "x.txt"), "older");
 }
 
 TEST_F(WholeFile, ThreadsDoNotMix) {
