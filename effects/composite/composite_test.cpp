@@ -1,0 +1,154 @@
+// `composite` against its formulas in double, and the properties that its modes promise.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using test::Settings;
+
+constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
+constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
+constexpr const char* kLit[] = {"lit.r", "lit.g", "lit.b"};
+
+/// Light and occlusion of all sizes; occlusion from -0.5 to 2, as unsharp masks have it.
+GBuffer light_and_occlusion() {
+  constexpr int kWidth = 67, kHeight = 29;
+  GBuffer g = test::empty_gbuffer(kWidth, kHeight);
+  const auto fill = [&](const char* name, double least, double most, unsigned seed) {
+    Plane& plane = g.layers[0].add(name);
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        plane.at(x, y) =
+            float(least + (most - least) * (test::hash(seed * 7919u + 31u * x + 4099u * y) / 4294967295.0));
+  };
+  for (int c = 0; c < 3; ++c) {
+    fill(kDirect[c], 0.0, 3.0, 1 + c);
+    fill(kAmbient[c], 0.0, 0.5, 11 + c);
+  }
+  fill("ao", -0.5, 2.0, 21);
+  return g;
+}
+
+struct Modulation {
+  double darkness = 1.0, chroma = 0.0, contrast = 0.0;
+};
+
+glm::dvec3 joined(const std::string& mode, glm::dvec3 direct, glm::dvec3 ambient, double ao, const Modulation& m) {
+  const glm::dvec3 light = direct + ambient;
+  if (mode == "ambient") return direct + ambient * ao;
+  if (mode == "subtract") return light - (1.0 - ao);
+  if (mode == "multiply") return light * ao;
+  if (mode == "occlusion") return glm::dvec3(ao);
+  const double d = ao - 1.0;
+  const double luminance = 0.2126 * light.r + 0.7152 * light.g + 0.0722 * light.b;
+  const glm::dvec3 colored = luminance + (light - luminance) * std::max(0.0, 1.0 + d * m.chroma);
+  const glm::dvec3 contrasted = 0.5 + (colored - 0.5) * std::max(0.0, 1.0 + d * m.contrast);
+  return contrasted + d * m.darkness;
+}
+
+void compare(const std::string& mode, const Modulation& m) {
+  const GBuffer g = light_and_occlusion();
+  const Settings settings = {{"mode", mode},
+                             {"darkness", fmt::format("{}", m.darkness)},
+                             {"chroma", fmt::format("{}", m.chroma)},
+                             {"contrast", fmt::format("{}", m.contrast)}};
+  const double scale = (1.0 + std::fabs(m.chroma)) * (1.0 + std::fabs(m.contrast)) + m.darkness;
+  test::on_every_target("composite", g, settings, [&](const Image& image) {
+    double worst = 0.0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        glm::dvec3 direct, ambient;
+        for (int c = 0; c < 3; ++c) {
+          direct[c] = g.layers[0].plane(kDirect[c]).at(x, y);
+          ambient[c] = g.layers[0].plane(kAmbient[c]).at(x, y);
+        }
+        const glm::dvec3 expected = joined(mode, direct, ambient, g.layers[0].plane("ao").at(x, y), m);
+        for (int c = 0; c < 3; ++c) worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
+      }
+    EXPECT_LE(worst, 2e-6 * scale) << mode;
+  });
+}
+
+TEST(Composite, EveryModeMatchesItsFormula) {
+  for (const char* mode : {"ambient", "subtract", "multiply", "occlusion"}) compare(mode, {});
+}
+
+TEST(Composite, ModulateMatchesItsFormula) {
+  compare("modulate", {});
+  compare("modulate", {.darkness = 0.0, .chroma = 1.0});
+  compare("modulate", {.darkness = 0.0, .chroma = -2.5});
+  compare("modulate", {.darkness = 0.0, .contrast = 1.0});
+  compare("modulate", {.darkness = 0.7, .chroma = 3.0, .contrast = -1.5});
+}
+
+TEST(Composite, OpenSurfacesKeepTheirLight) {
+  GBuffer g = light_and_occlusion();
+  g.layers[0].plane("ao") = Plane(g.info.width, g.info.height, 1.0f);
+  for (const char* mode : {"ambient", "subtract", "multiply", "modulate"})
+    test::on_every_target(
+        "composite", g, {{"mode", mode}, {"chroma", "2"}, {"contrast", "3"}}, [&](const Image& image) {
+          double worst = 0.0;
+          for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x)
+              for (int c = 0; c < 3; ++c)
+                worst = std::max(
+                    worst, std::fabs(double(image.plane(kLit[c]).at(x, y)) - g.layers[0].plane(kDirect[c]).at(x, y) -
+                                     g.layers[0].plane(kAmbient[c]).at(x, y)));
+          EXPECT_LE(worst, 2e-6) << mode;
+        });
+}
+
+TEST(Composite, WhereAllIsClosedEachModeDoesItsPart) {
+  GBuffer g = test::empty_gbuffer(1, 1);
+  for (int c = 0; c < 3; ++c) {
+    g.layers[0].add(kDirect[c]) = Plane(1, 1, 0.2f * (c + 1));
+    g.layers[0].add(kAmbient[c]) = Plane(1, 1, 0.1f);
+  }
+  g.layers[0].add("ao") = Plane(1, 1, 0.0f);
+  const auto lit = [&](const Settings& settings, glm::dvec3 expected) {
+    test::on_every_target("composite", g, settings, [&](const Image& image) {
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(image.plane(kLit[c]).at(0, 0), expected[c], 1e-6) << settings[0].second;
+    });
+  };
+  const double luminance = 0.2126 * 0.3 + 0.7152 * 0.5 + 0.0722 * 0.7;
+  lit({{"mode", "ambient"}}, {0.2, 0.4, 0.6});      // direct light stays
+  lit({{"mode", "subtract"}}, {-0.7, -0.5, -0.3});  // below 0: the output effect cuts it
+  lit({{"mode", "multiply"}}, {0.0, 0.0, 0.0});
+  lit({{"mode", "occlusion"}}, {0.0, 0.0, 0.0});
+  lit({{"mode", "modulate"}, {"darkness", "0"}, {"chroma", "1"}}, glm::dvec3(luminance));  // no colour is left
+  lit({{"mode", "modulate"}, {"darkness", "0"}, {"contrast", "1"}}, {0.5, 0.5, 0.5});      // nor contrast
+  lit({{"mode", "modulate"}, {"darkness", "0.25"}}, {0.05, 0.25, 0.45});
+}
+
+TEST(Composite, WithoutPlanesItIsBlackAndOpen) {
+  GBuffer g = test::empty_gbuffer(3, 2);
+  test::on_every_target("composite", g, {}, [](const Image& image) { EXPECT_EQ(image.plane("lit.g").at(2, 1), 0.0f); });
+  test::on_every_target("composite", g, {{"mode", "occlusion"}},
+                        [](const Image& image) { EXPECT_EQ(image.plane("lit.g").at(2, 1), 1.0f); });
+}
+
+TEST(Composite, NumbersThatAreNoneAreBlack) {
+  GBuffer g = light_and_occlusion();
+  g.layers[0].plane("ao").at(0, 0) = std::nanf("");
+  g.layers[0].plane("direct.r").at(1, 0) = std::numeric_limits<float>::infinity();
+  g.layers[0].plane("ambient.g").at(2, 0) = -std::nanf("");
+  for (const char* mode : {"ambient", "subtract", "multiply", "modulate", "occlusion"})
+    test::on_every_target("composite", g, {{"mode", mode}}, [&](const Image& image) {
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(image.plane(kLit[c]).at(0, 0), 0.0f) << mode;
+      if (mode != std::string_view("occlusion")) {
+        EXPECT_EQ(image.plane("lit.r").at(1, 0), 0.0f) << mode;
+        EXPECT_EQ(image.plane("lit.g").at(2, 0), 0.0f) << mode;
+      }
+      for (int x = 0; x < image.width; ++x) EXPECT_TRUE(std::isfinite(image.plane("lit.b").at(x, 0))) << mode;
+    });
+}
+
+}  // namespace
+}  // namespace umbrage

@@ -1,0 +1,306 @@
+// `lighting` against Lambert and Blinn-Phong [Blinn 1977] in double, and against scenes with a known answer.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using test::Settings;
+
+constexpr int kMostLights = 16;  // as lighting.h has it; the tests' own copy
+constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
+constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
+
+// ---- the formulas in double
+// --------------------------------------------------------------------------------------------
+
+struct Factors {
+  double ambient = 1.0, diffuse = 1.0, specular = 1.0, shadow = 1.0;
+  bool clay = false;
+};
+
+/// Light of one pixel, and how far a float may be off.
+struct Lit {
+  glm::dvec3 direct{0.0}, ambient{0.0};
+  double error = 0.0;
+  bool on_edge = false;  // a light so near the horizon that rounding decides about its highlight
+};
+
+glm::dvec3 position_of(const PictureInfo& info, int x, int y, double depth) {
+  const Camera& c = info.camera;
+  const double u = c.left + (x + 0.5) / info.width * (double(c.right) - c.left);
+  const double v = c.top - (y + 0.5) / info.height * (double(c.top) - c.bottom);
+  const double spread = c.projection == Projection::kPerspective ? depth : 1.0;
+  return {u * spread, v * spread, -depth};
+}
+
+Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
+  const Image& image = g.layers[0];
+  const auto value = [&](const char* name) { return double(image.plane(name).at(x, y)); };
+  const bool perspective = g.info.camera.projection == Projection::kPerspective;
+  const glm::dvec3 position = position_of(g.info, x, y, value("depth"));
+  const glm::dvec3 normal(value("normal.x"), value("normal.y"), value("normal.z"));
+  const glm::dvec3 to_eye = perspective ? -glm::normalize(position) : glm::dvec3(0, 0, 1);
+  const glm::dvec3 albedo =
+      f.clay ? glm::dvec3(1.0) : glm::dvec3(value("albedo.r"), value("albedo.g"), value("albedo.b"));
+  const double exponent = value("shininess");
+  Lit lit;
+  lit.ambient = albedo * glm::dvec3(g.info.ambient) * f.ambient;
+  lit.error = 1e-6;
+  for (std::size_t k = 0; k < g.info.lights.size() && k < std::size_t(kMostLights); ++k) {
+    const Light& light = g.info.lights[k];
+    glm::dvec3 to_light(light.direction);
+    double arrives = 1.0;
+    if (light.kind == LightKind::kHead && !perspective) to_light = {0, 0, 1};
+    if (light.kind == LightKind::kPoint || (light.kind == LightKind::kHead && perspective)) {
+      const glm::dvec3 where = light.kind == LightKind::kHead ? glm::dvec3(0.0) : glm::dvec3(light.position);
+      const double distance = glm::distance(where, position);
+      to_light = (where - position) / distance;
+      if (light.kind == LightKind::kPoint && light.reach > 0.0f) arrives = std::pow(light.reach / distance, 2.0);
+    }
+    if (k == 0) arrives *= 1.0 - (1.0 - value("shadow")) * f.shadow;
+    const double facing = glm::dot(normal, to_light);
+    if (std::fabs(facing) < 1e-5) lit.on_edge = true;
+    if (facing <= 0.0) continue;
+    double highlight = 0.0;
+    if (!f.clay) {
+      const double cosine = std::max(0.0, glm::dot(normal, glm::normalize(to_light + to_eye)));
+      highlight = value("specular") * f.specular * std::pow(cosine, exponent);
+    }
+    const glm::dvec3 color = glm::dvec3(light.color) * arrives;
+    lit.direct += color * (albedo * facing * f.diffuse + highlight);
+    // A cosine is off by a few 2^-22 of 1, and a power by as many times its exponent.
+    const double brightest = std::max({color.r, color.g, color.b});
+    lit.error += brightest * 2e-6 * (f.diffuse + exponent * highlight);
+  }
+  return lit;
+}
+
+void compare(const GBuffer& g, const Settings& settings, const Factors& factors) {
+  test::on_every_target("lighting", g, settings, [&](const Image& image) {
+    long compared = 0, wrong = 0, lit_pixels = 0;
+    double worst = 0.0;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+        const Lit expected = shade(g, factors, x, y);
+        if (expected.on_edge) continue;
+        for (int c = 0; c < 3; ++c) {
+          const double direct = std::fabs(image.plane(kDirect[c]).at(x, y) - expected.direct[c]);
+          const double ambient = std::fabs(image.plane(kAmbient[c]).at(x, y) - expected.ambient[c]);
+          worst = std::max({worst, direct / expected.error, ambient / expected.error});
+          wrong += !(direct <= expected.error && ambient <= expected.error);
+        }
+        lit_pixels += expected.direct.r > 0.01;
+        ++compared;
+      }
+    EXPECT_EQ(wrong, 0) << "the worst by " << worst << " times the bound";
+    EXPECT_GT(compared, 1000);
+    if (factors.diffuse > 0.0 && !g.info.lights.empty()) {
+      EXPECT_GT(lit_pixels, compared / 20);
+    }
+  });
+}
+
+/// One of each kind of light. The point lights stand off the surfaces, which lie at depths of 1.7 to 8.
+std::vector<Light> mixed_lights() {
+  return {{.kind = LightKind::kDirectional,
+           .direction = glm::normalize(glm::vec3(-1.0f, 2.0f, 3.0f)),
+           .color = {0.7f, 0.6f, 0.5f},
+           .casts_shadow = true},
+          {.kind = LightKind::kPoint, .position = {0.5f, 1.5f, -0.5f}, .color = {0.1f, 0.4f, 0.9f}, .reach = 3.0f},
+          {.kind = LightKind::kPoint, .position = {-2.0f, -1.0f, 0.5f}, .color = {0.3f, 0.2f, 0.1f}, .reach = 0.0f},
+          {.kind = LightKind::kHead, .color = {0.2f, 0.25f, 0.3f}}};
+}
+
+GBuffer varied(bool perspective) {
+  GBuffer g = test::bumpy_gbuffer(61, 47, 5);
+  g.info.lights = mixed_lights();
+  g.info.ambient = {0.3f, 0.2f, 0.1f};
+  if (!perspective) g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 61.0f / 47.0f);
+  return g;
+}
+
+/// Every pixel the same.
+GBuffer uniform(int width, int height, float depth, glm::vec3 normal, float albedo) {
+  GBuffer g = test::empty_gbuffer(width, height);
+  g.info.lights.clear();
+  g.layers[0].add("depth") = Plane(width, height, depth);
+  constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
+  constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
+  for (int c = 0; c < 3; ++c) {
+    g.layers[0].add(kNormal[c]) = Plane(width, height, normal[c]);
+    g.layers[0].add(kAlbedo[c]) = Plane(width, height, albedo);
+  }
+  for (const char* name : {"specular", "shininess", "shadow"})
+    g.layers[0].add(name) = Plane(width, height, name == std::string_view("specular") ? 0.0f : 1.0f);
+  return g;
+}
+
+// ---- rung 1: formulas
+// --------------------------------------------------------------------------------------------------
+
+TEST(Lighting, MatchesTheFormulasInPerspective) { compare(varied(true), {}, {}); }
+
+TEST(Lighting, MatchesTheFormulasInOrthographicProjection) { compare(varied(false), {}, {}); }
+
+TEST(Lighting, MatchesTheFormulasInAnOffCentreWindow) {
+  GBuffer g = varied(true);
+  g.info.camera.left = -0.1f, g.info.camera.right = 0.6f, g.info.camera.bottom = 0.2f, g.info.camera.top = 0.5f;
+  compare(g, {}, {});
+}
+
+TEST(Lighting, FactorsScaleTheirParts) {
+  const Settings settings = {{"ambient", "0.5"}, {"diffuse", "2"}, {"specular", "0.25"}, {"shadow", "0.6"}};
+  compare(varied(true), settings, {.ambient = 0.5, .diffuse = 2.0, .specular = 0.25, .shadow = 0.6});
+  compare(varied(true), {{"specular", "0"}}, {.specular = 0.0});
+  compare(varied(false), {{"diffuse", "0"}}, {.diffuse = 0.0});
+}
+
+TEST(Lighting, ClayIsWhiteWithoutHighlights) { compare(varied(true), {{"material", "clay"}}, {.clay = true}); }
+
+TEST(Lighting, HeadRigReplacesLightsAndShadow) {
+  for (const bool perspective : {true, false}) {
+    GBuffer g = varied(perspective);
+    GBuffer expected = g;
+    expected.info.lights = {{.kind = LightKind::kHead, .color = glm::vec3(0.7f)}};
+    test::on_every_target("lighting", g, {{"rig", "head"}}, [&](const Image& image) {
+      long wrong = 0;
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+          if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+          const Lit lit = shade(expected, {.shadow = 0.0}, x, y);
+          wrong += !(std::fabs(image.plane("direct.g").at(x, y) - lit.direct.g) <= lit.error) && !lit.on_edge;
+        }
+      EXPECT_EQ(wrong, 0);
+    });
+  }
+}
+
+TEST(Lighting, OnlySixteenLightsShine) {
+  GBuffer g = varied(true);
+  g.info.lights.clear();
+  for (int k = 0; k < 20; ++k)
+    g.info.lights.push_back({.direction = glm::normalize(glm::vec3(std::cos(1.0f * k), std::sin(1.0f * k), 1.0f)),
+                             .color = glm::vec3(0.02f * (k + 1))});
+  compare(g, {}, {});  // the oracle stops at sixteen too
+  GBuffer first = g;
+  first.info.lights.resize(kMostLights);
+  const Effect& effect = *find_effect("lighting");
+  const Image twenty = test::run_effect(effect, g, {}, {}), sixteen = test::run_effect(effect, first, {}, {});
+  EXPECT_EQ(test::difference(twenty.plane("direct.r"), sixteen.plane("direct.r"), 0.0).most, 0.0);
+  first.info.lights.resize(kMostLights - 1);
+  const Image fifteen = test::run_effect(effect, first, {}, {});
+  EXPECT_GT(test::difference(fifteen.plane("direct.r"), sixteen.plane("direct.r"), 0.0).most, 0.05);
+}
+
+TEST(Lighting, WithoutLightsOnlyAmbientIsLeft) {
+  GBuffer g = varied(true);
+  g.info.lights.clear();
+  compare(g, {}, {});
+  test::on_every_target("lighting", g, {}, [](const Image& image) {
+    EXPECT_EQ(test::difference(image.plane("direct.r"), Plane(image.width, image.height, 0.0f), 0.0).most, 0.0);
+  });
+}
+
+// ---- rung 2: known answers
+// ---------------------------------------------------------------------------------------------
+
+TEST(Lighting, WhiteFacingTheHeadLightIsWhite) {
+  GBuffer g = uniform(5, 3, 4.0f, {0, 0, 1}, 1.0f);
+  g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.0f);
+  test::on_every_target("lighting", g, {{"rig", "head"}}, [](const Image& image) {
+    for (int x = 0; x < image.width; ++x) {
+      EXPECT_FLOAT_EQ(image.plane("direct.r").at(x, 1), 0.7f);
+      EXPECT_FLOAT_EQ(image.plane("ambient.b").at(x, 2), 0.3f);
+    }
+  });
+}
+
+TEST(Lighting, PointLightFallsOffWithTheSquareOfItsDistance) {
+  // Straight above the middle pixel; its colour holds at its reach.
+  for (const float distance : {1.0f, 2.0f, 4.0f, 8.0f}) {
+    GBuffer g = uniform(1, 1, 10.0f, {0, 0, 1}, 0.5f);
+    g.info.lights = {
+        {.kind = LightKind::kPoint, .position = {0, 0, distance - 10.0f}, .color = glm::vec3(0.8f), .reach = 2.0f}};
+    const float expected = 0.5f * 0.8f * 4.0f / (distance * distance);
+    test::on_every_target("lighting", g, {}, [&](const Image& image) {
+      EXPECT_NEAR(image.plane("direct.r").at(0, 0), expected, 2e-6 * expected) << distance;
+    });
+    g.info.lights[0].reach = 0.0f;
+    test::on_every_target("lighting", g, {}, [&](const Image& image) {
+      EXPECT_NEAR(image.plane("direct.r").at(0, 0), 0.4f, 1e-6) << distance;
+    });
+  }
+}
+
+TEST(Lighting, ShadowDarkensTheKeyLightAlone) {
+  GBuffer g = uniform(4, 1, 5.0f, {0, 0, 1}, 1.0f);
+  for (int x = 0; x < 4; ++x) g.layers[0].plane("shadow").at(x, 0) = float(x) / 3.0f;
+  g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.6f)},
+                   {.direction = {0, 0, 1}, .color = glm::vec3(0.2f)}};
+  for (const double share : {0.0, 0.5, 1.0})
+    test::on_every_target("lighting", g, {{"shadow", fmt::format("{}", share)}}, [&](const Image& image) {
+      for (int x = 0; x < 4; ++x)
+        EXPECT_NEAR(image.plane("direct.r").at(x, 0), 0.6 * (1.0 - share * (1.0 - x / 3.0)) + 0.2, 1e-6) << share;
+    });
+}
+
+TEST(Lighting, NoHighlightWhereTheLightIsBehindTheSurface) {
+  GBuffer g = uniform(1, 1, 5.0f, glm::normalize(glm::vec3(1.0f, 0.0f, 0.3f)), 0.5f);
+  g.layers[0].plane("specular") = Plane(1, 1, 1.0f);
+  // The halfway vector leans to the surface's side, the light does not.
+  g.info.lights = {{.direction = glm::normalize(glm::vec3(-0.4f, 0.0f, 1.0f)), .color = glm::vec3(1.0f)}};
+  test::on_every_target("lighting", g, {},
+                        [](const Image& image) { EXPECT_EQ(image.plane("direct.r").at(0, 0), 0.0f); });
+  g.info.lights[0].direction = glm::normalize(glm::vec3(0.4f, 0.0f, 1.0f));
+  test::on_every_target("lighting", g, {},
+                        [](const Image& image) { EXPECT_GT(image.plane("direct.r").at(0, 0), 0.5f); });
+}
+
+TEST(Lighting, ScaleOfTheSceneDoesNotMatter) {
+  for (const float scale : {1e-3f, 1e3f}) {
+    GBuffer g = varied(true), scaled = g;
+    Plane& depth = scaled.layers[0].plane("depth");
+    for (int y = 0; y < depth.height; ++y)
+      for (int x = 0; x < depth.width; ++x) depth.at(x, y) *= scale;
+    for (Light& light : scaled.info.lights) light.position *= scale, light.reach *= scale;
+    const Effect& effect = *find_effect("lighting");
+    const Image a = test::run_effect(effect, g, {}, {}), b = test::run_effect(effect, scaled, {}, {});
+    // Highlights of exponents up to 101 multiply the rounding of positions.
+    EXPECT_LE(test::difference(a.plane("direct.g"), b.plane("direct.g"), 0.0).most, 1e-4) << scale;
+    EXPECT_LE(test::difference(a.plane("direct.g"), b.plane("direct.g"), 0.0).mean, 2e-6) << scale;
+  }
+}
+
+TEST(Lighting, BackgroundAndNumbersThatAreNoneAreBlack) {
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  GBuffer g = uniform(8, 1, 5.0f, {0, 0, 1}, 0.5f);
+  Image& image = g.layers[0];
+  image.plane("depth").at(0, 0) = infinity;
+  image.plane("depth").at(1, 0) = nan;
+  image.plane("albedo.r").at(2, 0) = nan;
+  image.plane("albedo.r").at(3, 0) = infinity;
+  image.plane("normal.x").at(4, 0) = nan;
+  image.plane("shadow").at(5, 0) = nan;
+  for (int c = 0; c < 3; ++c) image.planes[1 + 2 * c].at(6, 0) = 0.0f;  // no normal
+  g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(1.0f)}};
+  ASSERT_EQ(image.names[1], "normal.x");
+  ASSERT_EQ(image.names[3], "normal.y");
+  ASSERT_EQ(image.names[5], "normal.z");
+  test::on_every_target("lighting", g, {}, [](const Image& out) {
+    for (int x = 0; x < 7; ++x) EXPECT_EQ(out.plane("direct.r").at(x, 0), 0.0f) << x;
+    for (int x = 0; x < 4; ++x) EXPECT_EQ(out.plane("ambient.r").at(x, 0), 0.0f) << x;
+    for (int x = 2; x < 4; ++x) EXPECT_NEAR(out.plane("direct.g").at(x, 0), 0.5f, 1e-6) << x;
+    EXPECT_NEAR(out.plane("direct.r").at(7, 0), 0.5f, 1e-6);
+  });
+}
+
+}  // namespace
+}  // namespace umbrage

@@ -1,0 +1,147 @@
+// `output` against the sRGB curve of [IEC 61966-2-1] in double, and what becomes of the background.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using test::Settings;
+
+double srgb(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055; }
+
+/// A row of values as light, the same in every channel, all on a surface.
+GBuffer row_of(const std::vector<float>& values) {
+  const int width = int(values.size());
+  GBuffer g = test::empty_gbuffer(width, 1);
+  g.layers[0].add("depth") = Plane(width, 1, 3.0f);
+  for (const char* name : {"lit.r", "lit.g", "lit.b"}) {
+    Plane& plane = g.layers[0].add(name);
+    for (int x = 0; x < width; ++x) plane.at(x, 0) = values[x];
+  }
+  return g;
+}
+
+std::vector<float> ramp(double least, double most, int count) {
+  std::vector<float> values(count);
+  for (int i = 0; i < count; ++i) values[i] = float(least + (most - least) * i / (count - 1));
+  return values;
+}
+
+TEST(Output, FollowsTheSrgbCurve) {
+  // The whole range evenly, and the dark end where the curve is steepest and changes its formula.
+  for (const double most : {1.0, 0.01, 0.0032}) {
+    const auto values = ramp(0.0, most, 5000);
+    const GBuffer g = row_of(values);
+    test::on_every_target("output", g, {}, [&](const Image& image) {
+      double worst = 0.0;
+      for (int x = 0; x < image.width; ++x)
+        worst = std::max(worst, std::fabs(image.plane("color.g").at(x, 0) - srgb(values[x])));
+      EXPECT_LE(worst, 1e-6) << "up to " << most;
+    });
+  }
+}
+
+TEST(Output, TheEndsOfTheCurveAreExact) {
+  test::on_every_target("output", row_of({0.0f, 1.0f}), {}, [](const Image& image) {
+    EXPECT_EQ(image.plane("color.r").at(0, 0), 0.0f);
+    EXPECT_NEAR(image.plane("color.r").at(1, 0), 1.0f, 2e-7);
+  });
+}
+
+TEST(Output, EveryEightBitValueSurvivesTheRoundTrip) {
+  std::vector<float> values(256);
+  for (int i = 0; i < 256; ++i) {
+    const double v = i / 255.0;
+    values[i] = float(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+  }
+  test::on_every_target("output", row_of(values), {}, [](const Image& image) {
+    for (int i = 0; i < 256; ++i) EXPECT_NEAR(image.plane("color.b").at(i, 0) * 255.0, i, 1e-3);
+  });
+}
+
+TEST(Output, LightAboveWhiteIsKept) {
+  test::on_every_target("output", row_of({4.0f}), {},
+                        [](const Image& image) { EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(4.0), 4e-6); });
+  test::on_every_target("output", row_of({4.0f}), {{"transfer", "none"}},
+                        [](const Image& image) { EXPECT_EQ(image.plane("color.r").at(0, 0), 4.0f); });
+}
+
+TEST(Output, ExposureCountsInStops) {
+  const auto values = ramp(0.0, 2.0, 300);
+  const GBuffer g = row_of(values);
+  for (const int stops : {-3, -1, 0, 1, 4}) {
+    const Settings settings = {{"exposure", fmt::format("{}", stops)}, {"transfer", "none"}};
+    test::on_every_target("output", g, settings, [&](const Image& image) {
+      for (int x = 0; x < image.width; ++x)
+        ASSERT_EQ(image.plane("color.r").at(x, 0), std::ldexp(values[x], stops)) << values[x];
+    });
+  }
+  test::on_every_target("output", g, {{"exposure", "0.5"}}, [&](const Image& image) {
+    for (int x = 0; x < image.width; ++x)
+      ASSERT_NEAR(image.plane("color.r").at(x, 0), srgb(values[x] * std::sqrt(2.0)), 3e-6) << values[x];
+  });
+}
+
+TEST(Output, BackgroundIsWrittenAsItIs) {
+  GBuffer g = row_of({0.5f, 0.5f, 0.5f});
+  g.layers[0].plane("depth").at(1, 0) = std::numeric_limits<float>::infinity();
+  g.layers[0].plane("depth").at(2, 0) = std::nanf("");
+  const Settings color = {{"background_r", "0.25"}, {"background_g", "0.5"}, {"background_b", "0.75"}};
+  // Exposure and transfer function leave it alone.
+  for (const char* transfer : {"srgb", "none"}) {
+    Settings settings = color;
+    settings.insert(settings.end(), {{"transfer", transfer}, {"exposure", "3"}});
+    test::on_every_target("output", g, settings, [](const Image& image) {
+      for (int x : {1, 2}) {
+        EXPECT_EQ(image.plane("color.r").at(x, 0), 0.25f);
+        EXPECT_EQ(image.plane("color.g").at(x, 0), 0.5f);
+        EXPECT_EQ(image.plane("color.b").at(x, 0), 0.75f);
+      }
+      for (int x : {0, 1, 2}) EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f);
+      EXPECT_GT(image.plane("color.r").at(0, 0), 1.0f);
+    });
+  }
+  Settings settings = color;
+  settings.emplace_back("transparent", "on");
+  test::on_every_target("output", g, settings, [](const Image& image) {
+    EXPECT_EQ(image.plane("color.a").at(0, 0), 1.0f);
+    for (const char* name : {"color.r", "color.g", "color.b", "color.a"}) EXPECT_EQ(image.plane(name).at(1, 0), 0.0f);
+  });
+}
+
+TEST(Output, WhatIsNoLightIsBlack) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const GBuffer g = row_of({std::nanf(""), infinity, -infinity, -1.0f, -0.0f, 3e38f});
+  for (const char* transfer : {"srgb", "none"})
+    test::on_every_target("output", g, {{"transfer", transfer}, {"exposure", "20"}}, [](const Image& image) {
+      for (int x = 0; x < image.width; ++x) {
+        EXPECT_EQ(image.plane("color.r").at(x, 0), 0.0f) << x;
+        EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f) << x;
+      }
+    });
+}
+
+TEST(Output, NeedsDepthAndLight) {
+  const auto device = make_cpu_device();
+  const Effect& effect = *find_effect("output");
+  for (const char* missing : {"depth", "lit.g"}) {
+    GBuffer g = row_of({1.0f});
+    GBuffer without = test::empty_gbuffer(1, 1);
+    for (std::size_t p = 0; p < g.layers[0].planes.size(); ++p)
+      if (g.layers[0].names[p] != missing) without.layers[0].add(g.layers[0].names[p]) = g.layers[0].planes[p];
+    auto frame = device->upload(without);
+    const auto done = device->run(effect, test::parameters_of(effect, {}), *frame);
+    ASSERT_FALSE(done) << missing;
+    EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
+    EXPECT_NE(done.error().message.find(fmt::format("'{}'", missing)), std::string::npos) << done.error().message;
+    EXPECT_NE(done.error().message.find("output"), std::string::npos) << done.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace umbrage

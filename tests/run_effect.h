@@ -1,0 +1,59 @@
+// Runs one effect on a G-buffer made in code, in every form that its kernels have on this CPU.
+#pragma once
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/check.h"
+#include "devices/cpu/cpu_device.h"
+#include "effects/effects.h"
+#include "machine/cpu_target.h"
+
+namespace umbrage::test {
+
+/// Names of parameters and what is written for them.
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+inline ParameterBytes parameters_of(const Effect& effect, const Settings& settings) {
+  ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
+  for (const auto& [name, value] : settings) {
+    const Parameter* row = find_parameter(effect, name);
+    if (!row) fail_check("there is no parameter " + name);
+    const auto done = set_parameter(effect.name, *row, value, bytes);
+    EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  }
+  return bytes;
+}
+
+/// The planes that `effect` makes of `gbuffer`.
+inline Image run_effect(const Effect& effect, const GBuffer& gbuffer, const Settings& settings,
+                        const CpuSettings& cpu) {
+  const auto device = make_cpu_device(cpu);
+  auto frame = device->upload(gbuffer);
+  const auto done = device->run(effect, parameters_of(effect, settings), *frame);
+  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  std::vector<std::string> names;
+  for (const Pass& pass : effect.passes) names.insert(names.end(), pass.outputs.begin(), pass.outputs.end());
+  return *device->download(*frame, names);
+}
+
+/// Calls `check` with the planes that the scalar kernel makes, and those of the lanes on every SIMD target.
+inline void on_every_target(std::string_view name, const GBuffer& gbuffer, const Settings& settings,
+                            const std::function<void(const Image&)>& check) {
+  const Effect& effect = *find_effect(name);
+  {
+    SCOPED_TRACE("scalar");
+    check(run_effect(effect, gbuffer, settings, {.scalar = true}));
+  }
+  for (const std::string& target : simd_target_names()) {
+    SCOPED_TRACE(target);
+    ASSERT_TRUE(choose_simd_target(target));
+    check(run_effect(effect, gbuffer, settings, {}));
+  }
+  choose_simd_target("");
+}
+
+}  // namespace umbrage::test
