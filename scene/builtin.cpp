@@ -18,7 +18,7 @@ constexpr std::string_view kScheme = "scene:";
 constexpr double kLeastDetail = 1e3, kMostDetail = 1e7;
 
 constexpr std::array kScenes = {
-    BuiltinScene{"atrium", "an open court with two storeys of arches, coloured drapes and plants", 280'000,
+    BuiltinScene{"atrium", "an open court with two storeys of arches, coloured drapes and plants", 300'000,
                  make_atrium},
     BuiltinScene{"claw", "a robot's claw after the toon figures", 60'000, make_claw},
     BuiltinScene{"pink", "figures in one pink room after the colour bleeding figures", 60'000, make_pink},

@@ -1,6 +1,7 @@
 // The atrium: an open court of 9 by 24 metres between two storeys of round arches, with vaulted galleries behind,
 // drapes, plants and a fountain. Made to have what occlusion and colour bleeding are judged by: long corners, thin
 // rails, fluting, folds of coloured cloth near plain stone, cut-out leaves, sun and deep shade.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -543,7 +544,7 @@ void add_upper_bay(Parts& parts, const Bay& bay, const Detail& d) {
   put(parts.stone,
       box({-end, kKerb, kRailOut - 0.9f * deep}, {end, kKerb + 0.09f, kRailOut + 0.9f * deep}, 0.015f, d(1, 0)));
   put(parts.stone, box({-end, kRail - 0.13f, kRailOut - deep}, {end, kRail, kRailOut + deep}, 0.03f, d(1, 0)));
-  const int balusters = d(8, 3);
+  const int balusters = std::min(d(16, 3), 9);  // a closer row than nine is no longer a balustrade
   const Mesh one = baluster(kRail - 0.13f - kKerb - 0.09f, d);
   for (int i = 0; i < balusters; ++i)
     put(parts.stone, moved(one, {-end + 2.0f * end * (float(i) + 0.5f) / float(balusters), kKerb + 0.09f, kRailOut}));
@@ -805,6 +806,7 @@ Scene build(const Materials& m, const Detail& d) {
   for (Mesh* mesh : {&parts.blocks, &parts.plaster}) scale_uvs(*mesh, vec2(0.5f));
   scale_uvs(parts.stone, vec2(0.6f));
   scale_uvs(parts.vault, vec2(0.33f));
+  for (vec2& uv : parts.door.uvs) uv = {uv.y, uv.x};  // boards stand upright
   add_mesh(scene, "arch walls", std::move(parts.blocks), m.blocks);
   add_mesh(scene, "mouldings and balustrade", std::move(parts.stone), m.stone);
   add_mesh(scene, "plaster walls", std::move(parts.plaster), m.plaster);
@@ -833,9 +835,9 @@ Scene make_atrium(int triangles) {
   scene.textures = std::move(palette.textures);
   // A high sun from behind the camera's right shoulder: it lights the left side, the far end and part of the floor.
   scene.lights = {
-      {.direction = glm::normalize(vec3(0.35f, 0.86f, 0.38f)), .color = {0.98f, 0.88f, 0.72f}, .casts_shadow = true},
+      {.direction = glm::normalize(vec3(0.41f, 0.84f, 0.36f)), .color = {1.12f, 1.00f, 0.80f}, .casts_shadow = true},
       {.direction = glm::normalize(vec3(-0.7f, 0.35f, 0.4f)), .color = {0.10f, 0.085f, 0.07f}}};
-  scene.ambient = {0.33f, 0.36f, 0.41f};
+  scene.ambient = {0.28f, 0.31f, 0.36f};
   scene.views = {{.eye = {1.3f, 2.4f, 10.6f}, .target = {-0.35f, 3.7f, -6.0f}, .angle_deg = 60.0f}};
   return scene;
 }
