@@ -11,6 +11,7 @@ const Look& look_unsharp() {
       .occlusion = "unsharp",
       .effects = {"lighting", "occlusion", "composite", "output"},
       .presets = {{"lighting.material", "clay"},
+                  {"lighting.rig", "key"},
                   {"lighting.shadow", "0"},
                   {"unsharp.kernel", "40"},
                   {"unsharp.threshold", "0.02"},

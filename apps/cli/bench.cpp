@@ -38,7 +38,11 @@ Result<Times> time_of(int runs, const Run& run) {
 /// Settings of an effect that its cost hangs on, as "parameter=value"; the look's own when empty.
 std::vector<std::string> settings_of(std::string_view effect) {
   if (effect == "unsharp")
-    return {"kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0", "kernel=121 threshold=0",
+    return {"kernel=15",
+            "kernel=40",
+            "kernel=121",
+            "kernel=40 threshold=0",
+            "kernel=121 threshold=0",
             "kernel=15 window=gaussian"};
   return {""};
 }
@@ -70,8 +74,14 @@ Result<void> bench(const BenchOptions& o) {
   for (const auto& [width, height] : sizes) {
     const auto report = [&, width = width, height = height](std::string_view effect, const std::string& setting,
                                                             const Times& t) {
-      records.push_back({{"effect", effect}, {"setting", setting}, {"device", device.name()}, {"width", width},
-                         {"height", height}, {"threads", device.threads()}, {"ms", t.median}, {"ms_min", t.least}});
+      records.push_back({{"effect", effect},
+                         {"setting", setting},
+                         {"device", device.name()},
+                         {"width", width},
+                         {"height", height},
+                         {"threads", device.threads()},
+                         {"ms", t.median},
+                         {"ms_min", t.least}});
       if (!o.json)
         fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}\n", effect, setting, fmt::format("{}x{}", width, height),
                    t.median, t.least);
@@ -98,13 +108,14 @@ Result<void> bench(const BenchOptions& o) {
         EffectSettings settings = look_settings(*find_look("unsharp"));
         for (std::size_t start = 0; start < setting.size();) {
           const std::size_t end = std::min(setting.find(' ', start), setting.size());
-          if (auto set = apply_setting(settings, fmt::format("{}.{}", effect->name, setting.substr(start, end - start)));
+          if (auto set =
+                  apply_setting(settings, fmt::format("{}.{}", effect->name, setting.substr(start, end - start)));
               !set)
             return set;
           start = end + 1;
         }
-        const auto times = time_of(
-            o.runs, [&] { return device.run(*effect, settings.find(effect->name)->second, *frame); });
+        const auto times =
+            time_of(o.runs, [&] { return device.run(*effect, settings.find(effect->name)->second, *frame); });
         if (!times) return times.error();
         report(effect->name, setting, *times);
       }

@@ -32,7 +32,8 @@ std::string report_of(const std::vector<Figure>& figures, const std::vector<Figu
     for (const FigureNumber& number : figure.numbers) {
       const std::string bound = number.most > 1e29 ? fmt::format("at least {:g}", number.least)
                                                    : fmt::format("{:g} to {:g}", number.least, number.most);
-      text += fmt::format("| {} | {:.4g} | {} | {} |\n", number.what, number.value, bound, number.holds() ? "yes" : "no");
+      text +=
+          fmt::format("| {} | {:.4g} | {} | {} |\n", number.what, number.value, bound, number.holds() ? "yes" : "no");
     }
   }
   for (const FigureTable& table : tables) {
@@ -73,7 +74,8 @@ Result<void> make_figures(const FiguresOptions& o) {
     for (const FigurePicture& picture : figure.pictures)
       if (auto written = write_image(folder / picture.file, picture.image); !written) return written;
     for (const FigureNumber& number : figure.numbers) {
-      records.push_back({{"figure", figure.id}, {"what", number.what}, {"value", number.value}, {"holds", number.holds()}});
+      records.push_back(
+          {{"figure", figure.id}, {"what", number.what}, {"value", number.value}, {"holds", number.holds()}});
       missed += !number.holds();
       fmt::print("figure {:<5} {:<55} {:10.4f}  {}\n", figure.id, number.what, number.value,
                  number.holds() ? "holds" : "MISSED");
@@ -84,11 +86,13 @@ Result<void> make_figures(const FiguresOptions& o) {
   if (auto written = write_image(folder / "contact-sheet.png", contact_sheet(*figures, o.size / 2)); !written)
     return written;
   if (auto written = write_text(folder / "numbers.json", records.dump(2) + "\n"); !written) return written;
-  if (auto written = write_text(folder / "index.md", report_of(*figures, *tables, (*device)->description(), o.size)); !written)
+  if (auto written = write_text(folder / "index.md", report_of(*figures, *tables, (*device)->description(), o.size));
+      !written)
     return written;
   fmt::print("{} pictures, contact-sheet.png and index.md are in {}\n", picture_count, o.output);
   if (missed > 0)
-    return Error{ErrorKind::kInternal, fmt::format("{} of {} numbers are not what the paper shows", missed, records.size())};
+    return Error{ErrorKind::kInternal,
+                 fmt::format("{} of {} numbers are not what the paper shows", missed, records.size())};
   return {};
 }
 

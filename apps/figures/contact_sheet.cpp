@@ -26,7 +26,8 @@ void write_text(Image& sheet, int x, int y, std::string text) {
     unsigned char color[4];
   };
   std::vector<Vertex> vertices(text.size() * 4 * 20 + 4);  // no letter takes more than 20 quads
-  const int quads = stb_easy_font_print(0, 0, text.data(), nullptr, vertices.data(), int(vertices.size() * sizeof(Vertex)));
+  const int quads =
+      stb_easy_font_print(0, 0, text.data(), nullptr, vertices.data(), int(vertices.size() * sizeof(Vertex)));
   for (int q = 0; q < quads; ++q) {
     const Vertex &a = vertices[std::size_t(q) * 4], &c = vertices[std::size_t(q) * 4 + 2];
     fill(sheet, x + int(a.x) * kTextScale, y + int(a.y) * kTextScale, x + int(c.x) * kTextScale,

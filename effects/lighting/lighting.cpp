@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <glm/geometric.hpp>
 
 #include "core/effect.h"
 #include "machine/kernel_frame.h"
@@ -45,10 +46,10 @@ const std::vector<Parameter> kTable = {
      .offset = offsetof(LightingParams, material),
      .choices = {"scene", "clay"}},
     {.name = "rig",
-     .help = "the scene's lights, or one light at the eye",
+     .help = "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera",
      .type = ParameterType::kChoice,
      .offset = offsetof(LightingParams, rig),
-     .choices = {"scene", "head"}},
+     .choices = {"scene", "head", "key"}},
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
@@ -64,9 +65,13 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.shadow = params.shadow;
 
   std::vector<Light> lights = info.lights;
-  constexpr float kHeadLight = 0.7f;  // with the usual ambient of 0.3, white seen head on is white
-  if (params.rig == 1) {
-    lights.assign(1, Light{.kind = LightKind::kHead, .color = glm::vec3(kHeadLight)});
+  if (params.rig != 0) {
+    // The light of [Chamberlin 2011]: ambient 0.3 and diffuse 0.7, so that white seen head on is white.
+    constexpr float kAmbient = 0.3f, kLight = 0.7f;
+    const glm::vec3 above_left = glm::normalize(glm::vec3(-0.45f, 0.65f, 0.62f));
+    const LightKind kind = params.rig == 1 ? LightKind::kHead : LightKind::kDirectional;
+    lights.assign(1, Light{.kind = kind, .direction = above_left, .color = glm::vec3(kLight)});
+    c.ambient_r = c.ambient_g = c.ambient_b = kAmbient * params.ambient;
     c.shadow = 0.0f;  // the captured shadow is another light's
   }
   c.light_count = std::min(int(lights.size()), kLightingMostLights);

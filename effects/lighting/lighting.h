@@ -8,7 +8,7 @@ struct LightingParams {
   float ambient, diffuse, specular;  // factors
   float shadow;                      // how much of the key light's shadow is applied
   int material;                      // 0 the scene's, 1 white clay
-  int rig;                           // 0 the scene's lights, 1 a head light
+  int rig;                           // 0 the scene's lights, 1 a head light, 2 a key light
 };
 
 struct LightingConstants {
