@@ -1,0 +1,867 @@
+// Rung 2 of the CPU's capture: scenes for which every plane of the G-buffer is known.
+#include "devices/cpu/capture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <set>
+
+#include "devices/cpu/cpu_device.h"
+#include "effects/effects.h"
+#include "scene/finish.h"
+#include "scene/framing.h"
+#include "scene/shapes.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+// ---- scenes
+// ------------------------------------------------------------------------------------------------------------
+
+/// The parallelogram origin + s u + t v for s, t in [0, 1], with texture coordinates (s, t) * repeat; front u x v.
+Mesh parallelogram(glm::vec3 origin, glm::vec3 u, glm::vec3 v, float repeat = 1.0f) {
+  Mesh mesh;
+  mesh.positions = {origin, origin + u, origin + u + v, origin + v};
+  mesh.normals.assign(4, glm::normalize(glm::cross(u, v)));
+  mesh.uvs = {{0, 0}, {repeat, 0}, {repeat, repeat}, {0, repeat}};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+/// A square of side 2 half in the plane z = height, seen from +z.
+Mesh square(float half, float height = 0.0f, glm::vec2 center = {0, 0}) {
+  return parallelogram({center.x - half, center.y - half, height}, {2 * half, 0, 0}, {0, 2 * half, 0});
+}
+
+/// A finished scene: mesh k is object k of material k % materials.
+Scene scene_of(std::vector<Mesh> meshes, std::vector<Material> materials = {Material{}}) {
+  Scene scene;
+  scene.name = "test";
+  scene.meshes = std::move(meshes);
+  scene.materials = std::move(materials);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    scene.meshes[m].object = int(m);
+    scene.meshes[m].material = int(m % scene.materials.size());
+  }
+  EXPECT_EQ(finish_scene(scene), 0u);
+  return scene;
+}
+
+Light key_light(glm::vec3 towards) {
+  return {.direction = glm::normalize(towards), .color = glm::vec3(1.0f), .casts_shadow = true};
+}
+
+Light key_lamp(glm::vec3 where) {
+  return {.kind = LightKind::kPoint, .position = where, .color = glm::vec3(1.0f), .casts_shadow = true};
+}
+
+struct Picture {
+  PictureInfo info;
+  Image planes;
+  const Plane& operator[](std::string_view name) const { return planes.plane(name); }
+  glm::dvec3 normal(int x, int y) const {
+    return {(*this)["normal.x"].at(x, y), (*this)["normal.y"].at(x, y), (*this)["normal.z"].at(x, y)};
+  }
+  float depth(int x, int y) const { return (*this)["depth"].at(x, y); }
+};
+
+Picture capture(const Scene& scene, const Camera& camera, int width, int height, const CpuSettings& cpu = {}) {
+  const auto device = make_cpu_device(cpu);
+  const auto ready = device->prepare(scene);
+  EXPECT_TRUE(ready) << (ready ? "" : ready.error().message);
+  const auto frame = device->capture(camera, {width, height, true});
+  EXPECT_TRUE(frame);
+  return {frame->info, *device->download(*frame, {})};
+}
+
+/// Looks down on the plane z = 0 from above; the picture is `height` units high and y points up in it.
+Camera from_above(float height, float aspect = 1.0f, float distance = 10.0f) {
+  return orthographic_camera({0, 0, distance}, {0, 0, 0}, {0, 1, 0}, height, aspect);
+}
+
+/// The ray through a pixel's centre, in double and world space: its parameter is depth.
+struct Ray {
+  glm::dvec3 origin, direction;
+  glm::dvec3 at(double depth) const { return origin + direction * depth; }
+};
+
+Ray ray_of(const PictureInfo& info, int x, int y) {
+  const Camera& c = info.camera;
+  const glm::dmat4 view(c.view_from_world);
+  const glm::dmat3 turn = glm::transpose(glm::dmat3(view));
+  const glm::dvec3 eye = -(turn * glm::dvec3(view[3]));
+  const double u = c.left + (x + 0.5) / info.width * (double(c.right) - c.left);
+  const double v = c.top - (y + 0.5) / info.height * (double(c.top) - c.bottom);
+  if (c.projection == Projection::kPerspective) return {eye, turn * glm::dvec3(u, v, -1.0)};
+  return {eye + turn * glm::dvec3(u, v, 0.0), turn * glm::dvec3(0.0, 0.0, -1.0)};
+}
+
+double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180.0 / M_PI;
+}
+
+float linear(int srgb_byte) {
+  const double v = srgb_byte / 255.0;
+  return float(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+}
+
+void expect_equal(const Image& a, const Image& b, std::string_view what) {
+  ASSERT_EQ(a.names, b.names) << what;
+  for (std::size_t p = 0; p < a.planes.size(); ++p)
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << what << ": " << a.names[p];
+}
+
+// ---- depth and normals
+// -------------------------------------------------------------------------------------------------
+
+TEST(Capture, PlaneFacingTheCameraHasOneDepth) {
+  const Scene scene = scene_of({square(50.0f)});
+  const Camera perspective = perspective_camera({0.5f, -1.0f, 7.0f}, {0.5f, -1.0f, 0}, {0, 1, 0}, 60.0f, 1.5f);
+  const Camera orthographic = orthographic_camera({0.5f, -1.0f, 7.0f}, {0.5f, -1.0f, 0}, {0, 1, 0}, 9.0f, 1.5f);
+  for (const Camera& camera : {perspective, orthographic}) {
+    const Picture picture = capture(scene, camera, 90, 60);
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 90; ++x) {
+        ASSERT_NEAR(picture.depth(x, y), 7.0, 7e-6) << x << ',' << y;
+        ASSERT_EQ(picture.normal(x, y), glm::dvec3(0, 0, 1)) << x << ',' << y;
+        ASSERT_EQ(picture["object_id"].at(x, y), 0.0f);
+      }
+  }
+}
+
+TEST(Capture, TiltedPlaneFollowsItsEquation) {
+  const glm::vec3 point(1, 2, 3), u(90, 15, -27), v(-12, 84, 33);
+  const Scene scene = scene_of({parallelogram(point - 0.5f * (u + v), u, v)});
+  const glm::dvec3 normal = glm::normalize(glm::cross(glm::dvec3(u), glm::dvec3(v)));
+  const glm::vec3 front(normal), side = glm::normalize(u + 0.3f * v);
+  for (const float tilt_deg : {5.0f, 50.0f, 74.0f})  // between the view axis and the normal
+    for (const bool orthographic : {false, true}) {
+      const float tilt = glm::radians(tilt_deg);
+      const glm::vec3 eye = point + 12.0f * (std::cos(tilt) * front + std::sin(tilt) * side);
+      const Camera camera = orthographic ? orthographic_camera(eye, point, {0, 0, 1}, 4.0f, 0.8f)
+                                         : perspective_camera(eye, point, {0, 0, 1}, 15.0f, 0.8f);
+      const Picture picture = capture(scene, camera, 64, 80);
+      const glm::dvec3 expected = glm::dmat3(glm::mat3(camera.view_from_world)) * normal;
+      for (int y = 0; y < 80; ++y)
+        for (int x = 0; x < 64; ++x) {
+          const Ray ray = ray_of(picture.info, x, y);
+          const double slope = glm::dot(normal, ray.direction);
+          const double depth = glm::dot(normal, glm::dvec3(point) - ray.origin) / slope;
+          // The closer to edge-on, the more a rounded position moves the hit.
+          ASSERT_NEAR(picture.depth(x, y), depth, 3e-6 * depth / std::fabs(slope)) << x << ',' << y;
+          ASSERT_LT(degrees_between(picture.normal(x, y), expected), 0.001);
+        }
+    }
+}
+
+TEST(Capture, SphereHasTheNormalsOfASphere) {
+  // One sphere with normals of its own, one for which finish_scene makes them.
+  Mesh made = shapes::cube_sphere(64, [](glm::vec3) { return 2.0f; });
+  made.normals.clear();
+  for (const Mesh& mesh : {shapes::sphere(2.0f, 192, 96), made})
+    for (const bool orthographic : {false, true}) {
+      const Scene scene = scene_of({mesh});
+      const glm::vec3 eye(4, 5, 6);
+      const Camera camera = orthographic ? orthographic_camera(eye, {0, 0, 0}, {0, 1, 0}, 4.4f, 1.0f)
+                                         : perspective_camera(eye, {0, 0, 0}, {0, 1, 0}, 30.0f, 1.0f);
+      const Picture picture = capture(scene, camera, 150, 150);
+      const glm::dmat3 view(glm::mat3(camera.view_from_world));
+      long compared = 0, background = 0;
+      for (int y = 0; y < 150; ++y)
+        for (int x = 0; x < 150; ++x) {
+          const Ray ray = ray_of(picture.info, x, y);
+          const double a = glm::dot(ray.direction, ray.direction), b = glm::dot(ray.direction, ray.origin);
+          const double root = b * b - a * (glm::dot(ray.origin, ray.origin) - 4.0);
+          if (root < 0.0) {
+            ASSERT_EQ(picture.depth(x, y), kInfinity);  // the mesh lies inside the sphere
+            ++background;
+            continue;
+          }
+          const double depth = (-b - std::sqrt(root)) / a;
+          const glm::dvec3 normal = ray.at(depth) / 2.0;
+          const double facing = -glm::dot(normal, ray.direction) / std::sqrt(a);
+          if (facing < 0.15) continue;  // the mesh's silhouette is a polygon
+          ++compared;
+          ASSERT_NEAR(picture.depth(x, y), depth, 2e-3 / facing);
+          ASSERT_LT(degrees_between(picture.normal(x, y), view * normal), 0.5) << x << ',' << y;
+          ASSERT_NEAR(glm::length(picture.normal(x, y)), 1.0, 1e-6);
+        }
+      EXPECT_GT(compared, 10000);
+      EXPECT_GT(background, 2000);
+    }
+}
+
+TEST(Capture, OffCentreWindowIsAPartOfTheWhole) {
+  const Scene scene = scene_of({shapes::sphere(2.0f, 48, 24), square(9.0f, -1.0f)});
+  for (const bool orthographic : {false, true}) {
+    const Camera whole = orthographic ? orthographic_camera({4, 5, 6}, {0, 0, 0}, {0, 1, 0}, 8.0f, 1.0f)
+                                      : perspective_camera({4, 5, 6}, {0, 0, 0}, {0, 1, 0}, 50.0f, 1.0f);
+    // Columns 16 to 47 and rows 32 to 55 of 64 x 64.
+    Camera part = whole;
+    part.left = whole.left + (whole.right - whole.left) * 0.25f;
+    part.right = whole.left + (whole.right - whole.left) * 0.75f;
+    part.top = whole.top + (whole.bottom - whole.top) * 0.5f;
+    part.bottom = whole.top + (whole.bottom - whole.top) * 0.875f;
+    const Picture all = capture(scene, whole, 64, 64), cut = capture(scene, part, 32, 24);
+    long different = 0;  // at silhouettes rounding decides who is hit
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 32; ++x) {
+        const float a = all.depth(x + 16, y + 32), b = cut.depth(x, y);
+        different += !(a == b || std::fabs(a - b) < 2e-5f);
+        different += glm::distance(all.normal(x + 16, y + 32), cut.normal(x, y)) > 1e-4;
+      }
+    EXPECT_LE(different, 4) << orthographic;
+  }
+}
+
+TEST(Capture, PixelsAreCountedFromTheTopLeft) {
+  // One small square up and to the right of the middle.
+  const Scene scene = scene_of({square(0.5f, 0.0f, {1.5f, 0.5f})});
+  const Picture picture = capture(scene, from_above(4.0f), 4, 4);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x) EXPECT_EQ(std::isfinite(picture.depth(x, y)), x == 3 && y == 1) << x << ',' << y;
+}
+
+TEST(Capture, BackgroundIsMarkedInEveryPlane) {
+  Material material;
+  material.albedo = {0.1f, 0.2f, 0.3f};
+  material.specular_strength = 0.4f;
+  material.specular_exponent = 50.0f;
+  Scene scene = scene_of({square(0.5f)}, {material});
+  scene.lights = {key_light({0, 0, 1})};
+  const Picture picture = capture(scene, from_above(4.0f), 4, 4);
+  EXPECT_EQ(picture.depth(0, 0), kInfinity);
+  for (const char* name :
+       {"normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g", "albedo.b", "specular", "shininess"})
+    EXPECT_EQ(picture[name].at(0, 0), 0.0f) << name;
+  EXPECT_EQ(picture["object_id"].at(0, 0), -1.0f);
+  EXPECT_EQ(picture["material_id"].at(0, 0), -1.0f);
+  EXPECT_EQ(picture["shadow"].at(0, 0), 1.0f);
+  EXPECT_EQ(picture["albedo.g"].at(2, 2), 0.2f);
+  EXPECT_EQ(picture["specular"].at(2, 2), 0.4f);
+  EXPECT_EQ(picture["shininess"].at(2, 2), 50.0f);
+}
+
+TEST(Capture, ObjectsAndMaterialsAreNumbered) {
+  // Four squares in a row, of two materials; the last two are one object.
+  std::vector<Mesh> meshes;
+  for (int k = 0; k < 4; ++k) meshes.push_back(square(0.5f, 0.1f * k, {k - 1.5f, 0.0f}));
+  Scene scene = scene_of(meshes, {Material{}, Material{}});
+  scene.meshes[3].object = 2;
+  const Picture picture = capture(scene, from_above(1.0f, 4.0f), 4, 1);
+  const float objects[] = {0, 1, 2, 2}, materials[] = {0, 1, 0, 1};
+  for (int x = 0; x < 4; ++x) {
+    EXPECT_EQ(picture["object_id"].at(x, 0), objects[x]);
+    EXPECT_EQ(picture["material_id"].at(x, 0), materials[x]);
+    EXPECT_NEAR(picture.depth(x, 0), 10.0f - 0.1f * x, 1e-5);
+  }
+}
+
+TEST(Capture, TheNearestSurfaceIsSeen) {
+  const Scene scene = scene_of({square(3.0f, 0.0f), square(1.0f, 2.0f), square(2.0f, 1.0f)});
+  const Picture picture = capture(scene, from_above(8.0f), 8, 8);
+  const float row[] = {-1, 0, 2, 1, 1, 2, 0, -1};
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(picture["object_id"].at(x, 4), row[x]) << x;
+}
+
+TEST(Capture, BothSidesShowNormalsTowardsTheCamera) {
+  const Scene scene = scene_of({square(2.0f)});
+  for (const float side : {1.0f, -1.0f}) {
+    const glm::vec3 eye(1.0f, 2.0f, side * 5.0f);
+    const Picture picture = capture(scene, perspective_camera(eye, {0, 0, 0}, {0, 1, 0}, 20.0f, 1.0f), 16, 16);
+    const glm::dvec3 expected = glm::dmat3(glm::mat3(picture.info.camera.view_from_world)) * glm::dvec3(0, 0, side);
+    for (int y = 0; y < 16; ++y)
+      for (int x = 0; x < 16; ++x) {
+        ASSERT_TRUE(std::isfinite(picture.depth(x, y)));
+        ASSERT_LT(degrees_between(picture.normal(x, y), expected), 0.001) << side;
+      }
+  }
+}
+
+TEST(Capture, NormalsFaceTheCameraOnCoarseMeshesToo) {
+  // Sixteen by eight quads with smooth normals: at the silhouette interpolated normals point away.
+  const Scene scene = scene_of({shapes::sphere(1.0f, 16, 8)});
+  for (const glm::vec3 eye : {glm::vec3(0, 0, 3), glm::vec3(0.2f, 0.1f, -0.3f)}) {  // outside, and inside
+    const Picture picture = capture(scene, perspective_camera(eye, {0, 0, 0}, {0, 1, 0}, 50.0f, 1.0f), 90, 90);
+    long hits = 0;
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < 90; ++x) {
+        if (!std::isfinite(picture.depth(x, y))) continue;
+        ++hits;
+        const glm::dmat3 world = glm::transpose(glm::dmat3(glm::mat3(picture.info.camera.view_from_world)));
+        const glm::dvec3 direction = ray_of(picture.info, x, y).direction;
+        ASSERT_LE(glm::dot(world * picture.normal(x, y), glm::normalize(direction)), 1e-6) << x << ',' << y;
+        ASSERT_NEAR(glm::length(picture.normal(x, y)), 1.0, 1e-5);
+      }
+    EXPECT_GT(hits, 3000);
+  }
+}
+
+TEST(Capture, NormalsThatContradictTheWindingStillFaceTheCamera) {
+  // Files with clockwise triangles and right normals are common.
+  Mesh mesh = square(2.0f);
+  std::swap(mesh.indices[1], mesh.indices[2]);
+  std::swap(mesh.indices[4], mesh.indices[5]);
+  const Scene scene = scene_of({mesh});
+  for (const float side : {1.0f, -1.0f}) {
+    const Camera camera = perspective_camera({3.0f, 2.0f, side * 4.0f}, {0, 0, 0}, {0, 1, 0}, 20.0f, 1.0f);
+    const glm::dvec3 expected = glm::dmat3(glm::mat3(camera.view_from_world)) * glm::dvec3(0, 0, side);
+    const Picture picture = capture(scene, camera, 8, 8);
+    for (int x = 0; x < 8; ++x) EXPECT_LT(degrees_between(picture.normal(x, 3), expected), 0.001) << side;
+  }
+}
+
+// ---- textures
+// ----------------------------------------------------------------------------------------------------------
+
+Texture texture_of(int width, int height, const std::function<glm::ivec4(int x, int y)>& texel) {
+  Texture texture;
+  texture.name = "made";
+  texture.width = width;
+  texture.height = height;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const glm::ivec4 t = texel(x, y);
+      for (int c = 0; c < 4; ++c) texture.rgba.push_back(std::uint8_t(t[c]));
+    }
+  return texture;
+}
+
+Scene textured(Mesh mesh, Texture texture, glm::vec3 albedo = glm::vec3(1.0f)) {
+  Material material;
+  material.albedo = albedo;
+  material.texture = 0;
+  Scene scene;
+  scene.meshes = {std::move(mesh)};
+  scene.materials = {material};
+  scene.textures = {std::move(texture)};
+  finish_scene(scene);
+  return scene;
+}
+
+TEST(Capture, TexelsLandOnTheirPixels) {
+  // Texels and pixels coincide: row 0 of the texture is at the top, u runs to the right. Colours are sRGB.
+  const auto texel = [](int x, int y) { return glm::ivec4(20 * x, 255 - 30 * y, 10 * x * y, 255); };
+  const Scene scene = textured(square(2.0f), texture_of(8, 4, texel), {1.0f, 0.5f, 1.0f});
+  const Picture picture = capture(scene, from_above(4.0f), 8, 4);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 8; ++x) {
+      EXPECT_NEAR(picture["albedo.r"].at(x, y), linear(20 * x), 2e-5) << x << ',' << y;
+      EXPECT_NEAR(picture["albedo.g"].at(x, y), 0.5f * linear(255 - 30 * y), 2e-5) << x << ',' << y;
+      EXPECT_NEAR(picture["albedo.b"].at(x, y), linear(10 * x * y), 2e-5) << x << ',' << y;
+    }
+}
+
+TEST(Capture, TexturesRepeat) {
+  const auto texel = [](int x, int y) { return glm::ivec4(60 * x, 60 * y, 0, 255); };
+  // Texture coordinates from -3 to 5, and once so far off that a float keeps eleven bits of fraction.
+  for (const float shift : {-3.0f, 4096.0f}) {
+    Mesh mesh = square(2.0f);
+    for (glm::vec2& uv : mesh.uvs) uv = uv * 8.0f + shift;
+    const Picture picture = capture(textured(mesh, texture_of(4, 4, texel)), from_above(4.0f), 32, 32);
+    const double close = shift < 1000.0f ? 1e-4 : 0.01;
+    for (int y = 0; y < 32; ++y)
+      for (int x = 0; x < 32; ++x) {
+        ASSERT_NEAR(picture["albedo.r"].at(x, y), linear(60 * (x % 4)), close) << x << ',' << y;
+        ASSERT_NEAR(picture["albedo.g"].at(x, y), linear(60 * (y % 4)), close) << x << ',' << y;
+      }
+  }
+}
+
+Texture checkers() {
+  return texture_of(64, 64, [](int x, int y) { return glm::ivec4(glm::ivec3((x / 8 + y / 8) % 2 ? 255 : 0), 255); });
+}
+
+TEST(Capture, FarCheckersAverageToTheirMean) {
+  // A ground of 4096 x 4096 checkers that runs to the horizon.
+  Scene scene = textured(parallelogram({-256, -256, 0}, {512, 0, 0}, {0, 512, 0}, 512.0f), checkers());
+  const Camera camera = perspective_camera({0, -256, 2.0f}, {0, 0, 0}, {0, 0, 1}, 40.0f, 1.0f);
+  const Picture picture = capture(scene, camera, 200, 200);
+  long compared = 0;
+  double sum = 0.0;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      if (!(picture.depth(x, y) > 150.0f && picture.depth(x, y) < 400.0f)) continue;
+      ++compared;
+      sum += picture["albedo.g"].at(x, y);
+      // One pixel across is 0.5 units and more: four checkers.
+      EXPECT_NEAR(picture["albedo.g"].at(x, y), 0.5, 0.08) << x << ',' << y;
+    }
+  ASSERT_GT(compared, 400);
+  EXPECT_NEAR(sum / compared, 0.5, 0.01);
+}
+
+TEST(Capture, NearCheckersAreCrisp) {
+  Scene scene = textured(parallelogram({-256, -256, 0}, {512, 0, 0}, {0, 512, 0}, 512.0f), checkers());
+  const Camera camera = perspective_camera({0.3f, -0.2f, 2.0f}, {0.3f, 0, 0}, {0, 0, 1}, 20.0f, 1.0f);
+  const Picture picture = capture(scene, camera, 200, 200);
+  long pure = 0, light = 0;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const float g = picture["albedo.g"].at(x, y);
+      pure += g < 0.01f || g > 0.99f;
+      light += g > 0.5f;
+    }
+  // A checker is 35 pixels wide, the blend between two a texel of 4.4 pixels: (1 - 4.4 / 35)^2 is pure.
+  EXPECT_GT(pure, 40000 * 0.72);
+  EXPECT_NEAR(light, 20000, 2000);
+}
+
+TEST(Capture, CheckersAtAGrazingAngleStaySharpAcross) {
+  // Stripes along the view: filtering along the view must not blur across it.
+  const auto stripes = texture_of(64, 64, [](int x, int) { return glm::ivec4(glm::ivec3(x / 32 ? 255 : 0), 255); });
+  const Scene scene = textured(parallelogram({-32, -32, 0}, {64, 0, 0}, {0, 64, 0}, 64.0f), stripes);
+  const Camera camera = perspective_camera({0, -30, 1.5f}, {0, -22, 0}, {0, 0, 1}, 10.0f, 1.0f);
+  const Picture picture = capture(scene, camera, 200, 200);
+  long pure = 0, all = 0;
+  for (int y = 60; y < 140; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const float g = picture["albedo.g"].at(x, y);
+      pure += g < 0.05f || g > 0.95f;
+      ++all;
+    }
+  EXPECT_GT(pure, 0.7 * all);
+}
+
+// ---- masks and shadows
+// -------------------------------------------------------------------------------------------------
+
+/// A square that throws its shadow on a larger one below it. Object 0 is the ground, 1 the square.
+Scene square_over_ground() { return scene_of({square(8.0f), square(1.0f, 2.0f, {0.3f, -0.2f})}); }
+
+/// Shares of ground pixels that are in shadow though they should not be, and the other way round; pixels nearer than
+/// `margin` to the shadow's edge are left out.
+struct ShadowErrors {
+  long wrongly_dark = 0, wrongly_lit = 0, dark = 0, lit = 0;
+};
+
+/// Compares the ground's shadow with `blocked`, how deep inside the blocker the way to the light passes (below 0:
+/// outside it).
+ShadowErrors compare_shadow(const Picture& picture, const std::function<double(glm::dvec3)>& inside, double margin) {
+  ShadowErrors errors;
+  for (int y = 0; y < picture.info.height; ++y)
+    for (int x = 0; x < picture.info.width; ++x) {
+      if (picture["object_id"].at(x, y) != 0.0f) continue;
+      const double depth_inside = inside(ray_of(picture.info, x, y).at(picture.depth(x, y)));
+      if (std::fabs(depth_inside) < margin) continue;
+      const float shadow = picture["shadow"].at(x, y);
+      (depth_inside > 0.0 ? errors.dark : errors.lit) += 1;
+      if (depth_inside > 0.0) errors.wrongly_lit += shadow != 0.0f;
+      if (depth_inside < 0.0) errors.wrongly_dark += shadow != 1.0f;
+    }
+  return errors;
+}
+
+/// How deep a point of the plane z = 2 lies inside the square of square_over_ground.
+double inside_square(const glm::dvec3& p) { return 1.0 - std::max(std::fabs(p.x - 0.3), std::fabs(p.y + 0.2)); }
+
+TEST(Capture, DirectionalLightThrowsTheSquaresShadow) {
+  for (const bool orthographic : {true, false}) {
+    Scene scene = square_over_ground();
+    const glm::vec3 towards(0.9f, 0.5f, 1.0f);
+    scene.lights = {key_light(towards)};
+    const Camera camera =
+        orthographic ? from_above(10.0f) : perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f);
+    const Picture picture = capture(scene, camera, 200, 200);
+    const auto inside = [&](glm::dvec3 p) {
+      return inside_square(p + glm::dvec3(towards) * ((2.0 - p.z) / towards.z));
+    };
+    const ShadowErrors errors = compare_shadow(picture, inside, 2e-3);
+    EXPECT_EQ(errors.wrongly_dark, 0);
+    EXPECT_EQ(errors.wrongly_lit, 0);
+    EXPECT_GT(errors.dark, 500);
+    EXPECT_GT(errors.lit, 5000);
+    for (int y = 0; y < 200; ++y)
+      for (int x = 0; x < 200; ++x)
+        if (picture["object_id"].at(x, y) == 1.0f) {
+          ASSERT_EQ(picture["shadow"].at(x, y), 1.0f);
+        }
+  }
+}
+
+TEST(Capture, PointLightThrowsTheSquaresShadow) {
+  Scene scene = square_over_ground();
+  const glm::vec3 lamp(1.0f, 0.6f, 4.5f);
+  scene.lights = {key_lamp(lamp)};
+  const Picture picture = capture(scene, from_above(12.0f), 200, 200);
+  const auto inside = [&](glm::dvec3 p) {
+    return inside_square(p + (glm::dvec3(lamp) - p) * ((2.0 - p.z) / (lamp.z - p.z)));
+  };
+  const ShadowErrors errors = compare_shadow(picture, inside, 2e-3);
+  EXPECT_EQ(errors.wrongly_dark, 0);
+  EXPECT_EQ(errors.wrongly_lit, 0);
+  EXPECT_GT(errors.dark, 500);
+  EXPECT_GT(errors.lit, 5000);
+}
+
+TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
+  Scene scene = square_over_ground();
+  scene.lights = {key_lamp({3.0f, -0.2f, 1.0f})};  // lower than the square, which it would darken from x = 4.7 on
+  const Picture picture = capture(scene, from_above(12.0f), 64, 64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float object = picture["object_id"].at(x, y);
+      if (object == 0.0f) {
+        ASSERT_EQ(picture["shadow"].at(x, y), 1.0f) << x << ',' << y;
+      }
+      if (object == 1.0f) {
+        ASSERT_EQ(picture["shadow"].at(x, y), 0.0f) << "the upper side is turned away";
+      }
+    }
+}
+
+TEST(Capture, LightFromBelowLeavesTheUpperSideInShadow) {
+  Scene scene = scene_of({square(8.0f)});
+  scene.lights = {key_light({0.3f, 0.1f, -1.0f})};
+  const Picture picture = capture(scene, from_above(4.0f), 8, 8);
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(picture["shadow"].at(x, 5), 0.0f);
+  // From below it is lit.
+  const Camera below = orthographic_camera({0, 0, -10}, {0, 0, 0}, {0, 1, 0}, 4.0f, 1.0f);
+  const Picture other = capture(scene, below, 8, 8);
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(other["shadow"].at(x, 5), 1.0f);
+}
+
+TEST(Capture, OnlyAKeyLightThatCastsHasAShadow) {
+  Scene scene = square_over_ground();
+  Light light = key_light({0.9f, 0.5f, 1.0f});
+  const auto darkest = [&](const std::vector<Light>& lights) {
+    scene.lights = lights;
+    const Picture picture = capture(scene, from_above(10.0f), 64, 64);
+    float least = 1.0f;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) least = std::min(least, picture["shadow"].at(x, y));
+    return least;
+  };
+  EXPECT_EQ(darkest({light}), 0.0f);
+  Light plain = light;
+  plain.casts_shadow = false;
+  EXPECT_EQ(darkest({plain}), 1.0f);
+  EXPECT_EQ(darkest({plain, light}), 1.0f);
+  EXPECT_EQ(darkest({}), 1.0f);
+  EXPECT_EQ(darkest({{.kind = LightKind::kHead, .casts_shadow = true}}), 1.0f);
+}
+
+TEST(Capture, ShadowsCanBeLeftOut) {
+  Scene scene = square_over_ground();
+  scene.lights = {key_light({0.9f, 0.5f, 1.0f})};
+  const auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  const auto frame = device->capture(from_above(10.0f), {32, 32, false});
+  const Image image = *device->download(*frame, {"shadow"});
+  EXPECT_EQ(test::difference(image.planes[0], Plane(32, 32, 1.0f), 0.0).most, 0.0);
+}
+
+/// square_over_ground with a square hole of side 1 cut into the middle of the upper square.
+Scene holed_square_over_ground() {
+  Scene scene = square_over_ground();
+  scene.textures = {texture_of(64, 64, [](int x, int y) {
+    const bool hole = x >= 16 && x < 48 && y >= 16 && y < 48;
+    return glm::ivec4(200, 200, 200, hole ? 0 : 255);
+  })};
+  Material leaf;
+  leaf.albedo = glm::vec3(1.0f);
+  leaf.texture = 0;
+  leaf.alpha_mask = true;
+  scene.materials.push_back(leaf);
+  scene.meshes[1].material = 1;
+  return scene;
+}
+
+TEST(Capture, MasksCutHoles) {
+  const Picture picture = capture(holed_square_over_ground(), from_above(4.0f), 128, 128);
+  for (int y = 0; y < 128; ++y)
+    for (int x = 0; x < 128; ++x) {
+      const glm::dvec3 p = ray_of(picture.info, x, y).origin;
+      const double square = inside_square(p), hole = square - 0.5;
+      if (std::fabs(square) < 0.02 || std::fabs(hole) < 0.04) continue;  // a texel is 1/32 wide
+      const bool solid = square > 0.0 && hole < 0.0;
+      ASSERT_EQ(picture["object_id"].at(x, y), solid ? 1.0f : 0.0f) << x << ',' << y;
+      ASSERT_NEAR(picture.depth(x, y), solid ? 8.0 : 10.0, 1e-4);
+      if (solid) {
+        ASSERT_NEAR(picture["albedo.r"].at(x, y), linear(200), 0.01);
+      }
+    }
+}
+
+TEST(Capture, MasksCutHolesIntoShadows) {
+  Scene scene = holed_square_over_ground();
+  const glm::vec3 towards(0.9f, 0.5f, 1.0f);
+  scene.lights = {key_light(towards)};
+  const Picture picture = capture(scene, from_above(12.0f), 256, 256);
+  const auto inside = [&](glm::dvec3 p) {
+    const double square = inside_square(p + glm::dvec3(towards) * ((2.0 - p.z) / towards.z));
+    return std::min(square, 0.5 - square);
+  };
+  const ShadowErrors errors = compare_shadow(picture, inside, 0.04);
+  EXPECT_EQ(errors.wrongly_dark, 0);
+  EXPECT_EQ(errors.wrongly_lit, 0);
+  EXPECT_GT(errors.dark, 500);
+}
+
+TEST(Capture, AMaskWithoutAlphaOrCoordinatesCutsNothing) {
+  Scene scene = holed_square_over_ground();
+  scene.meshes[1].uvs.clear();
+  const Picture picture = capture(scene, from_above(4.0f), 64, 64);
+  EXPECT_EQ(picture["object_id"].at(36, 35), 1.0f);  // the middle of the square
+}
+
+struct Place {
+  float scale, offset;  // offset from the origin in sizes of the scene
+};
+
+class ShadowAcne : public testing::TestWithParam<Place> {};
+
+TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
+  const auto [scale, offset] = GetParam();
+  // A tilted ground of many triangles, whose corners are rounded to floats where it stands.
+  const glm::vec3 middle = offset * scale * glm::normalize(glm::vec3(0.6f, 0.3f, -0.8f));
+  const glm::vec3 u = scale * glm::vec3(2.0f, 0.1f, 0.3f), v = scale * glm::vec3(-0.2f, 1.9f, 0.4f);
+  Mesh ground = shapes::quad(middle - 0.5f * (u + v), middle + 0.5f * (u - v), middle + 0.5f * (u + v),
+                             middle + 0.5f * (v - u), 40, 40);
+  const glm::vec3 normal = glm::normalize(glm::cross(u, v));
+  const glm::vec3 along = glm::normalize(u);
+  for (const bool lamp : {false, true})
+    for (const float sine : {0.06f, 0.3f, 1.0f}) {
+      Scene scene = scene_of({ground});
+      const glm::vec3 towards = sine * normal + std::sqrt(1.0f - sine * sine) * along;
+      scene.lights = {lamp ? key_lamp(middle + 30.0f * scale * towards) : key_light(towards)};
+      for (const float elevation : {0.15f, 0.9f}) {
+        const glm::vec3 eye = middle + scale * (4.0f * elevation * normal - 3.0f * glm::normalize(v));
+        const Picture picture = capture(scene, perspective_camera(eye, middle, normal, 35.0f, 1.0f), 160, 160);
+        long dark = 0, hits = 0;
+        for (int y = 0; y < 160; ++y)
+          for (int x = 0; x < 160; ++x) {
+            if (!std::isfinite(picture.depth(x, y))) continue;
+            ++hits;
+            dark += picture["shadow"].at(x, y) != 1.0f;
+          }
+        EXPECT_EQ(dark, 0) << "of " << hits << (lamp ? ", lamp" : ", sun") << " at " << sine << ", seen from "
+                           << elevation;
+        EXPECT_GT(hits, 1000);
+      }
+    }
+}
+
+TEST_P(ShadowAcne, ThingsOnTheGroundKeepTheirShadow) {
+  const auto [scale, offset] = GetParam();
+  // A box on the ground throws a shadow as long as it is high, which begins at its foot.
+  const glm::vec3 middle = offset * scale * glm::normalize(glm::vec3(0.6f, 0.3f, -0.8f));
+  Mesh ground = square(2.0f), box = shapes::box({-0.5f, -0.5f, 0.0f}, {0.5f, 0.5f, 0.5f});
+  for (Mesh* mesh : {&ground, &box})
+    for (glm::vec3& p : mesh->positions) p = p * scale + middle;
+  Scene scene = scene_of({ground, box});
+  scene.lights = {key_light({-1.0f, 0.0f, 1.0f})};
+  const Camera camera =
+      orthographic_camera(middle + glm::vec3(0, 0, 5.0f * scale), middle, {0, 1, 0}, 4.0f * scale, 1.0f);
+  const Picture picture = capture(scene, camera, 100, 100);
+  // Row 50 runs across the middle of the box; the shadow lies from x = 0.5 to 1, which is pixels 62 to 74.
+  long dark = 0;
+  for (int x = 0; x < 100; ++x) dark += picture["object_id"].at(x, 50) == 0.0f && picture["shadow"].at(x, 50) == 0.0f;
+  EXPECT_NEAR(dark, 12, 2);
+  EXPECT_EQ(picture["shadow"].at(66, 50), 0.0f);
+  EXPECT_EQ(picture["shadow"].at(80, 50), 1.0f);
+  EXPECT_EQ(picture["shadow"].at(30, 50), 1.0f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scales, ShadowAcne,
+                         testing::Values(Place{1e-3f, 0.0f}, Place{1.0f, 0.0f}, Place{1e4f, 0.0f}, Place{1e-3f, 1e3f},
+                                         Place{1.0f, 1e3f}, Place{1e4f, 1e3f}),
+                         [](const auto& info) {
+                           return fmt::format("Scale{}{}",
+                                              std::lround(std::log10(info.param.scale) + 10) - 10 < 0 ? "Thousandth"
+                                              : info.param.scale > 1.0f                               ? "TenThousand"
+                                                                                                      : "One",
+                                              info.param.offset > 0.0f ? "Far" : "AtOrigin");
+                         });
+
+// ---- sizes, threads, devices
+// -------------------------------------------------------------------------------------------
+
+Scene mixed_scene() {
+  Scene scene = holed_square_over_ground();
+  Mesh ball = shapes::sphere(1.0f, 40, 20);
+  for (glm::vec3& p : ball.positions) p += glm::vec3(-2.0f, 1.0f, 1.0f);
+  ball.object = 2;
+  scene.meshes.push_back(ball);
+  finish_scene(scene);
+  scene.lights = {key_light({0.9f, 0.5f, 1.0f})};
+  return scene;
+}
+
+TEST(Capture, SmallAndOddSizes) {
+  const Scene scene = mixed_scene();
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {2, 3}, {17, 5}, {191, 347}}) {
+    const Camera camera = perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, float(width) / float(height));
+    const Picture picture = capture(scene, camera, width, height);
+    EXPECT_EQ(picture.planes.width, width);
+    EXPECT_EQ(picture.planes.height, height);
+    EXPECT_EQ(picture.planes.planes.size(), 12u);
+    long hits = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        if (!std::isfinite(picture.depth(x, y))) continue;
+        ++hits;
+        const Ray ray = ray_of(picture.info, x, y);
+        if (picture["object_id"].at(x, y) == 0.0f) {
+          ASSERT_NEAR(ray.at(picture.depth(x, y)).z, 0.0, 1e-5);
+        }
+        if (picture["object_id"].at(x, y) == 1.0f) {
+          ASSERT_NEAR(ray.at(picture.depth(x, y)).z, 2.0, 1e-5);
+        }
+      }
+    EXPECT_GT(hits, width * height / 2);
+  }
+}
+
+TEST(Capture, ThreadsDoNotMatter) {
+  const Scene scene = mixed_scene();
+  const Camera camera = perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 0.6f);
+  const Picture one = capture(scene, camera, 120, 200, {.threads = 1});
+  for (const int threads : {1, 2, 7})
+    expect_equal(one.planes, capture(scene, camera, 120, 200, {.threads = threads}).planes,
+                 fmt::format("{} threads", threads));
+}
+
+TEST(Capture, ADeviceTakesOneSceneAfterTheOther) {
+  const Scene first = mixed_scene(), second = scene_of({square(3.0f, 1.5f)});
+  const Camera camera = from_above(10.0f);
+  const auto device = make_cpu_device();
+  const auto draw = [&](const Scene& scene) {
+    EXPECT_TRUE(device->prepare(scene));
+    return *device->download(*device->capture(camera, {64, 64, true}), {});
+  };
+  const Image a = draw(first), b = draw(second), again = draw(first), twice = draw(first);
+  expect_equal(a, capture(first, camera, 64, 64).planes, "first");
+  expect_equal(b, capture(second, camera, 64, 64).planes, "second");
+  expect_equal(a, again, "first again");
+  expect_equal(a, twice, "prepared twice");
+  EXPECT_GT(test::difference(a.plane("depth"), b.plane("depth"), 0.0).most, 0.5);
+}
+
+TEST(Capture, FramesOfOneDeviceAreApart) {
+  const Scene scene = mixed_scene();
+  const auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  const auto small = device->capture(from_above(10.0f), {20, 10, true});
+  const auto large = device->capture(from_above(5.0f), {40, 30, true});
+  EXPECT_EQ(device->download(*small, {})->width, 20);
+  EXPECT_EQ(device->download(*large, {"depth"})->height, 30);
+  EXPECT_EQ(small->info.width, 20);
+}
+
+TEST(Device, SaysWhichPlaneIsMissing) {
+  const auto device = make_cpu_device();
+  GBuffer g = test::empty_gbuffer(4, 3);
+  const Effect& effect = *find_effect("lighting");
+  const ParameterBytes params = initial_parameters(effect.parameters, effect.params_size);
+  auto frame = device->upload(g);
+  ASSERT_TRUE(frame);
+  const auto done = device->run(effect, params, *frame);
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(done.error().message.find("lighting needs the plane 'depth'"), std::string::npos) << done.error().message;
+  const auto image = device->download(*frame, {"depth"});
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(image.error().message.find("'depth'"), std::string::npos) << image.error().message;
+}
+
+TEST(Device, UploadsAndDownloadsTheSamePlanes) {
+  const auto device = make_cpu_device();
+  GBuffer g = test::bumpy_gbuffer(37, 23, 3);
+  g.layers.push_back(g.layers[0]);
+  g.layers[1].plane("depth").at(5, 6) = 99.0f;
+  const auto frame = device->upload(g);
+  ASSERT_TRUE(frame);
+  const Image image = *device->download(*frame, {});
+  EXPECT_EQ(image.planes.size(), 2 * g.layers[0].planes.size());
+  for (std::size_t p = 0; p < g.layers[0].planes.size(); ++p)
+    EXPECT_EQ(test::difference(image.plane(g.layers[0].names[p]), g.layers[0].planes[p], 0.0).most, 0.0);
+  EXPECT_EQ(image.plane("layer1.depth").at(5, 6), 99.0f);
+  const Image two = *device->download(*frame, {"normal.y", "depth"});
+  EXPECT_EQ(two.names, (std::vector<std::string>{"normal.y", "depth"}));
+}
+
+TEST(Device, NeutralValuesStandInForPlanesThatAreMissing) {
+  // Depth and normals alone are enough to light a picture.
+  const auto device = make_cpu_device();
+  GBuffer g = test::empty_gbuffer(2, 2);
+  g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.5f)}};
+  g.layers[0].add("depth") = Plane(2, 2, 3.0f);
+  for (const char* name : {"normal.x", "normal.y", "normal.z"})
+    g.layers[0].add(name) = Plane(2, 2, name == std::string_view("normal.z") ? 1.0f : 0.0f);
+  auto frame = device->upload(g);
+  const Effect& effect = *find_effect("lighting");
+  ASSERT_TRUE(device->run(effect, initial_parameters(effect.parameters, effect.params_size), *frame));
+  const Image image = *device->download(*frame, {"direct.g", "ambient.g"});
+  EXPECT_NEAR(image.planes[0].at(1, 1), 0.8f * 0.5f, 1e-6);
+  EXPECT_NEAR(image.planes[1].at(1, 1), 0.8f * 0.3f, 1e-6);
+}
+
+// ---- picture_info
+// ------------------------------------------------------------------------------------------------------
+
+TEST(PictureInfo, DepthsSpanTheScene) {
+  const Scene scene = scene_of({shapes::box({-1, -2, -3}, {1, 2, 3})});
+  const PictureInfo info = picture_info(scene, from_above(4.0f, 2.0f, 10.0f), 64, 32);
+  EXPECT_EQ(info.width, 64);
+  EXPECT_EQ(info.height, 32);
+  EXPECT_NEAR(info.depth_min, 7.0f, 1e-5);
+  EXPECT_NEAR(info.depth_max, 13.0f, 1e-5);
+  EXPECT_NEAR(info.scene_radius, std::sqrt(1.0 + 4.0 + 9.0), 1e-5);
+}
+
+TEST(PictureInfo, CapturedDepthsLieWithin) {
+  const Scene scene = mixed_scene();
+  for (const Camera& camera : {perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f),
+                               perspective_camera({0, 0, 1}, {8, 0, 0.5f}, {0, 0, 1}, 90.0f, 1.0f),  // inside the scene
+                               from_above(10.0f), orthographic_camera({3, 2, 1}, {0, 0, 0}, {0, 0, 1}, 9.0f, 1.0f)}) {
+    const Picture picture = capture(scene, camera, 80, 80);
+    EXPECT_GT(picture.info.depth_min, 0.0f);
+    EXPECT_LE(picture.info.depth_min, picture.info.depth_max);
+    long hits = 0;
+    for (int y = 0; y < 80; ++y)
+      for (int x = 0; x < 80; ++x) {
+        const float depth = picture.depth(x, y);
+        if (!std::isfinite(depth)) continue;
+        ++hits;
+        ASSERT_LE(depth, picture.info.depth_max * 1.000001f);
+        // From inside, surfaces may be nearer than the share of the farthest depth that depth_min keeps.
+        ASSERT_GE(depth, std::min(picture.info.depth_min, 1e-3f * picture.info.depth_max) * 0.999999f);
+      }
+    EXPECT_GT(hits, 1000);
+  }
+}
+
+TEST(PictureInfo, IsSaneWhereTheSceneIsBehindTheCamera) {
+  const Scene scene = scene_of({square(1.0f)});
+  const PictureInfo info = picture_info(scene, perspective_camera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40.0f, 1.0f), 8, 8);
+  EXPECT_GT(info.depth_min, 0.0f);
+  EXPECT_LE(info.depth_min, info.depth_max);
+  EXPECT_TRUE(std::isfinite(info.depth_max));
+  const Picture picture = capture(scene, info.camera, 8, 8);
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(picture.depth(x, 4), kInfinity);
+}
+
+TEST(PictureInfo, LightsAreInViewSpace) {
+  Scene scene = scene_of({square(1.0f)});
+  scene.ambient = {0.1f, 0.2f, 0.3f};
+  scene.lights = {key_light({0, 0, 1}), key_lamp({1, 2, 3})};
+  const Camera camera = perspective_camera({4, 0, 3}, {0, 0, 3}, {0, 0, 1}, 40.0f, 1.0f);  // looks along -x
+  const PictureInfo info = picture_info(scene, camera, 8, 8);
+  ASSERT_EQ(info.lights.size(), 2u);
+  EXPECT_LT(glm::distance(info.lights[0].direction, glm::vec3(0, 1, 0)), 1e-6f);
+  EXPECT_LT(glm::distance(info.lights[1].position, glm::vec3(2, 0, -3)), 1e-5f);
+  EXPECT_EQ(info.ambient, scene.ambient);
+}
+
+}  // namespace
+}  // namespace umbrage
