@@ -15,14 +15,13 @@ glm::mat4 look_at(glm::vec3 eye, glm::vec3 target, glm::vec3 up) {
   glm::vec3 right = glm::cross(forward, up);
   constexpr float kParallel = 1e-4f;  // sine of the angle below which `up` says nothing
   if (!(glm::length(right) > kParallel * glm::length(up))) {
-    const glm::vec3 other =
-        std::abs(forward.z) < 0.9f ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
+    const glm::vec3 other = std::abs(forward.z) < 0.9f ? glm::vec3(0.0f, 0.0f, 1.0f) : glm::vec3(0.0f, 1.0f, 0.0f);
     right = glm::cross(forward, other);
   }
   right = glm::normalize(right);
   const glm::vec3 true_up = glm::cross(right, forward);
-  const glm::mat4 rotation = glm::transpose(glm::mat4(glm::vec4(right, 0.0f), glm::vec4(true_up, 0.0f),
-                                                      glm::vec4(-forward, 0.0f), glm::vec4(0, 0, 0, 1)));
+  const glm::mat4 rotation = glm::transpose(
+      glm::mat4(glm::vec4(right, 0.0f), glm::vec4(true_up, 0.0f), glm::vec4(-forward, 0.0f), glm::vec4(0, 0, 0, 1)));
   glm::mat4 view = rotation;
   view[3] = glm::vec4(glm::vec3(rotation * glm::vec4(-eye, 0.0f)), 1.0f);
   return view;

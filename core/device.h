@@ -22,7 +22,7 @@ struct Frame {
 
 struct CaptureSettings {
   int width = 1024, height = 1024;
-  bool shadow = true;   ///< trace the key light's shadow
+  bool shadow = true;  ///< trace the key light's shadow
 };
 
 class Device {

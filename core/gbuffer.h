@@ -21,9 +21,9 @@ namespace umbrage {
 struct PictureInfo {
   int width = 0, height = 0;
   Camera camera;
-  std::vector<Light> lights;           ///< in view space
+  std::vector<Light> lights;  ///< in view space
   glm::vec3 ambient{0.3f};
-  float scene_radius = 1.0f;           ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
+  float scene_radius = 1.0f;  ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
   float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
 };
 

@@ -16,8 +16,8 @@ struct Light {
   glm::vec3 direction{0.0f, 1.0f, 0.0f};  ///< unit, towards the light (directional)
   glm::vec3 position{0.0f};               ///< (point)
   glm::vec3 color{1.0f};
-  float reach = 0.0f;                     ///< (point) distance at which `color` holds; 0 means no falloff
-  bool casts_shadow = false;              ///< only the first light's shadow is captured
+  float reach = 0.0f;         ///< (point) distance at which `color` holds; 0 means no falloff
+  bool casts_shadow = false;  ///< only the first light's shadow is captured
 };
 
 }  // namespace umbrage

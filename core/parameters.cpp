@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/check.h"
-#include "core/suggest.h"
 #include "core/length.h"
+#include "core/suggest.h"
 
 namespace umbrage {
 namespace {
@@ -41,10 +41,12 @@ std::string join_choices(const std::vector<std::string_view>& names) {
 
 void store_initial(const Parameter& row, ParameterBytes& bytes) {
   switch (row.type) {
-    case ParameterType::kReal: return store(bytes, row.offset, float(row.initial));
+    case ParameterType::kReal:
+      return store(bytes, row.offset, float(row.initial));
     case ParameterType::kLength:
       return store(bytes, row.offset, Length{float(row.initial), row.initially_relative ? 1 : 0});
-    default: return store(bytes, row.offset, int(row.initial));
+    default:
+      return store(bytes, row.offset, int(row.initial));
   }
 }
 
@@ -62,16 +64,18 @@ std::string parameter_range(const Parameter& row) {
   const std::string unit = row.unit.empty() ? "" : " " + std::string(row.unit);
   const std::string zero = row.zero_means.empty() ? "" : fmt::format(" (0: {})", row.zero_means);
   switch (row.type) {
-    case ParameterType::kBool: return "on or off";
-    case ParameterType::kChoice: return join_choices(row.choices);
+    case ParameterType::kBool:
+      return "on or off";
+    case ParameterType::kChoice:
+      return join_choices(row.choices);
     case ParameterType::kLength:
       return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.least, row.most, unit, kMostPercent, zero);
-    default: return fmt::format("{:g} to {:g}{}{}", row.least, row.most, unit, zero);
+    default:
+      return fmt::format("{:g} to {:g}{}{}", row.least, row.most, unit, zero);
   }
 }
 
-Result<void> set_parameter(std::string_view owner, const Parameter& row, std::string_view text,
-                           ParameterBytes& bytes) {
+Result<void> set_parameter(std::string_view owner, const Parameter& row, std::string_view text, ParameterBytes& bytes) {
   const auto wrong = [&] {
     return usage_error("{}.{} cannot be '{}': it takes {}", owner, row.name, text, parameter_range(row));
   };
@@ -104,14 +108,18 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
 
 std::string parameter_text(const Parameter& row, const ParameterBytes& bytes) {
   switch (row.type) {
-    case ParameterType::kReal: return fmt::format("{:g}", load<float>(bytes, row.offset));
-    case ParameterType::kBool: return load<int>(bytes, row.offset) ? "on" : "off";
-    case ParameterType::kChoice: return std::string(row.choices[load<int>(bytes, row.offset)]);
+    case ParameterType::kReal:
+      return fmt::format("{:g}", load<float>(bytes, row.offset));
+    case ParameterType::kBool:
+      return load<int>(bytes, row.offset) ? "on" : "off";
+    case ParameterType::kChoice:
+      return std::string(row.choices[load<int>(bytes, row.offset)]);
     case ParameterType::kLength: {
       const auto length = load<Length>(bytes, row.offset);
       return fmt::format("{:g}{}", length.value, length.relative ? "%" : "");
     }
-    default: return fmt::format("{}", load<int>(bytes, row.offset));
+    default:
+      return fmt::format("{}", load<int>(bytes, row.offset));
   }
 }
 

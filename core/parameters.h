@@ -22,13 +22,13 @@ enum class ParameterType {
 struct Parameter {
   std::string_view name, help;
   ParameterType type = ParameterType::kReal;
-  std::size_t offset = 0;                     ///< in bytes, from the start of the struct
-  double initial = 0.0;                       ///< the value when nobody sets it (index of the choice; absolute length)
-  double least = 0.0, most = 0.0;             ///< inclusive range; of the number before % for a relative length: 0 to 1000
-  std::string_view unit;                      ///< "px", "deg", "" for a plain number
-  std::vector<std::string_view> choices;      ///< for kChoice
-  bool initially_relative = false;            ///< for kLength: `initial` is in percent
-  std::string_view zero_means;                ///< what 0 stands for, such as "automatic"; empty: nothing special
+  std::size_t offset = 0;                 ///< in bytes, from the start of the struct
+  double initial = 0.0;                   ///< the value when nobody sets it (index of the choice; absolute length)
+  double least = 0.0, most = 0.0;         ///< inclusive range; of the number before % for a relative length: 0 to 1000
+  std::string_view unit;                  ///< "px", "deg", "" for a plain number
+  std::vector<std::string_view> choices;  ///< for kChoice
+  bool initially_relative = false;        ///< for kLength: `initial` is in percent
+  std::string_view zero_means;            ///< what 0 stands for, such as "automatic"; empty: nothing special
 };
 
 /// The bytes of one params struct.

@@ -34,7 +34,8 @@ Result<void> apply_setting(EffectSettings& settings, std::string_view assignment
 
 /// Runs a look's effects on a frame; afterwards the frame has color.r, color.g, color.b and color.a.
 /// `occlusion` is the technique, or kNoOcclusion. `after` is called with the name of each effect once it is done.
-Result<void> run_look(const Look& look, std::string_view occlusion, const EffectSettings& settings, Device& device,
-                      Frame& frame, const std::function<void(std::string_view)>& after = [](std::string_view) {});
+Result<void> run_look(
+    const Look& look, std::string_view occlusion, const EffectSettings& settings, Device& device, Frame& frame,
+    const std::function<void(std::string_view)>& after = [](std::string_view) {});
 
 }  // namespace umbrage

@@ -5,15 +5,13 @@ FN Real finite_or_zero(Real v) { return select(is_finite(v), v, Real(0.0f)); }
 FN Vec3 finite_or_zero(Vec3 v) { return Vec3(finite_or_zero(v.x), finite_or_zero(v.y), finite_or_zero(v.z)); }
 
 // v scaled to length 1; the zero vector stays zero.
-FN Vec3 normalized(Vec3 v)
-{
+FN Vec3 normalized(Vec3 v) {
   Real squared = dot(v, v);
   return v * select(squared > 1e-30f, rsqrt(max(squared, 1e-30f)), Real(0.0f));
 }
 
 // View-space position of the centre of pixel (x, y) at a depth.
-FN Vec3 view_position(Int x, Int y, Real depth)
-{
+FN Vec3 view_position(Int x, Int y, Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
   Real px = mad(to_real(x) + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread;
   Real py = mad(to_real(y) + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread;
@@ -21,8 +19,7 @@ FN Vec3 view_position(Int x, Int y, Real depth)
 }
 
 // Unit vector from a view-space position to the eye.
-FN Vec3 to_eye(Vec3 position)
-{
+FN Vec3 to_eye(Vec3 position) {
   if (F.orthographic != 0) return Vec3(Real(0.0f), Real(0.0f), Real(1.0f));
   return normalized(-position);
 }

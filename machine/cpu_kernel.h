@@ -22,7 +22,9 @@ struct Kernel {
   const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
   HWY_INLINE Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #include "machine/kernel_begin.h"
+
 #include UMBRAGE_KERNEL_TEXT
+
 #include "machine/kernel_end.h"
 };
 
@@ -54,7 +56,9 @@ struct Kernel {
   const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
   HWY_INLINE Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #include "machine/kernel_begin.h"
+
 #include UMBRAGE_KERNEL_TEXT
+
 #include "machine/kernel_end.h"
 };
 

@@ -32,48 +32,53 @@ float pow_of(float a, float b) { return a > 0.0f ? exp2(b * log2(a)) : 0.0f; }
 uint ones_from(int b) { return b < 32 ? 0xffffffffu << b : 0u; }
 bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
 
-#define UMBRAGE_CONSTANTS(Constants)                                                  \
-  layout(scalar) readonly buffer constants_block { FrameConstants F; Constants C; };  \
+#define UMBRAGE_CONSTANTS(Constants)                                                                     \
+  layout(scalar) readonly buffer constants_block {                                                       \
+    FrameConstants F;                                                                                    \
+    Constants C;                                                                                         \
+  };                                                                                                     \
   int index_of(int X, int Y) { return clamp(Y, 0, F.height - 1) * F.stride + clamp(X, 0, F.width - 1); } \
-  bool near_inside(int i, int j) { return here.x + i >= 0 && here.x + i < F.width && here.y + j >= 0 && here.y + j < F.height; }
+  bool near_inside(int i, int j) {                                                                       \
+    return here.x + i >= 0 && here.x + i < F.width && here.y + j >= 0 && here.y + j < F.height;          \
+  }
 
-#define IN_REAL(name)                                                                                \
-  layout(scalar) readonly buffer name##_block { float name##_plane[]; };                             \
-  float load_##name(int X, int Y) { return name##_plane[index_of(X, Y)]; }                           \
+#define IN_REAL(name)                                                      \
+  layout(scalar) readonly buffer name##_block { float name##_plane[]; };   \
+  float load_##name(int X, int Y) { return name##_plane[index_of(X, Y)]; } \
   float near_##name(int i, int j) { return name##_plane[index_of(here.x + i, here.y + j)]; }
-#define IN_TRIPLE(name, a, b, c)                                                                     \
-  layout(scalar) readonly buffer name##_##a##_block { float name##_plane_0[]; };                     \
-  layout(scalar) readonly buffer name##_##b##_block { float name##_plane_1[]; };                     \
-  layout(scalar) readonly buffer name##_##c##_block { float name##_plane_2[]; };                     \
-  vec3 load_##name(int X, int Y) {                                                                   \
-    int k = index_of(X, Y);                                                                          \
-    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]);                            \
-  }                                                                                                  \
+#define IN_TRIPLE(name, a, b, c)                                                 \
+  layout(scalar) readonly buffer name##_##a##_block { float name##_plane_0[]; }; \
+  layout(scalar) readonly buffer name##_##b##_block { float name##_plane_1[]; }; \
+  layout(scalar) readonly buffer name##_##c##_block { float name##_plane_2[]; }; \
+  vec3 load_##name(int X, int Y) {                                               \
+    int k = index_of(X, Y);                                                      \
+    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]);        \
+  }                                                                              \
   vec3 near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }
 #define IN_VECTOR(name) IN_TRIPLE(name, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE(name, r, g, b)
-#define OUT_REAL(name)                                                                               \
-  layout(scalar) writeonly buffer name##_block { float name##_plane[]; };                            \
+#define OUT_REAL(name)                                                    \
+  layout(scalar) writeonly buffer name##_block { float name##_plane[]; }; \
   void store_##name(float v) { name##_plane[here.y * F.stride + here.x] = v; }
-#define OUT_ALPHA(name)                                                                              \
-  layout(scalar) writeonly buffer name##_a_block { float name##_plane_3[]; };                        \
+#define OUT_ALPHA(name)                                                       \
+  layout(scalar) writeonly buffer name##_a_block { float name##_plane_3[]; }; \
   void store_##name##_alpha(float v) { name##_plane_3[here.y * F.stride + here.x] = v; }
-#define OUT_TRIPLE(name, a, b, c)                                                                    \
-  layout(scalar) writeonly buffer name##_##a##_block { float name##_plane_0[]; };                    \
-  layout(scalar) writeonly buffer name##_##b##_block { float name##_plane_1[]; };                    \
-  layout(scalar) writeonly buffer name##_##c##_block { float name##_plane_2[]; };                    \
-  void store_##name(vec3 v) {                                                                        \
-    int k = here.y * F.stride + here.x;                                                              \
-    name##_plane_0[k] = v.x;                                                                         \
-    name##_plane_1[k] = v.y;                                                                         \
-    name##_plane_2[k] = v.z;                                                                         \
+#define OUT_TRIPLE(name, a, b, c)                                                 \
+  layout(scalar) writeonly buffer name##_##a##_block { float name##_plane_0[]; }; \
+  layout(scalar) writeonly buffer name##_##b##_block { float name##_plane_1[]; }; \
+  layout(scalar) writeonly buffer name##_##c##_block { float name##_plane_2[]; }; \
+  void store_##name(vec3 v) {                                                     \
+    int k = here.y * F.stride + here.x;                                           \
+    name##_plane_0[k] = v.x;                                                      \
+    name##_plane_1[k] = v.y;                                                      \
+    name##_plane_2[k] = v.z;                                                      \
   }
 #define OUT_VECTOR(name) OUT_TRIPLE(name, x, y, z)
 #define OUT_COLOR(name) OUT_TRIPLE(name, r, g, b)
 
-#define UMBRAGE_MAIN(name)                                    \
-  void main() {                                               \
-    here = ivec2(gl_GlobalInvocationID.xy);                   \
-    if (here.x >= F.width || here.y >= F.height) return;      \
-    name##_pixel(here.x, here.y);                             \
+#define UMBRAGE_MAIN(name)                               \
+  void main() {                                          \
+    here = ivec2(gl_GlobalInvocationID.xy);              \
+    if (here.x >= F.width || here.y >= F.height) return; \
+    name##_pixel(here.x, here.y);                        \
   }

@@ -2,38 +2,36 @@
 // loads and stores that a kernel text declares. kernel_end.h closes it. GLSL's counterpart is glsl.h.
 #define FN HWY_INLINE HWY_MAYBE_UNUSED
 #define CONST static constexpr
-#define IN_REAL(name)                                                                        \
-  const float* name##_plane = view.plane(#name);                                             \
-  FN Real load_##name(Int X, Int Y) const { return view.load(name##_plane, X, Y); }          \
+#define IN_REAL(name)                                                               \
+  const float* name##_plane = view.plane(#name);                                    \
+  FN Real load_##name(Int X, Int Y) const { return view.load(name##_plane, X, Y); } \
   FN Real near_##name(int i, int j) const { return view.near(name##_plane, i, j); }
-#define IN_TRIPLE(name, a, b, c)                                                             \
-  const float* name##_plane_0 = view.plane(#name "." a);                                     \
-  const float* name##_plane_1 = view.plane(#name "." b);                                     \
-  const float* name##_plane_2 = view.plane(#name "." c);                                     \
-  FN Vec3 load_##name(Int X, Int Y) const {                                                  \
-    return Vec3{view.load(name##_plane_0, X, Y), view.load(name##_plane_1, X, Y),            \
-                view.load(name##_plane_2, X, Y)};                                            \
-  }                                                                                          \
-  FN Vec3 near_##name(int i, int j) const {                                                  \
-    return Vec3{view.near(name##_plane_0, i, j), view.near(name##_plane_1, i, j),            \
-                view.near(name##_plane_2, i, j)};                                            \
+#define IN_TRIPLE(name, a, b, c)                                                                                    \
+  const float* name##_plane_0 = view.plane(#name "." a);                                                            \
+  const float* name##_plane_1 = view.plane(#name "." b);                                                            \
+  const float* name##_plane_2 = view.plane(#name "." c);                                                            \
+  FN Vec3 load_##name(Int X, Int Y) const {                                                                         \
+    return Vec3{view.load(name##_plane_0, X, Y), view.load(name##_plane_1, X, Y), view.load(name##_plane_2, X, Y)}; \
+  }                                                                                                                 \
+  FN Vec3 near_##name(int i, int j) const {                                                                         \
+    return Vec3{view.near(name##_plane_0, i, j), view.near(name##_plane_1, i, j), view.near(name##_plane_2, i, j)}; \
   }
 #define IN_VECTOR(name) IN_TRIPLE(name, "x", "y", "z")
 #define IN_COLOR(name) IN_TRIPLE(name, "r", "g", "b")
-#define OUT_REAL(name)                                \
-  float* name##_plane = view.plane(#name);            \
+#define OUT_REAL(name)                     \
+  float* name##_plane = view.plane(#name); \
   FN void store_##name(Real v) const { view.store(name##_plane, v); }
-#define OUT_ALPHA(name)                               \
-  float* name##_plane_3 = view.plane(#name ".a");     \
+#define OUT_ALPHA(name)                           \
+  float* name##_plane_3 = view.plane(#name ".a"); \
   FN void store_##name##_alpha(Real v) const { view.store(name##_plane_3, v); }
-#define OUT_TRIPLE(name, a, b, c)                     \
-  float* name##_plane_0 = view.plane(#name "." a);    \
-  float* name##_plane_1 = view.plane(#name "." b);    \
-  float* name##_plane_2 = view.plane(#name "." c);    \
-  FN void store_##name(Vec3 v) const {                \
-    view.store(name##_plane_0, v.x);                  \
-    view.store(name##_plane_1, v.y);                  \
-    view.store(name##_plane_2, v.z);                  \
+#define OUT_TRIPLE(name, a, b, c)                  \
+  float* name##_plane_0 = view.plane(#name "." a); \
+  float* name##_plane_1 = view.plane(#name "." b); \
+  float* name##_plane_2 = view.plane(#name "." c); \
+  FN void store_##name(Vec3 v) const {             \
+    view.store(name##_plane_0, v.x);               \
+    view.store(name##_plane_1, v.y);               \
+    view.store(name##_plane_2, v.z);               \
   }
 #define OUT_VECTOR(name) OUT_TRIPLE(name, "x", "y", "z")
 #define OUT_COLOR(name) OUT_TRIPLE(name, "r", "g", "b")

@@ -19,7 +19,7 @@ struct KernelPlane {
 
 struct KernelFrame {
   FrameConstants frame;
-  const void* constants;              ///< the effect's constants struct
+  const void* constants;  ///< the effect's constants struct
   std::span<const KernelPlane> planes;
 
   /// The plane of that name; aborts where the effect's table does not list it.
@@ -29,6 +29,6 @@ struct KernelFrame {
 }  // namespace umbrage
 
 /// Declares the two compiled forms of a kernel: run_scalar_NAME and run_lanes_NAME, made by machine/cpu_kernel.h.
-#define UMBRAGE_DECLARE_KERNEL(name)                        \
+#define UMBRAGE_DECLARE_KERNEL(name)                       \
   void run_scalar_##name(const KernelFrame&, const Tile&); \
   void run_lanes_##name(const KernelFrame&, const Tile&);

@@ -157,6 +157,22 @@ OP Uint ones_from(Int b) {
   const auto half = hn::ShiftRight<1>(count);
   return hn::Shl(hn::Shl(hn::Set(du, ~0u), half), hn::Sub(count, half));
 }
+/// a + b where the mask holds, a elsewhere; for vectors of 32-bit integers of any length.
+template <class V, class M>
+OP V add_where(M mask, V a, V b) {
+  return hn::Add(a, hn::IfThenElseZero(mask, b));
+}
+#if HWY_TARGET == HWY_AVX3
+// One instruction, which the compiler does not find by itself.
+OP hn::Vec512<std::int32_t> add_where(hn::Mask512<std::int32_t> mask, hn::Vec512<std::int32_t> a,
+                                      hn::Vec512<std::int32_t> b) {
+  return hn::Vec512<std::int32_t>{_mm512_mask_add_epi32(a.raw, mask.raw, a.raw, b.raw)};
+}
+OP hn::Vec256<std::int32_t> add_where(hn::Mask256<std::int32_t> mask, hn::Vec256<std::int32_t> a,
+                                      hn::Vec256<std::int32_t> b) {
+  return hn::Vec256<std::int32_t>{_mm256_mask_add_epi32(a.raw, mask.raw, a.raw, b.raw)};
+}
+#endif
 OP Bool is_finite(Real a) { return {hn::Le(hn::Abs(a.v), hn::Set(D(), 3.402823466e38f))}; }
 OP bool some(Bool a) { return !hn::AllFalse(D(), a.m); }
 

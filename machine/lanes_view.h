@@ -31,8 +31,7 @@ struct LanesView {
     const int column = x + i;
     const float* start = plane + std::ptrdiff_t(row) * frame.frame.stride;
     if (column >= 0 && column + kLanes <= frame.frame.width) return hn::LoadU(D(), start + column);
-    return hn::GatherIndex(D(), start,
-                           clamp(Int(hn::Iota(DI(), column)), Int(0), Int(frame.frame.width - 1)).v);
+    return hn::GatherIndex(D(), start, clamp(Int(hn::Iota(DI(), column)), Int(0), Int(frame.frame.width - 1)).v);
   }
   HWY_INLINE Bool inside(int i, int j) const {
     const Int column = hn::Iota(DI(), x + i);

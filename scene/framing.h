@@ -10,9 +10,9 @@ namespace umbrage {
 /// What a person may say of the camera; what is not said is chosen. Positions in scene units, angles in degrees.
 struct Framing {
   std::optional<glm::vec3> position, focal_point, view_up, direction;
-  std::optional<float> view_angle_deg;        ///< vertical field of view
+  std::optional<float> view_angle_deg;  ///< vertical field of view
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
-  float zoom = 1.0f;                          ///< above 1: the model fills more of the picture
+  float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
 };
 

@@ -23,12 +23,12 @@ inline constexpr int kNoTexture = -1;
 /// Reflection of a surface, linear Rec.709.
 struct Material {
   std::string name;
-  glm::vec3 albedo{0.8f};            ///< diffuse reflectance; multiplies the texture
-  int texture = kNoTexture;          ///< index into Scene::textures
-  bool alpha_mask = false;           ///< cut away where the texture's alpha is below alpha_cutoff
+  glm::vec3 albedo{0.8f};    ///< diffuse reflectance; multiplies the texture
+  int texture = kNoTexture;  ///< index into Scene::textures
+  bool alpha_mask = false;   ///< cut away where the texture's alpha is below alpha_cutoff
   float alpha_cutoff = 0.5f;
-  float specular_strength = 0.0f;    ///< peak of the Blinn-Phong highlight, 0 to 1
-  float specular_exponent = 32.0f;   ///< Blinn-Phong exponent
+  float specular_strength = 0.0f;   ///< peak of the Blinn-Phong highlight, 0 to 1
+  float specular_exponent = 32.0f;  ///< Blinn-Phong exponent
   glm::vec3 emission{0.0f};
 };
 
@@ -37,11 +37,11 @@ struct Material {
 struct Mesh {
   std::string name;
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;    ///< one per position, unit; empty only before finish_scene
-  std::vector<glm::vec2> uvs;        ///< one per position, or empty
+  std::vector<glm::vec3> normals;      ///< one per position, unit; empty only before finish_scene
+  std::vector<glm::vec2> uvs;          ///< one per position, or empty
   std::vector<std::uint32_t> indices;  ///< three per triangle
-  int material = 0;                  ///< index into Scene::materials
-  int object = 0;                    ///< object id: parts of one object share it
+  int material = 0;                    ///< index into Scene::materials
+  int object = 0;                      ///< object id: parts of one object share it
 };
 
 /// A suggested view, used where the user names no camera.
@@ -55,12 +55,12 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Material> materials;
   std::vector<Texture> textures;
-  std::vector<Light> lights;         ///< in world space; the first one is the key light. Empty: a default rig is made
-  std::vector<View> views;           ///< suggested views; empty: automatic framing
+  std::vector<Light> lights;  ///< in world space; the first one is the key light. Empty: a default rig is made
+  std::vector<View> views;    ///< suggested views; empty: automatic framing
   glm::vec3 up{0.0f, 1.0f, 0.0f};
-  glm::vec3 ambient{0.3f};           ///< radiance from everywhere
+  glm::vec3 ambient{0.3f};                       ///< radiance from everywhere
   glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
-  std::vector<std::string> warnings; ///< one sentence each, for the user
+  std::vector<std::string> warnings;             ///< one sentence each, for the user
 
   glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }
   /// Radius of the bounding box's sphere.

@@ -27,10 +27,18 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
     // Windows of kernels that are scalar and plain are kept small; numbers near what people set.
     constexpr double kLargestWindow = 21.0, kLargestNumber = 8.0;
     switch (row.type) {
-      case ParameterType::kChoice: text = row.choices[r % row.choices.size()]; break;
-      case ParameterType::kBool: text = r % 2 ? "on" : "off"; break;
-      case ParameterType::kLength: text = fmt::format("{}", 1 + r % int(kLargestWindow)); break;
-      case ParameterType::kInt: text = fmt::format("{}", row.least + r % int(std::min(row.most - row.least, 8.0) + 1)); break;
+      case ParameterType::kChoice:
+        text = row.choices[r % row.choices.size()];
+        break;
+      case ParameterType::kBool:
+        text = r % 2 ? "on" : "off";
+        break;
+      case ParameterType::kLength:
+        text = fmt::format("{}", 1 + r % int(kLargestWindow));
+        break;
+      case ParameterType::kInt:
+        text = fmt::format("{}", row.least + r % int(std::min(row.most - row.least, 8.0) + 1));
+        break;
       default: {
         const double most = std::min(row.most, row.least + kLargestNumber);
         text = fmt::format("{}", r % 4 == 0 ? row.initial : row.least + (most - row.least) * (r % 1000) / 999.0);
@@ -91,8 +99,7 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
           // Light of many lights and strong factors exceeds 1: the bounds hold relative to the brightest value there.
           double scale = 1.0;
           for (int y = 0; y < size.height; ++y)
-            for (int x = 0; x < size.width; ++x)
-              scale = std::max(scale, double(std::fabs(oracle.planes[p].at(x, y))));
+            for (int x = 0; x < size.width; ++x) scale = std::max(scale, double(std::fabs(oracle.planes[p].at(x, y))));
           const auto d = test::difference(oracle.planes[p], lanes.planes[p], 1e-4 * scale);
           EXPECT_LE(d.most, 1e-4 * scale) << effect.name << ' ' << oracle.names[p] << ' ' << target << " variant "
                                           << variant << " at " << size.width << 'x' << size.height;
@@ -115,8 +122,8 @@ TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
         const Image tuned = outputs(effect, params, gbuffer, {.tuned = true});
         for (std::size_t p = 0; p < plain.planes.size(); ++p)
           EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).most, 0.0)
-              << effect.name << ' ' << plain.names[p] << ' ' << target << " variant " << variant << " at "
-              << size.width << 'x' << size.height;
+              << effect.name << ' ' << plain.names[p] << ' ' << target << " variant " << variant << " at " << size.width
+              << 'x' << size.height;
       }
     }
 }

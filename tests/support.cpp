@@ -80,8 +80,10 @@ Difference difference(const Plane& a, const Plane& b, double bound) {
     for (int x = 0; x < a.width; ++x) {
       const float u = a.at(x, y), v = b.at(x, y);
       double e = 0.0;
-      if (std::isnan(u) != std::isnan(v)) e = std::numeric_limits<double>::infinity();
-      else if (u != v && !std::isnan(u)) e = std::fabs(double(u) - double(v));
+      if (std::isnan(u) != std::isnan(v))
+        e = std::numeric_limits<double>::infinity();
+      else if (u != v && !std::isnan(u))
+        e = std::fabs(double(u) - double(v));
       d.most = std::max(d.most, e);
       sum += e;
       over += e > bound;

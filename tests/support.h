@@ -19,7 +19,7 @@ GBuffer hostile_gbuffer(int width, int height, unsigned seed);
 
 struct Difference {
   double most = 0.0, mean = 0.0;
-  double share_over = 0.0;   ///< share of pixels that differ by more than the bound
+  double share_over = 0.0;  ///< share of pixels that differ by more than the bound
 };
 
 /// Compares planes of one size; two NaN are equal.

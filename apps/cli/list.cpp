@@ -31,9 +31,9 @@ nlohmann::json list_effects() {
     records.push_back({{"name", effect->name}, {"summary", effect->summary}});
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     for (const Parameter& row : effect->parameters)
-      records.push_back({{"name", fmt::format("{}.{}", effect->name, row.name)},
-                         {"summary", fmt::format("{}: {} [{}]", row.help, parameter_range(row),
-                                                 parameter_text(row, initial))}});
+      records.push_back(
+          {{"name", fmt::format("{}.{}", effect->name, row.name)},
+           {"summary", fmt::format("{}: {} [{}]", row.help, parameter_range(row), parameter_text(row, initial))}});
   }
   return records;
 }
@@ -57,19 +57,25 @@ nlohmann::json list_formats() {
   for (const std::string& format : import_formats())
     records.push_back({{"name", "." + format}, {"summary", "model, read"}});
   for (const ImageFormat& format : image_formats())
-    records.push_back({{"name", fmt::format(".{}", format.extension)},
-                       {"summary", fmt::format("{}, written", format.summary)}});
+    records.push_back(
+        {{"name", fmt::format(".{}", format.extension)}, {"summary", fmt::format("{}, written", format.summary)}});
   return records;
 }
 
 Result<void> list(const ListOptions& o) {
   Result<nlohmann::json> records = nlohmann::json();
-  if (o.what == "looks") records = list_looks();
-  else if (o.what == "effects") records = list_effects();
-  else if (o.what == "scenes") records = list_scenes();
-  else if (o.what == "devices") records = list_devices();
-  else if (o.what == "formats") records = list_formats();
-  else return usage_error("there is nothing called '{}' to list{}", o.what, suggestion(o.what, kKinds));
+  if (o.what == "looks")
+    records = list_looks();
+  else if (o.what == "effects")
+    records = list_effects();
+  else if (o.what == "scenes")
+    records = list_scenes();
+  else if (o.what == "devices")
+    records = list_devices();
+  else if (o.what == "formats")
+    records = list_formats();
+  else
+    return usage_error("there is nothing called '{}' to list{}", o.what, suggestion(o.what, kKinds));
   if (!records) return records.error();
   if (o.json) {
     fmt::print("{}\n", records->dump(2));

@@ -32,6 +32,31 @@ Error unknown_option(const CLI::App& app, std::string word) {
                      hint.starts_with(" (did") ? hint : "; see umbrage " + command->get_name() + " --help");
 }
 
+/// What CLI11 has to say of a command line, in our words.
+Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
+  const std::string help = command == &app ? "umbrage --help" : "umbrage " + command->get_name() + " --help";
+  std::string text = error.what();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) {
+    const std::string option = text.substr(0, text.find(':'));
+    if (text.ends_with("missing")) return usage_error("{} needs a value; see {}", option, help);
+    if (text.find("At Most") != std::string::npos) return usage_error("{} is given twice; give it once", option);
+  }
+  if (dynamic_cast<const CLI::ConversionError*>(&error)) {
+    // "Could not convert: --option = value"
+    const std::size_t start = text.find("--"), equals = text.find(" = ");
+    if (start != std::string::npos && equals != std::string::npos && start < equals) {
+      const std::string option = text.substr(start, equals - start);
+      const CLI::Option* found = command->get_option_no_throw(option);
+      const bool flag = found && found->get_type_name().empty();
+      return usage_error("{} cannot be '{}': it takes {}", option, text.substr(equals + 3),
+                         flag ? "true or false" : "a whole number");
+    }
+  }
+  return usage_error("{}; see {}", text, help);
+}
+
 /// `umbrage MODEL ...` is short for `umbrage render MODEL ...`.
 std::vector<std::string> with_command(int argc, char** argv, const std::vector<std::string>& commands) {
   std::vector<std::string> words(argv + 1, argv + argc);
@@ -63,9 +88,10 @@ void interrupted(int) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Screen-space shading: ambient occlusion and more, for any 3D model.\n"
-               "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png.",
-               "umbrage"};
+  CLI::App app{
+      "Screen-space shading: ambient occlusion and more, for any 3D model.\n"
+      "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png.",
+      "umbrage"};
   app.set_version_flag("--version", "umbrage " UMBRAGE_VERSION);
   app.require_subcommand(1);
   app.fallthrough(false);
@@ -81,7 +107,7 @@ int run(int argc, char** argv) {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
     const CLI::App* asked = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-    fmt::print("{}", asked->help());
+    fmt::print("{}", asked == &app ? app.help() : asked->help(app.get_name()));
     return 0;
   } catch (const CLI::CallForVersion&) {
     fmt::print("umbrage {}\n", UMBRAGE_VERSION);
@@ -89,10 +115,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::ExtrasError&) {
     return report(unknown_option(app, app.remaining(true).front()));
   } catch (const CLI::ParseError& error) {
-    if (argc < 2) return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
-    std::string text = error.what();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return report(usage_error("{}", text));
+    if (argc < 2)
+      return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
+    return report(wrong_words(app, error));
   }
   const Result<void> done = command();
   return done ? 0 : report(done.error());

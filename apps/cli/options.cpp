@@ -52,7 +52,9 @@ void add_model_options(CLI::App& command, CommonOptions& o) {
   command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
   command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
   command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
-  command.add_option("--ao-radius", o.radius, "reach of occlusion: scene units (0.3) or a share of the scene's radius (5%)")
+  command
+      .add_option("--ao-radius", o.radius,
+                  "reach of occlusion: scene units (0.3) or a share of the scene's radius (5%)")
       ->group(picture);
   command.add_option("--set", o.settings, "effect.parameter=value, any number of times: see umbrage list effects")
       ->group(picture)
@@ -79,7 +81,9 @@ void add_device_options(CLI::App& command, CommonOptions& o) {
   command.add_option("--threads", o.threads, "number of threads; 0: all [0]")
       ->envname("UMBRAGE_NUM_THREADS")
       ->group(device);
-  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")->group(device);
+  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
+      ->envname("UMBRAGE_VERBOSE")
+      ->group(device);
 }
 
 Result<std::pair<int, int>> parse_resolution(std::string_view text) {
@@ -149,10 +153,10 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
   draw.radius = o.radius;
   if (!o.background.empty()) {
     const auto color = parse_vector("--background-color", o.background);
-    if (!color) return color.error();
     for (int i = 0; i < 3; ++i) {
-      if ((*color)[i] < 0.0f || (*color)[i] > 1.0f)
-        return usage_error("--background-color cannot be '{}': it takes three numbers from 0 to 1", o.background);
+      if (!color || (*color)[i] < 0.0f || (*color)[i] > 1.0f)
+        return usage_error("--background-color cannot be '{}': it takes three numbers from 0 to 1, such as 0.2,0.3,0.5",
+                           o.background);
       draw.settings.push_back(fmt::format("output.background_{}={}", "rgb"[i], (*color)[i]));
     }
   }

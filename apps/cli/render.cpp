@@ -47,8 +47,8 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
   if (o.passes.empty() || o.passes == "all") return {};
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
-  std::vector<std::string> names = {"depth", "normal", "albedo", "specular", "shininess", "shadow", "object_id",
-                                    "material_id"};
+  std::vector<std::string> names = {"depth",     "normal", "albedo",    "specular",
+                                    "shininess", "shadow", "object_id", "material_id"};
   for (std::string_view effect : recipe->look->effects) {
     if (effect == "occlusion") effect = recipe->occlusion;
     if (const Effect* found = find_effect(effect))
@@ -124,9 +124,9 @@ void print_times(const StageTimes& times, bool json) {
 Result<void> render(const RenderOptions& o) {
   StageTimes times;
   // Everything that can be wrong without a model is found before it is read.
+  if (auto writable = check_writable(o.output); !writable) return writable;
   const auto format = format_of(o.output);
   if (!format) return format.error();
-  if (auto writable = check_writable(o.output); !writable) return writable;
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   const auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
@@ -164,7 +164,9 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_model_options(*command, *options);
   const auto output = "Output";
   command->add_option("-o,--output", options->output, "file to write: .png, .exr or .pfm")->required()->group(output);
-  command->add_option("--passes", options->passes, "planes to write instead of the picture: all, or names such as depth,normal,ao")
+  command
+      ->add_option("--passes", options->passes,
+                   "planes to write instead of the picture: all, or names such as depth,normal,ao")
       ->group(output);
   command->add_option("--bits", options->bits, "bits per channel of a PNG: 8 or 16 [8]")->group(output);
   command->add_flag("--half", options->half, "half floats in an EXR, where they suffice")->group(output);

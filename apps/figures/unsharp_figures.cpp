@@ -259,7 +259,7 @@ Result<Figure> claw_figure(Device& device, int size) {
   if (auto done = ready(*studio); !done) return done.error();
   look_from(*studio, 0);
   // The far plane lies so far back that claw and body are between 0.02 and 0.1 apart.
-  const std::vector<std::string> base = {window(40, size), "unsharp.near=2", "unsharp.far=190", "lighting.rig=head"};
+  const std::vector<std::string> base = {window(40, size), "unsharp.near=2", "unsharp.far=215", "lighting.rig=head"};
   const auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), base.begin(), base.end());
     return studio->shoot(more);

@@ -98,7 +98,8 @@ Result<void> apply_radius(const std::string& text, const PictureInfo& info, Effe
     return usage_error("--ao-radius cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%",
                        text);
   const double radius = share ? value / 100.0 * info.scene_radius : value;
-  const double depth = info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
+  const double depth =
+      info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
   const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
   const Parameter& row = *find_parameter(*find_effect("unsharp"), "kernel");
   const double side = std::clamp(std::round(2.0 * radius / pixel), row.least, row.most);
@@ -115,8 +116,8 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   // A shadow that the light effect leaves out is not traced.
   const Effect& lighting = *find_effect("lighting");
   const bool shadow = parameter_text(*find_parameter(lighting, "shadow"), recipe->settings["lighting"]) != "0";
-  const bool lit = std::find(recipe->look->effects.begin(), recipe->look->effects.end(), "lighting") !=
-                   recipe->look->effects.end();
+  const bool lit =
+      std::find(recipe->look->effects.begin(), recipe->look->effects.end(), "lighting") != recipe->look->effects.end();
   auto frame = device.capture(camera, {settings.width, settings.height, shadow && lit});
   if (!frame) return frame;
   times.done("capture");

@@ -34,7 +34,7 @@ struct DrawSettings {
   std::string look = "ao";
   std::string occlusion;              ///< empty: the look's own
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
-  std::string radius;                 ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
+  std::string radius;  ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
 };
 
 /// A file's scene, or a built-in one for `scene:NAME?detail=N`.

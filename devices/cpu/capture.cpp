@@ -33,9 +33,9 @@ void FreeTracedScene::operator()(TracedScene* traced) const {
 
 namespace {
 
-constexpr int kPacket = 16;      // rays at a time: a block of 4 x 4 pixels
+constexpr int kPacket = 16;  // rays at a time: a block of 4 x 4 pixels
 constexpr int kBlock = 4;
-constexpr int kTileBlocks = 8;   // blocks per side of a tile that one task draws: 32 pixels
+constexpr int kTileBlocks = 8;  // blocks per side of a tile that one task draws: 32 pixels
 // A shadow ray starts this share of the hit's distance from the scene's origin and from the eye away from the surface;
 // float positions are exact to 6e-8 of their size.
 constexpr float kShadowOffset = 4e-5f;
@@ -176,8 +176,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     const glm::vec3 direction(rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]);
     const glm::vec3 hit = glm::vec3(rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]) + direction * depth;
     glm::vec3 geometric(rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]);
-    glm::vec3 normal =
-        mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;
+    glm::vec3 normal = mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;
     // Facing the camera: the side that is seen counts, and interpolation may not turn a normal past the horizon.
     if (glm::dot(geometric, direction) > 0.0f) {
       geometric = -geometric;
@@ -191,7 +190,8 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
       normal = glm::normalize(normal - direction * (away / glm::dot(direction, direction) * kPastHorizon));
     }
     const glm::vec3 n = view * normal;
-    const glm::vec3 albedo = albedo_at(traced, rays, mesh, material, triangle, u, v, hit, float(x) + 0.5f, float(y) + 0.5f);
+    const glm::vec3 albedo =
+        albedo_at(traced, rays, mesh, material, triangle, u, v, hit, float(x) + 0.5f, float(y) + 0.5f);
     out.depth->data()[at] = depth;
     out.nx->data()[at] = n.x;
     out.ny->data()[at] = n.y;
@@ -207,8 +207,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     if (!key) continue;
 
     // The key light is in view space; shadow rays run in world space.
-    glm::vec3 light = rays.world_from_view *
-                      (key->kind == LightKind::kPoint ? key->position : key->direction);
+    glm::vec3 light = rays.world_from_view * (key->kind == LightKind::kPoint ? key->position : key->direction);
     float far_end = std::numeric_limits<float>::infinity();
     if (key->kind == LightKind::kPoint) {
       light = light + rays.eye - hit;
@@ -250,7 +249,8 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
   TracedScenePtr traced(new TracedScene);
   traced->scene = &scene;
   traced->device = rtcNewDevice(nullptr);
-  if (!traced->device) return device_error("Embree cannot start on this machine (error {})", int(rtcGetDeviceError(nullptr)));
+  if (!traced->device)
+    return device_error("Embree cannot start on this machine (error {})", int(rtcGetDeviceError(nullptr)));
   traced->rtc = rtcNewScene(traced->device);
   rtcSetSceneFlags(traced->rtc, RTC_SCENE_FLAG_ROBUST);
   for (const Texture& texture : scene.textures) traced->textures.push_back(make_mips(texture));

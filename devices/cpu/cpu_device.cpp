@@ -49,8 +49,7 @@ int thread_count(int wish) {
 
 class CpuDevice final : public Device {
  public:
-  explicit CpuDevice(const CpuSettings& settings)
-      : settings_(settings), arena_(thread_count(settings.threads)) {}
+  explicit CpuDevice(const CpuSettings& settings) : settings_(settings), arena_(thread_count(settings.threads)) {}
 
   std::string_view name() const override { return "cpu"; }
 
@@ -135,13 +134,16 @@ class CpuDevice final : public Device {
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (info.height + pass.tile_height - 1) / pass.tile_height;
     arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<int>(0, rows * columns, 1), [&](const tbb::blocked_range<int>& range) {
-        for (int t = range.begin(); t < range.end(); ++t) {
-          const int x0 = t % columns * tile_width, y0 = t / columns * pass.tile_height;
-          kernel(kernel_frame, {x0, y0, std::min(x0 + tile_width, info.width),
-                                std::min(y0 + pass.tile_height, info.height)});
-        }
-      }, tbb::simple_partitioner());
+      tbb::parallel_for(
+          tbb::blocked_range<int>(0, rows * columns, 1),
+          [&](const tbb::blocked_range<int>& range) {
+            for (int t = range.begin(); t < range.end(); ++t) {
+              const int x0 = t % columns * tile_width, y0 = t / columns * pass.tile_height;
+              kernel(kernel_frame,
+                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + pass.tile_height, info.height)});
+            }
+          },
+          tbb::simple_partitioner());
     });
     return {};
   }

@@ -7,9 +7,9 @@
 namespace umbrage {
 
 struct CpuSettings {
-  int threads = 0;     ///< 0: as many as the process may run at once; never more than that
-  bool scalar = false; ///< run kernels as plain C++ instead of lanes; the oracle of tests
-  bool tuned = true;   ///< run a pass's tuned kernel where it has one
+  int threads = 0;      ///< 0: as many as the process may run at once; never more than that
+  bool scalar = false;  ///< run kernels as plain C++ instead of lanes; the oracle of tests
+  bool tuned = true;    ///< run a pass's tuned kernel where it has one
 };
 
 /// Always there.

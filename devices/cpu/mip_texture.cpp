@@ -49,8 +49,9 @@ Bilinear bilinear_at(const MipLevel& level, glm::vec2 uv) {
   if (!std::isfinite(u) || !std::isfinite(v)) u = v = 0.0f;
   const float x = u * float(level.width) - 0.5f, y = (1.0f - v) * float(level.height) - 0.5f;
   const int ix = int(std::floor(x)), iy = int(std::floor(y));
-  return {wrap(ix, level.width),  wrap(ix + 1, level.width), wrap(iy, level.height), wrap(iy + 1, level.height),
-          x - float(ix), y - float(iy)};
+  return {wrap(ix, level.width),  wrap(ix + 1, level.width),
+          wrap(iy, level.height), wrap(iy + 1, level.height),
+          x - float(ix),          y - float(iy)};
 }
 
 glm::vec4 sample_level(const MipLevel& level, glm::vec2 uv) {

@@ -2,8 +2,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "machine/glsl.h"
+
 #include "effects/composite/composite.h"
 UMBRAGE_CONSTANTS(CompositeConstants)
 #include "machine/common.kernel.h"
+
 #include "effects/composite/composite.kernel.h"
 UMBRAGE_MAIN(composite)

@@ -4,7 +4,7 @@
 
 // One row of the table in composite.cpp per field.
 struct CompositeParams {
-  int mode;          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion
+  int mode;                          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion
   float darkness, chroma, contrast;  // factors of mode modulate
 };
 

@@ -11,8 +11,7 @@ OUT_COLOR(lit)
 
 FN Vec3 gray(Real v) { return Vec3(v, v, v); }
 
-FN void composite_pixel(Int px, Int py)
-{
+FN void composite_pixel(Int px, Int py) {
   Real ao = near_ao(0, 0);
   Vec3 direct = near_direct(0, 0);
   Vec3 ambient = near_ambient(0, 0);
@@ -20,8 +19,7 @@ FN void composite_pixel(Int px, Int py)
   if (C.mode == 0) light = direct + ambient * ao;
   if (C.mode == 1) light = light + gray(ao - 1.0f);
   if (C.mode == 2) light = light * ao;
-  if (C.mode == 3)
-  {
+  if (C.mode == 3) {
     Real d = ao - 1.0f;
     Real luminance = dot(light, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f)));  // Rec.709
     Real less_chroma = max(mad(d, Real(C.chroma), Real(1.0f)), Real(0.0f));

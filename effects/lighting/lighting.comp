@@ -2,8 +2,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "machine/glsl.h"
+
 #include "effects/lighting/lighting.h"
 UMBRAGE_CONSTANTS(LightingConstants)
 #include "machine/common.kernel.h"
+
 #include "effects/lighting/lighting.kernel.h"
 UMBRAGE_MAIN(lighting)

@@ -80,8 +80,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
     // A head light is parallel along the view axis for an orthographic camera and a point at the eye otherwise.
     const bool head = light.kind == LightKind::kHead;
     const bool point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
-    const glm::vec3 where = head ? (point ? glm::vec3(0.0f) : glm::vec3(0.0f, 0.0f, 1.0f))
-                                 : (point ? light.position : light.direction);
+    const glm::vec3 where =
+        head ? (point ? glm::vec3(0.0f) : glm::vec3(0.0f, 0.0f, 1.0f)) : (point ? light.position : light.direction);
     c.kind[k] = point ? 1 : 0;
     c.x[k] = where.x;
     c.y[k] = where.y;

@@ -12,8 +12,7 @@ IN_REAL(shadow)
 OUT_COLOR(direct)
 OUT_COLOR(ambient)
 
-FN void lighting_pixel(Int px, Int py)
-{
+FN void lighting_pixel(Int px, Int py) {
   Real depth = near_depth(0, 0);
   Bool surface = is_finite(depth);
   Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
@@ -22,18 +21,15 @@ FN void lighting_pixel(Int px, Int py)
   Vec3 albedo = near_albedo(0, 0);
   Real strength = near_specular(0, 0) * Real(C.specular);
   Real exponent = near_shininess(0, 0);
-  if (C.clay != 0)
-  {
+  if (C.clay != 0) {
     albedo = Vec3(Real(1.0f), Real(1.0f), Real(1.0f));
     strength = Real(0.0f);
   }
   Vec3 sum = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  for (int k = 0; k < C.light_count; ++k)
-  {
+  for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
     Real arrives = Real(1.0f);
-    if (C.kind[k] == 1)
-    {
+    if (C.kind[k] == 1) {
       Vec3 away = light - position;
       Real squared = max(dot(away, away), Real(1e-20f));
       light = away * rsqrt(squared);
@@ -42,8 +38,7 @@ FN void lighting_pixel(Int px, Int py)
     if (k == 0) arrives = arrives * mad(near_shadow(0, 0) - 1.0f, Real(C.shadow), Real(1.0f));
     Real lambert = max(dot(normal, light), Real(0.0f));
     Real highlight = Real(0.0f);
-    if (C.specular > 0.0f)
-    {
+    if (C.specular > 0.0f) {
       Vec3 halfway = normalized(light + eye);
       highlight = strength * pow(max(dot(normal, halfway), Real(0.0f)), exponent);
       // No highlight on the side that the light does not reach.

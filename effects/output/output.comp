@@ -2,8 +2,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "machine/glsl.h"
+
 #include "effects/output/output.h"
 UMBRAGE_CONSTANTS(OutputConstants)
 #include "machine/common.kernel.h"
+
 #include "effects/output/output.kernel.h"
 UMBRAGE_MAIN(output)

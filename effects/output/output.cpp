@@ -54,12 +54,9 @@ const std::vector<Parameter> kTable = {
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
   const auto& params = as<OutputParams>(bytes);
   const float opaque = params.transparent ? 0.0f : 1.0f;
-  *static_cast<OutputConstants*>(out) = {std::exp2(params.exposure),
-                                         params.transfer,
-                                         params.background_r * opaque,
-                                         params.background_g * opaque,
-                                         params.background_b * opaque,
-                                         opaque};
+  *static_cast<OutputConstants*>(out) = {std::exp2(params.exposure),   params.transfer,
+                                         params.background_r * opaque, params.background_g * opaque,
+                                         params.background_b * opaque, opaque};
 }
 
 }  // namespace

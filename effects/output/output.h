@@ -4,10 +4,10 @@
 
 // One row of the table in output.cpp per field.
 struct OutputParams {
-  float exposure;  // stops
-  int transfer;    // 0 srgb, 1 none
+  float exposure;                                  // stops
+  int transfer;                                    // 0 srgb, 1 none
   float background_r, background_g, background_b;  // as written to the file
-  int transparent; // 0 or 1
+  int transparent;                                 // 0 or 1
 };
 
 struct OutputConstants {

@@ -4,19 +4,16 @@ IN_REAL(depth)
 OUT_COLOR(color)
 OUT_ALPHA(color)
 
-FN Real srgb_from_linear(Real v)
-{
+FN Real srgb_from_linear(Real v) {
   Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));
   return select(v > 0.0031308f, curve, v * 12.92f);
 }
 
-FN void output_pixel(Int px, Int py)
-{
+FN void output_pixel(Int px, Int py) {
   Vec3 light = near_lit(0, 0) * Real(C.gain);
   light = finite_or_zero(light);  // what is not a number is black
   light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
-  if (C.transfer == 0)
-    light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
+  if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Bool surface = is_finite(near_depth(0, 0));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
   store_color(select(surface, light, background));

@@ -5,12 +5,11 @@
 IN_REAL(depth)
 OUT_REAL(unsharp_depth)
 
-CONST float kSteps = 16777216.0f;  // 2^24
+CONST float kSteps = 16777216.0f;     // 2^24
 CONST float kFarthest = 16777215.0f;  // D = 1, less one step, so that 256 samples add up below 2^32
-CONST float kNoSurface = -1.0f;    // background that does not count
+CONST float kNoSurface = -1.0f;       // background that does not count
 
-FN void linearize_pixel(Int px, Int py)
-{
+FN void linearize_pixel(Int px, Int py) {
   Real depth = near_depth(0, 0);
   Real n = Real(C.near_depth);
   Real f = Real(C.far_depth);

@@ -2,8 +2,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "machine/glsl.h"
+
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)
 #include "machine/common.kernel.h"
+
 #include "effects/unsharp/unsharp.kernel.h"
 UMBRAGE_MAIN(unsharp)

@@ -133,8 +133,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.border_depth = std::min(std::floor(zero * kSteps + 0.5f), kSteps - 1.0f);
   c.scale = params.strength / kSteps;
   const float sigma = std::max(float(side) / kSigmasPerKernel, 0.25f);
-  for (int i = 0; i < kUnsharpWeights; ++i)
-    c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
+  for (int i = 0; i < kUnsharpWeights; ++i) c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
 }
 
 }  // namespace

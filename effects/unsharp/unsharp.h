@@ -5,15 +5,15 @@
 
 // One row of the table in unsharp.cpp per field.
 struct UnsharpParams {
-  Length kernel;         // side of the window, pixels or share of the picture's height
-  float threshold;       // of linearised depth; 0: none
-  int border;            // 0 skip, 1 zero, 2 clamp, 3 repeat
+  Length kernel;    // side of the window, pixels or share of the picture's height
+  float threshold;  // of linearised depth; 0: none
+  int border;       // 0 skip, 1 zero, 2 clamp, 3 repeat
   float strength;
-  int linearization;     // 0 linear, 1 listing, 2 extent
+  int linearization;            // 0 linear, 1 listing, 2 extent
   float near_depth, far_depth;  // scene units; 0: automatic
-  int background;        // 0 far plane, 1 ignored
-  int white_edge;        // 0 or 1
-  int window;            // 0 box, 1 gaussian
+  int background;               // 0 far plane, 1 ignored
+  int white_edge;               // 0 or 1
+  int window;                   // 0 box, 1 gaussian
 };
 
 const int kUnsharpLargestKernel = 1023;
@@ -22,15 +22,15 @@ const int kUnsharpWeights = 512;  // a window of 1023 reaches 511 pixels from it
 struct UnsharpConstants {
   int first_column, last_column;  // the window, in pixels from its own; inclusive
   int first_row, last_row;
-  int border;            // as in UnsharpParams
-  int gaussian;          // 0 or 1: samples weigh weights[|i|] * weights[|j|]
-  int linearization;     // as in UnsharpParams
-  int ignore_background; // 0 or 1
-  int keep_white_edge;   // 0 or 1
+  int border;             // as in UnsharpParams
+  int gaussian;           // 0 or 1: samples weigh weights[|i|] * weights[|j|]
+  int linearization;      // as in UnsharpParams
+  int ignore_background;  // 0 or 1
+  int keep_white_edge;    // 0 or 1
   float near_depth, far_depth;
-  float threshold;       // of quantised depth; above any difference where there is none
-  float border_depth;    // quantised depth of a sample outside, in border mode zero
-  float scale;           // strength over the quantum's number of steps
+  float threshold;     // of quantised depth; above any difference where there is none
+  float border_depth;  // quantised depth of a sample outside, in border mode zero
+  float scale;         // strength over the quantum's number of steps
   float weights[kUnsharpWeights];
 };
 

@@ -8,13 +8,12 @@ IN_REAL(depth)
 IN_REAL(unsharp_depth)
 OUT_REAL(ao)
 
-CONST int kLowBits = 12;           // a sum is kept as two words, of the samples' upper and lower 12 bits:
-CONST int kLowMask = 4095;         // 1023 x 1023 samples of up to 4096 still fit 32 bits
+CONST int kLowBits = 12;    // a sum is kept as two words, of the samples' upper and lower 12 bits:
+CONST int kLowMask = 4095;  // 1023 x 1023 samples of up to 4096 still fit 32 bits
 
 // 1 - shade, from the window's excess (the sum of its samples less the centre's step as many times) and its count.
 // shade = strength (D - mean) [Chamberlin 2011, listing: the factor 20].
-FN Real ao_from_excess(Real excess, Real count)
-{
+FN Real ao_from_excess(Real excess, Real count) {
   Real ao = excess * (Real(C.scale) / count) + 1.0f;
   return C.keep_white_edge != 0 ? ao : min(ao, Real(1.0f));
 }
@@ -23,8 +22,7 @@ FN Real ao_from_excess(Real excess, Real count)
 FN Real excess_of(Real upper, Real lower) { return mad(upper, Real(4096.0f), lower); }
 
 // The excess from the exact sum of a window's steps, split as above.
-FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre)
-{
+FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre) {
   // sum - count * centre, both carried so that the upper words hold all but the last 12 bits
   Uint own_low = count * (centre & Uint(kLowMask));
   Uint own_high = count * (centre >> kLowBits) + (own_low >> kLowBits);
@@ -39,10 +37,8 @@ FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre)
 }
 
 // A sample of the window in the border mode; `inside` says whether it lies in the picture.
-FN Real window_sample(Int px, Int py, int i, int j, Bool inside)
-{
-  if (C.border == 3)
-  {
+FN Real window_sample(Int px, Int py, int i, int j, Bool inside) {
+  if (C.border == 3) {
     Int x = px + Int(i);
     Int y = py + Int(j);
     // A window is at most 1023 wide: a narrow picture repeats more than once.
@@ -55,11 +51,9 @@ FN Real window_sample(Int px, Int py, int i, int j, Bool inside)
   return tap;
 }
 
-FN void unsharp_pixel(Int px, Int py)
-{
+FN void unsharp_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
-  if (!some(surface))
-  {
+  if (!some(surface)) {
     store_ao(Real(1.0f));
     return;
   }
@@ -69,23 +63,18 @@ FN void unsharp_pixel(Int px, Int py)
   Int count = Int(0);
   Real weighted = Real(0.0f);
   Real weights = Real(0.0f);
-  for (int j = C.first_row; j <= C.last_row; ++j)
-  {
-    for (int i = C.first_column; i <= C.last_column; ++i)
-    {
+  for (int j = C.first_row; j <= C.last_row; ++j) {
+    for (int i = C.first_column; i <= C.last_column; ++i) {
       Bool inside = near_inside(i, j);
       Real tap = window_sample(px, py, i, j, inside);
       Bool counts = tap >= 0.0f && abs(tap - centre) < Real(C.threshold);
       if (C.border == 0) counts = counts && inside;
-      if (C.gaussian != 0)
-      {
+      if (C.gaussian != 0) {
         Real weight = Real(C.weights[i < 0 ? -i : i] * C.weights[j < 0 ? -j : j]);
         weight = select(counts, weight, Real(0.0f));
         weighted = mad(weight, tap - centre, weighted);
         weights = weights + weight;
-      }
-      else
-      {
+      } else {
         Uint steps = to_uint(to_int(select(counts, tap, Real(0.0f))));
         high = high + (steps >> kLowBits);
         low = low + (steps & Uint(kLowMask));
@@ -94,14 +83,11 @@ FN void unsharp_pixel(Int px, Int py)
     }
   }
   Real ao = Real(1.0f);
-  if (C.gaussian != 0)
-  {
+  if (C.gaussian != 0) {
     // The pixel itself always counts, so that the weights are not 0.
     ao = weighted * Real(C.scale) / max(weights, Real(1e-20f)) + 1.0f;
     if (C.keep_white_edge == 0) ao = min(ao, Real(1.0f));
-  }
-  else
-  {
+  } else {
     Uint samples = to_uint(max(count, Int(1)));
     Real excess = excess_from_sum(high, low, samples, to_uint(to_int(max(centre, Real(0.0f)))));
     ao = ao_from_excess(excess, to_real(samples));

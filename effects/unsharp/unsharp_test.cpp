@@ -58,7 +58,8 @@ GBuffer hills(int width, int height) {
   });
 }
 
-// ---- the paper's listing, in double; its rows are counted from below ---------------------------------------------------
+// ---- the paper's listing, in double; its rows are counted from below
+// ---------------------------------------------------
 
 double window_depth(double depth) {  // what the depth buffer holds: 0 at the near plane, 1 at the far plane
   return std::isfinite(depth) ? kFar * (depth - kNear) / (depth * (kFar - kNear)) : 1.0;
@@ -121,7 +122,8 @@ TEST(Unsharp, MatchesThePapersListingForEvenKernels) {
     }
 }
 
-// ---- the paper's text, and our own settings, in double ------------------------------------------------------------------
+// ---- the paper's text, and our own settings, in double
+// ------------------------------------------------------------------
 
 struct Oracle {
   int k = 15;
@@ -198,7 +200,7 @@ void expect_oracle(const GBuffer& g, const Oracle& oracle) {
     }
   // Samples within half a step of the threshold fall to either side.
   EXPECT_LE(off, depth.width * depth.height / 500) << oracle.k << ' ' << oracle.border << ' ' << oracle.linearization
-                                                    << ' ' << oracle.background << ' ' << oracle.window;
+                                                   << ' ' << oracle.background << ' ' << oracle.window;
   const double reach = oracle.threshold > 0.0 ? oracle.threshold : 1.0;
   EXPECT_LE(most, 2.0 * oracle.strength * reach / std::max(1.0, oracle.k * oracle.k / 8.0));
 }
@@ -222,7 +224,8 @@ TEST(Unsharp, MatchesTheFormulaInEveryMode) {
 }
 
 TEST(Unsharp, LinearizationIsEquationOne) {
-  // Equation (1) fed with window depth stretched to [-1, 1] is `linear`; fed with [0, 1], as the listing does, `listing`.
+  // Equation (1) fed with window depth stretched to [-1, 1] is `linear`; fed with [0, 1], as the listing does,
+  // `listing`.
   const GBuffer g = depth_picture(64, 1, [](int x, int) { return 2.0 + 13.0 * x / 63.0; });
   for (const std::string mode : {"linear", "listing"}) {
     const Image image = run(g, {{"linearization", mode}, {"near", "2"}, {"far", "15"}});
@@ -248,8 +251,7 @@ TEST(Unsharp, PlaneFacingTheCameraHasNoShadeAtAll) {
 TEST(Unsharp, StepShadesByTheShareOfTheWindowBehindIt) {
   // Left half nearer by 0.01 in D: a pixel m columns from the step averages over the columns on either side.
   const double near_d = 0.50, far_d = 0.51;
-  const GBuffer g =
-      depth_picture(80, 60, [&](int x, int) { return 15.0 * (x < 40 ? near_d : far_d); });
+  const GBuffer g = depth_picture(80, 60, [&](int x, int) { return 15.0 * (x < 40 ? near_d : far_d); });
   const Plane plane = ao(g, {{"kernel", "15"}, {"threshold", "0.02"}, {"near", "2"}, {"far", "15"}});
   for (int x = 20; x < 60; ++x) {
     const double columns_near = std::clamp(40 - (x - 7), 0, 15);
@@ -282,7 +284,7 @@ TEST(Unsharp, TiltedPlaneHasTheComputedShade) {
     EXPECT_NEAR(plane.at(x, 30), expected, 2e-5) << x;
     if (x >= 15 && x < width - 15) most_inside = std::max(most_inside, std::fabs(expected - 1.0));
   }
-  EXPECT_GT(most_inside, 1e-3);  // small, but not nothing: the test would see a missing term
+  EXPECT_GT(most_inside, 1e-3);                         // small, but not nothing: the test would see a missing term
   EXPECT_GT(std::fabs(plane.at(0, 30) - 1.0f), 0.02f);  // the cut window at the border
 }
 
@@ -299,8 +301,8 @@ TEST(Unsharp, TunedEqualsPlainForLargeWindowsToTheBit) {
   for (const char* kernel : {"5", "16", "40", "63", "121", "200"})
     for (const char* threshold : {"0", "0.002", "0.02", "0.24", "0.6"})
       for (const char* border : {"skip", "zero"}) {
-        const Settings settings = {{"kernel", kernel}, {"threshold", threshold}, {"border", border},
-                                   {"near", "2"},      {"far", "15"}};
+        const Settings settings = {
+            {"kernel", kernel}, {"threshold", threshold}, {"border", border}, {"near", "2"}, {"far", "15"}};
         const Plane plain = ao(g, settings, {.tuned = false});
         const Plane tuned = ao(g, settings, {.tuned = true});
         EXPECT_EQ(test::difference(plain, tuned, 0.0).most, 0.0) << kernel << ' ' << threshold << ' ' << border;
