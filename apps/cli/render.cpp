@@ -69,6 +69,8 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
 Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
   Image out(frame.width, frame.height);
   constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
+  constexpr float kThinnest = 1e-4f;  // of the depth: a scene that is one plane facing the camera is near, not 0 / 0
+  const float span = std::max(info.depth_max - info.depth_min, kThinnest * info.depth_max);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Plane& in = frame.plane(names[k]);
     Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min<std::size_t>(k, 2)]);
@@ -77,8 +79,7 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
       for (int x = 0; x < out.width; ++x) {
         float v = in.at(x, y);
         if (vector) v = 0.5f * v + 0.5f;
-        if (names[k] == "depth")
-          v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / (info.depth_max - info.depth_min) : 0.0f;
+        if (names[k] == "depth") v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / span : 0.0f;
         plane.at(x, y) = v;
       }
   }
