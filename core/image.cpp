@@ -1,6 +1,10 @@
 #include "core/image.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
+#include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <new>
 #include <utility>
@@ -10,16 +14,37 @@
 namespace umbrage {
 namespace {
 
-constexpr std::align_val_t kPlaneAlignment{64};
+constexpr std::size_t kCacheLine = 64;
+constexpr std::size_t kHugePage = std::size_t(2) << 20;
+
+/// Rows and planes that start a multiple of this apart fall on the same lines of the first-level cache, and a pass over
+/// a dozen planes then evicts itself.
+constexpr std::size_t kCacheWay = 1024;
+constexpr std::size_t kStagger = 17 * kCacheLine;
+constexpr unsigned kStaggers = 32;
+
+int padded_stride(int width) {
+  const int stride = (width + kRowAlignment - 1) / kRowAlignment * kRowAlignment;
+  const bool aliased = stride * sizeof(float) % kCacheWay == 0;
+  return aliased ? stride + kRowAlignment : stride;
+}
 
 }  // namespace
 
-void Plane::Free::operator()(float* p) const { ::operator delete(p, kPlaneAlignment); }
+void Plane::Free::operator()(float*) const { std::free(base); }
 
-Plane::Plane(int width_, int height_)
-    : width(width_), height(height_), stride((width_ + kRowAlignment - 1) / kRowAlignment * kRowAlignment) {
-  const std::size_t count = std::size_t(stride) * height;
-  if (count > 0) data_.reset(static_cast<float*>(::operator new(count * sizeof(float), kPlaneAlignment)));
+Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(padded_stride(width_)) {
+  const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
+  if (bytes == 0) return;
+  // Large planes ask for huge pages: a picture's planes are fresh memory, whose page faults cost as much as an effect.
+  static std::atomic<unsigned> count{0};
+  const std::size_t offset = bytes >= kHugePage ? count++ % kStaggers * kStagger : 0;
+  const std::size_t alignment = bytes >= kHugePage ? kHugePage : kCacheLine;
+  const std::size_t whole = (offset + bytes + alignment - 1) / alignment * alignment;
+  void* base = std::aligned_alloc(alignment, whole);
+  if (!base) throw std::bad_alloc();
+  if (bytes >= kHugePage) madvise(base, whole, MADV_HUGEPAGE);
+  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base}};
 }
 
 Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {

@@ -8,7 +8,7 @@
 
 namespace umbrage {
 
-/// Rows start this many floats apart or a multiple of it, so that a vector of the widest machine (16 lanes) may be
+/// Rows start a multiple of this many floats apart, so that a vector of the widest machine (16 lanes) may be
 /// stored over the end of a row.
 inline constexpr int kRowAlignment = 16;
 
@@ -34,9 +34,10 @@ class Plane {
 
  private:
   struct Free {
-    void operator()(float* p) const;
+    void* base;  // what was allocated; pixels start a little later
+    void operator()(float*) const;
   };
-  std::unique_ptr<float, Free> data_;
+  std::unique_ptr<float, Free> data_{nullptr, Free{nullptr}};
 };
 
 /// Planes of one size, each with a name such as `depth` or `normal.x`, in the order in which they were added.

@@ -63,24 +63,17 @@ void cut_away(const RTCFilterFunctionNArguments* args) {
   }
 }
 
+/// The ray through the point (x, y) of the picture, in pixels, starts at origin + x origin_x + y origin_y and has the
+/// direction direction + x direction_x + y direction_y. A direction's component along the view axis is 1, so that a
+/// ray's parameter is depth.
 struct Rays {
   glm::mat3 world_from_view;
   glm::vec3 eye;
-  bool orthographic;
-  float scale_x, offset_x, scale_y, offset_y;
+  glm::vec3 origin, origin_x{0.0f}, origin_y{0.0f};
+  glm::vec3 direction, direction_x{0.0f}, direction_y{0.0f};
 
-  /// Start and direction of the ray through a point of the picture, in pixels. The direction's component along the view
-  /// axis is 1, so that a ray's parameter is depth.
-  void at(float x, float y, glm::vec3& origin, glm::vec3& direction) const {
-    const float rx = x * scale_x + offset_x, ry = y * scale_y + offset_y;
-    if (orthographic) {
-      origin = eye + world_from_view * glm::vec3(rx, ry, 0.0f);
-      direction = world_from_view * glm::vec3(0.0f, 0.0f, -1.0f);
-    } else {
-      origin = eye;
-      direction = world_from_view * glm::vec3(rx, ry, -1.0f);
-    }
-  }
+  glm::vec3 origin_at(float x, float y) const { return origin + origin_x * x + origin_y * y; }
+  glm::vec3 direction_at(float x, float y) const { return direction + direction_x * x + direction_y * y; }
 };
 
 Rays rays_of(const PictureInfo& info) {
@@ -88,18 +81,53 @@ Rays rays_of(const PictureInfo& info) {
   Rays rays;
   rays.world_from_view = glm::transpose(glm::mat3(camera.view_from_world));
   rays.eye = camera.eye();
-  rays.orthographic = camera.projection == Projection::kOrthographic;
-  rays.scale_x = (camera.right - camera.left) / float(info.width);
-  rays.offset_x = camera.left;
-  rays.scale_y = -(camera.top - camera.bottom) / float(info.height);
-  rays.offset_y = camera.top;
+  const glm::vec3 right = rays.world_from_view[0] * ((camera.right - camera.left) / float(info.width));
+  const glm::vec3 down = rays.world_from_view[1] * (-(camera.top - camera.bottom) / float(info.height));
+  const glm::vec3 corner = rays.world_from_view[0] * camera.left + rays.world_from_view[1] * camera.top;
+  const glm::vec3 forward = -rays.world_from_view[2];
+  rays.origin = rays.eye;
+  rays.direction = forward;
+  if (camera.projection == Projection::kOrthographic) {
+    rays.origin += corner;
+    rays.origin_x = right;
+    rays.origin_y = down;
+  } else {
+    rays.direction += corner;
+    rays.direction_x = right;
+    rays.direction_y = down;
+  }
   return rays;
 }
 
-/// Where the drawn planes go.
-struct Target {
-  Plane *depth, *nx, *ny, *nz, *ar, *ag, *ab, *specular, *shininess, *shadow, *object, *material;
+/// The planes that are drawn, in this order.
+constexpr std::array kPlaneNames = {"depth",    "normal.x", "normal.y",  "normal.z", "albedo.r",  "albedo.g",
+                                    "albedo.b", "specular", "shininess", "shadow",   "object_id", "material_id"};
+
+/// A block of pixels on its way to the planes: stored row by row at the end, since single floats scattered over a dozen
+/// planes cost more than shading.
+struct alignas(64) Block {
+  float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
+  float specular[kPacket], shininess[kPacket], shadow[kPacket], object[kPacket], material[kPacket];
 };
+static_assert(sizeof(Block) == kPlaneNames.size() * kPacket * sizeof(float));
+
+void clear(Block& block) {
+  block = {};
+  std::fill_n(block.depth, kPacket, std::numeric_limits<float>::infinity());
+  std::fill_n(block.shadow, kPacket, 1.0f);
+  std::fill_n(block.object, kPacket, -1.0f);
+  std::fill_n(block.material, kPacket, -1.0f);
+}
+
+/// Rows are a multiple of four floats long, so that a block may be stored over the picture's right side.
+void store(const Block& block, int x0, int y0, Image& image) {
+  const float* values = block.depth;
+  for (Plane& plane : image.planes) {
+    for (int j = 0; j < kBlock && y0 + j < image.height; ++j)
+      std::memcpy(plane.row(y0 + j) + x0, values + j * kBlock, kBlock * sizeof(float));
+    values += kPacket;
+  }
+}
 
 /// Albedo of a hit: the material's, times its texture averaged over the pixel.
 glm::vec3 albedo_at(const TracedScene& traced, const Rays& rays, const Mesh& mesh, const Material& material,
@@ -112,8 +140,7 @@ glm::vec3 albedo_at(const TracedScene& traced, const Rays& rays, const Mesh& mes
   const glm::vec2 t0 = mesh.uvs[i[0]], t1 = mesh.uvs[i[1]] - t0, t2 = mesh.uvs[i[2]] - t0;
   // Where the neighbouring pixels' rays meet this triangle's plane, and how far texture coordinates moved.
   const auto change = [&](float x, float y) {
-    glm::vec3 origin, direction;
-    rays.at(x, y, origin, direction);
+    const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
     const glm::vec3 moved = origin + direction * (glm::dot(ng, hit - origin) / glm::dot(ng, direction)) - hit;
     return t1 * (glm::dot(glm::cross(moved, e2), ng) * inverse) + t2 * (glm::dot(glm::cross(e1, moved), ng) * inverse);
   };
@@ -124,7 +151,9 @@ glm::vec3 albedo_at(const TracedScene& traced, const Rays& rays, const Mesh& mes
 
 /// Draws the 4 x 4 pixels from (x0, y0) on.
 void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& info, bool trace_shadow, int x0, int y0,
-                const Target& out) {
+                Image& image) {
+  Block out;
+  clear(out);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -133,8 +162,8 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
   for (int k = 0; k < kPacket; ++k) {
     const int x = x0 + k % kBlock, y = y0 + k / kBlock;
     valid[k] = x < info.width && y < info.height ? -1 : 0;
-    glm::vec3 origin, direction;
-    rays.at(float(x) + 0.5f, float(y) + 0.5f, origin, direction);
+    const glm::vec3 origin = rays.origin_at(float(x) + 0.5f, float(y) + 0.5f);
+    const glm::vec3 direction = rays.direction_at(float(x) + 0.5f, float(y) + 0.5f);
     rh.ray.org_x[k] = origin.x;
     rh.ray.org_y[k] = origin.y;
     rh.ray.org_z[k] = origin.z;
@@ -158,16 +187,8 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
   for (int k = 0; k < kPacket; ++k) {
     if (!valid[k]) continue;
     const int x = x0 + k % kBlock, y = y0 + k / kBlock;
-    const std::size_t at = std::size_t(y) * out.depth->stride + x;
     const unsigned geometry = rh.hit.geomID[k];
-    if (geometry == RTC_INVALID_GEOMETRY_ID) {
-      out.depth->data()[at] = std::numeric_limits<float>::infinity();
-      for (Plane* plane : {out.nx, out.ny, out.nz, out.ar, out.ag, out.ab, out.specular, out.shininess})
-        plane->data()[at] = 0.0f;
-      out.shadow->data()[at] = 1.0f;
-      out.object->data()[at] = out.material->data()[at] = -1.0f;
-      continue;
-    }
+    if (geometry == RTC_INVALID_GEOMETRY_ID) continue;
     const Mesh& mesh = traced.scene->meshes[geometry];
     const Material& material = traced.scene->materials[mesh.material];
     const unsigned triangle = rh.hit.primID[k];
@@ -192,18 +213,17 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     const glm::vec3 n = view * normal;
     const glm::vec3 albedo =
         albedo_at(traced, rays, mesh, material, triangle, u, v, hit, float(x) + 0.5f, float(y) + 0.5f);
-    out.depth->data()[at] = depth;
-    out.nx->data()[at] = n.x;
-    out.ny->data()[at] = n.y;
-    out.nz->data()[at] = n.z;
-    out.ar->data()[at] = albedo.r;
-    out.ag->data()[at] = albedo.g;
-    out.ab->data()[at] = albedo.b;
-    out.specular->data()[at] = material.specular_strength;
-    out.shininess->data()[at] = material.specular_exponent;
-    out.object->data()[at] = float(mesh.object);
-    out.material->data()[at] = float(mesh.material);
-    out.shadow->data()[at] = 1.0f;
+    out.depth[k] = depth;
+    out.nx[k] = n.x;
+    out.ny[k] = n.y;
+    out.nz[k] = n.z;
+    out.ar[k] = albedo.r;
+    out.ag[k] = albedo.g;
+    out.ab[k] = albedo.b;
+    out.specular[k] = material.specular_strength;
+    out.shininess[k] = material.specular_exponent;
+    out.object[k] = float(mesh.object);
+    out.material[k] = float(mesh.material);
     if (!key) continue;
 
     // The key light is in view space; shadow rays run in world space.
@@ -216,7 +236,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     if (key->kind == LightKind::kHead) continue;  // it shines from the eye: what is seen is lit
     const float facing = glm::dot(geometric, light);
     if (!(facing > 0.0f)) {
-      out.shadow->data()[at] = 0.0f;
+      out.shadow[k] = 0.0f;
       continue;
     }
     const glm::vec3 extent = glm::abs(hit) + glm::abs(hit - rays.eye);
@@ -236,11 +256,12 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     wants_shadow[k] = -1;
     any_shadow = true;
   }
-  if (!any_shadow) return;
-  rtcOccluded16(wants_shadow.data(), traced.rtc, &context, &to_light);
-  for (int k = 0; k < kPacket; ++k)
-    if (wants_shadow[k] && to_light.tfar[k] < 0.0f)
-      out.shadow->data()[std::size_t(y0 + k / kBlock) * out.depth->stride + x0 + k % kBlock] = 0.0f;
+  if (any_shadow) {
+    rtcOccluded16(wants_shadow.data(), traced.rtc, &context, &to_light);
+    for (int k = 0; k < kPacket; ++k)
+      if (wants_shadow[k] && to_light.tfar[k] < 0.0f) out.shadow[k] = 0.0f;
+  }
+  store(out, x0, y0, image);
 }
 
 }  // namespace
@@ -314,18 +335,13 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, int width, in
 
 Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings) {
   Image image(info.width, info.height);
-  constexpr std::array kNames = {"depth",    "normal.x", "normal.y",  "normal.z", "albedo.r",  "albedo.g",
-                                 "albedo.b", "specular", "shininess", "shadow",   "object_id", "material_id"};
-  for (const char* name : kNames) image.add(name);
-  const auto plane = [&](int k) { return &image.planes[k]; };
-  const Target target{plane(0), plane(1), plane(2), plane(3), plane(4),  plane(5),
-                      plane(6), plane(7), plane(8), plane(9), plane(10), plane(11)};
+  for (const char* name : kPlaneNames) image.add(name);
   const Rays rays = rays_of(info);
   const int columns = (info.width + kBlock - 1) / kBlock, rows = (info.height + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
     for (int r = range.rows().begin(); r < range.rows().end(); ++r)
       for (int c = range.cols().begin(); c < range.cols().end(); ++c)
-        draw_block(traced, rays, info, settings.shadow, c * kBlock, r * kBlock, target);
+        draw_block(traced, rays, info, settings.shadow, c * kBlock, r * kBlock, image);
   });
   return image;
 }
