@@ -53,10 +53,12 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
     if (effect == "occlusion") effect = recipe->occlusion;
     if (const Effect* found = find_effect(effect))
       for (const Pass& pass : found->passes)
-        for (std::string_view plane : pass.outputs) {
-          const std::string group(plane.substr(0, plane.rfind('.')));
-          if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
-        }
+        // Inputs too: what nobody made, such as `ao` under --ao none, becomes a neutral plane.
+        for (const auto* planes : {&pass.inputs, &pass.outputs})
+          for (std::string_view plane : *planes) {
+            const std::string group(plane.substr(0, plane.rfind('.')));
+            if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
+          }
   }
   names.push_back("all");
   for (const std::string& word : split(o.passes))

@@ -165,22 +165,29 @@ TEST(Lighting, FactorsScaleTheirParts) {
 
 TEST(Lighting, ClayIsWhiteWithoutHighlights) { compare(varied(true), {{"material", "clay"}}, {.clay = true}); }
 
-TEST(Lighting, HeadRigReplacesLightsAndShadow) {
-  for (const bool perspective : {true, false}) {
-    GBuffer g = varied(perspective);
-    GBuffer expected = g;
-    expected.info.lights = {{.kind = LightKind::kHead, .color = glm::vec3(0.7f)}};
-    test::on_every_target("lighting", g, {{"rig", "head"}}, [&](const Image& image) {
-      long wrong = 0;
-      for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-          if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
-          const Lit lit = shade(expected, {.shadow = 0.0}, x, y);
-          wrong += !(std::fabs(image.plane("direct.g").at(x, y) - lit.direct.g) <= lit.error) && !lit.on_edge;
-        }
-      EXPECT_EQ(wrong, 0);
-    });
-  }
+TEST(Lighting, RigsReplaceLightsAmbientAndShadow) {
+  // Light 0.7 and ambient 0.3 [Chamberlin 2011]; the key light is parallel from above and to the left of the camera.
+  const glm::vec3 above_left = glm::normalize(glm::vec3(-0.45f, 0.65f, 0.62f));
+  for (const bool perspective : {true, false})
+    for (const bool head : {true, false}) {
+      const GBuffer g = varied(perspective);
+      GBuffer expected = g;
+      expected.info.ambient = glm::vec3(0.3f);
+      expected.info.lights = {{.kind = head ? LightKind::kHead : LightKind::kDirectional,
+                               .direction = above_left,
+                               .color = glm::vec3(0.7f)}};
+      test::on_every_target("lighting", g, {{"rig", head ? "head" : "key"}}, [&](const Image& image) {
+        long wrong = 0;
+        for (int y = 0; y < image.height; ++y)
+          for (int x = 0; x < image.width; ++x) {
+            if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+            const Lit lit = shade(expected, {.shadow = 0.0}, x, y);
+            wrong += !(std::fabs(image.plane("direct.g").at(x, y) - lit.direct.g) <= lit.error) && !lit.on_edge;
+            wrong += !(std::fabs(image.plane("ambient.b").at(x, y) - lit.ambient.b) <= lit.error);
+          }
+        EXPECT_EQ(wrong, 0) << head;
+      });
+    }
 }
 
 TEST(Lighting, OnlySixteenLightsShine) {

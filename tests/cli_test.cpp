@@ -1,0 +1,559 @@
+// The program as people run it: what it writes, what it prints, how it ends.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "effects/effects.h"
+#include "io/image_file.h"
+#include "looks/looks.h"
+#include "scene/builtin.h"
+#include "scene/import.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::string quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+/// The words of a line, parted by single spaces.
+Words words_of(const std::string& line) {
+  Words words;
+  std::istringstream stream(line);
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+/// A temporary folder in which the program runs, with a small model, tri.obj.
+class Cli : public testing::Test {
+ protected:
+  fs::path root_, folder_;
+
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "umbrage-cli-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    root_ = name;
+    folder_ = root_ / "work";
+    fs::create_directory(folder_);
+    write("tri.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  }
+  void TearDown() override {
+    std::error_code ignored;
+    fs::remove_all(root_, ignored);
+  }
+
+  void write(const std::string& name, const std::string& content) {
+    std::ofstream(folder_ / name, std::ios::binary) << content;
+  }
+
+  std::set<std::string> files() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) names.insert(entry.path().string());
+    return names;
+  }
+
+  /// `before` comes before the program: settings of the environment.
+  Outcome run(const Words& words, const std::string& before = "") {
+    std::string line = fmt::format("cd {} && env -u UMBRAGE_DEVICE -u UMBRAGE_NUM_THREADS -u UMBRAGE_VERBOSE {} {}",
+                                   quoted(folder_.string()), before, quoted(UMBRAGE_PROGRAM));
+    for (const std::string& word : words) line += " " + quoted(word);
+    const fs::path out = root_ / "out", err = root_ / "err";
+    line += fmt::format(" >{} 2>{} </dev/null", quoted(out.string()), quoted(err.string()));
+    const int status = std::system(line.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text_of(out), text_of(err)};
+  }
+  Outcome run(const std::string& line, const std::string& before = "") { return run(words_of(line), before); }
+
+  /// Runs it and expects success without a word on stderr.
+  Outcome good(const std::string& line, const std::string& before = "") {
+    const Outcome outcome = run(line, before);
+    EXPECT_EQ(outcome.code, 0) << line << ": " << outcome.err;
+    EXPECT_EQ(outcome.err, "") << line;
+    return outcome;
+  }
+
+  /// Runs it and expects failure: this code, one line with all these texts, and no file more than before.
+  void bad(const Words& words, int code, const Words& texts, const std::string& before = "") {
+    std::string line;
+    for (const std::string& word : words) line += " " + quoted(word);
+    SCOPED_TRACE(before + line);
+    const auto files_before = files();
+    const Outcome outcome = run(words, before);
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err.rfind("umbrage: ", 0), 0u) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(outcome.err.back(), '\n') << outcome.err;
+    for (const std::string& text : texts) EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+    EXPECT_EQ(files(), files_before);
+  }
+  void bad(const std::string& line, int code, const Words& texts, const std::string& before = "") {
+    bad(words_of(line), code, texts, before);
+  }
+  /// The same for `umbrage tri.obj -o out.png` with more words.
+  void bad_option(const std::string& more, const Words& texts) { bad("tri.obj -o out.png " + more, 2, texts); }
+
+  Image image(const std::string& name) {
+    const auto read = read_image(folder_ / name);
+    EXPECT_TRUE(read) << (read ? "" : read.error().message);
+    return read ? *read : Image();
+  }
+};
+
+const std::string kSmall = " --resolution 64x64";
+const std::string kSolids = "scene:solids?detail=2000";
+
+// ---- what it draws
+// -----------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, SaysWhoItIs) {
+  for (const char* line : {"--help", "-h", "render --help", "list --help", "bench --help", "figures --help"}) {
+    const Outcome help = good(line);
+    EXPECT_NE(help.out.find("Usage: umbrage"), std::string::npos) << line << ": " << help.out;
+  }
+  EXPECT_NE(good("--help").out.find("render"), std::string::npos);
+  EXPECT_NE(good("render --help").out.find("--resolution"), std::string::npos);
+  const std::string version = good("--version").out;
+  EXPECT_EQ(version.rfind("umbrage ", 0), 0u);
+  EXPECT_NE(version.find_first_of("0123456789"), std::string::npos);
+}
+
+TEST_F(Cli, DrawsABuiltInSceneInEveryFormat) {
+  for (const char* ending : {"png", "exr", "pfm"}) {
+    const std::string name = fmt::format("out.{}", ending);
+    EXPECT_EQ(good(kSolids + " -o " + name + kSmall).out, "");
+    const Image picture = image(name);
+    ASSERT_EQ(picture.width, 64);
+    ASSERT_EQ(picture.height, 64);
+    const Plane& grey = picture.plane("color.r");
+    float least = 1.0f, most = 0.0f;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) least = std::min(least, grey.at(x, y)), most = std::max(most, grey.at(x, y));
+    EXPECT_LT(least, 0.8f) << name << ": nothing is occluded";
+    EXPECT_GT(most, 0.95f) << name << ": nothing is open";
+  }
+}
+
+TEST_F(Cli, DrawsAFile) {
+  good("render tri.obj -o out.png" + kSmall);
+  EXPECT_EQ(image("out.png").width, 64);
+  good("tri.obj -o out.exr --resolution 30,20 --passes object_id");
+  const Image ids = image("out.exr");
+  EXPECT_EQ(ids.width, 30);
+  EXPECT_EQ(ids.height, 20);
+  long drawn = 0;
+  for (int y = 0; y < 20; ++y)
+    for (int x = 0; x < 30; ++x) drawn += ids.plane("object_id").at(x, y) == 0.0f;
+  EXPECT_GT(drawn, 50) << "the model is not in the picture";
+  EXPECT_LT(drawn, 550) << "the model fills the picture";
+}
+
+TEST_F(Cli, EveryWayToWriteAnOptionMeansTheSame) {
+  good("render tri.obj --output one.png --resolution 64,64 --look unsharp --set unsharp.kernel=9");
+  const std::string one = text_of(folder_ / "one.png");
+  ASSERT_FALSE(one.empty());
+  for (const char* line : {"tri.obj -o two.png --resolution 64x64 --look unsharp --set unsharp.kernel=9",
+                           "tri.obj -otwo.png --resolution=64x64 --look=unsharp --set=unsharp.kernel=9",
+                           "--look=unsharp --set unsharp.kernel=9 --resolution=64,64 -o two.png tri.obj",
+                           "render --output=two.png --set unsharp.kernel=5 --set unsharp.kernel=9 --look unsharp "
+                           "--resolution 64x64 tri.obj"}) {
+    good(line);
+    EXPECT_EQ(text_of(folder_ / "two.png"), one) << line;
+    fs::remove(folder_ / "two.png");
+  }
+}
+
+TEST_F(Cli, ThreadsDoNotChangeThePicture) {
+  const std::string line = kSolids + " --resolution 90x70 --passes all -o ";
+  good(line + "all.exr");
+  good(line + "one.exr --threads 1");
+  good(line + "two.exr", "UMBRAGE_NUM_THREADS=2");
+  good(line + "cpu.exr", "UMBRAGE_DEVICE=cpu");
+  for (const char* name : {"one.exr", "two.exr", "cpu.exr"})
+    EXPECT_EQ(text_of(folder_ / name), text_of(folder_ / "all.exr")) << name;
+}
+
+TEST_F(Cli, TheEnvironmentNamesDeviceThreadsAndVerbosity) {
+  const std::string line = "tri.obj -o out.png" + kSmall;
+  EXPECT_NE(run(line, "UMBRAGE_NUM_THREADS=1 UMBRAGE_VERBOSE=1").err.find("1 threads"), std::string::npos);
+  EXPECT_NE(run(line + " --verbose", "UMBRAGE_NUM_THREADS=1").err.find("1 threads"), std::string::npos);
+  // What is said on the command line counts.
+  good(line + " --device cpu", "UMBRAGE_DEVICE=nonsense");
+  good(line + " --threads 1", "UMBRAGE_NUM_THREADS=nonsense");
+  fs::remove(folder_ / "out.png");
+  bad(line, 2, {"device", "'nonsense'", "cpu"}, "UMBRAGE_DEVICE=nonsense");
+  bad(line, 2, {"threads", "'nonsense'"}, "UMBRAGE_NUM_THREADS=nonsense");
+}
+
+TEST_F(Cli, PassesArePlanes) {
+  good("tri.obj --look unsharp -o all.exr --passes all" + kSmall);
+  const Image all = image("all.exr");
+  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "specular", "shininess", "shadow",
+                           "object_id", "material_id", "direct.r", "ambient.b", "ao", "lit.g", "color.r"})
+    EXPECT_NE(all.find(name), nullptr) << name;
+  good("tri.obj -o two.exr --passes depth,normal" + kSmall);
+  const Image two = image("two.exr");
+  EXPECT_EQ(std::set<std::string>(two.names.begin(), two.names.end()),
+            (std::set<std::string>{"depth", "normal.x", "normal.y", "normal.z"}));
+  EXPECT_EQ(test::difference(two.plane("depth"), all.plane("depth"), 0.0).most, 0.0);
+  EXPECT_TRUE(*read_camera(folder_ / "two.exr")) << "the camera is missing";
+}
+
+TEST_F(Cli, PassesAsPicturesCanBeSeen) {
+  good("tri.obj -o depth.png --passes depth" + kSmall);
+  good("tri.obj -o normal.png --passes normal" + kSmall);
+  good("tri.obj -o both.exr --passes depth,normal" + kSmall);
+  const Image depth = image("depth.png"), normal = image("normal.png"), both = image("both.exr");
+  ASSERT_EQ(depth.planes.size(), 1u);
+  float nearest = 1e9f, farthest = 0.0f, light = 0.0f, dark = 1.0f;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float d = both.plane("depth").at(x, y), grey = depth.planes[0].at(x, y);
+      if (!std::isfinite(d)) {
+        ASSERT_EQ(grey, 0.0f);
+        continue;
+      }
+      ASSERT_NEAR(normal.plane("color.g").at(x, y), both.plane("normal.y").at(x, y) * 0.5f + 0.5f, 0.003f);
+      if (d < nearest) nearest = d, light = grey;
+      if (d > farthest) farthest = d, dark = grey;
+    }
+  EXPECT_GT(light, dark + 0.3f) << "near is light";
+}
+
+TEST_F(Cli, DepthOfAFlatSceneIsNear) {
+  write("flat.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3 4\n");
+  good("flat.obj -o out.png --passes depth --camera-direction 0,0,-1" + kSmall);
+  EXPECT_GT(image("out.png").planes[0].at(32, 32), 0.9f);
+}
+
+TEST_F(Cli, JsonTellsTheTimeOfEachStage) {
+  const Outcome outcome = good("tri.obj -o out.png --json" + kSmall);
+  const auto records = nlohmann::json::parse(outcome.out, nullptr, false);
+  ASSERT_TRUE(records.is_array()) << outcome.out;
+  ASSERT_GE(records.size(), 5u);
+  double sum = 0.0;
+  std::set<std::string> stages;
+  for (const auto& record : records) {
+    ASSERT_TRUE(record.is_object());
+    EXPECT_GE(record.at("ms").get<double>(), 0.0);
+    stages.insert(record.at("stage").get<std::string>());
+    if (record != records.back()) sum += record.at("ms").get<double>();
+  }
+  EXPECT_EQ(records.back().at("stage"), "total");
+  EXPECT_NEAR(records.back().at("ms").get<double>(), sum, 0.01);
+  for (const char* stage : {"load", "prepare", "capture", "unsharp", "output", "write"})
+    EXPECT_TRUE(stages.count(stage)) << stage;
+}
+
+TEST_F(Cli, BackgroundIsAsAsked) {
+  good("tri.obj -o color.exr --background-color 0.25,0.5,0.75" + kSmall);
+  EXPECT_EQ(image("color.exr").plane("color.r").at(0, 0), 0.25f);
+  EXPECT_EQ(image("color.exr").plane("color.b").at(0, 0), 0.75f);
+  good("tri.obj -o none.png --no-background" + kSmall);
+  const Image none = image("none.png");
+  ASSERT_NE(none.find("color.a"), nullptr);
+  EXPECT_EQ(none.plane("color.a").at(0, 0), 0.0f);
+  EXPECT_EQ(none.plane("color.a").at(32, 32), 1.0f);
+}
+
+TEST_F(Cli, OptionsChangeThePicture) {
+  const std::string line = "tri.obj" + kSmall + " --passes depth,ao,color -o ";
+  good(line + "plain.exr");
+  for (const char* option :
+       {"--look unsharp", "--ao none", "--ao-radius 0.01", "--ao-radius 90%", "--set unsharp.kernel=41", "--up -Y",
+        "--camera-position 3,4,5", "--camera-focal-point 1,1,0", "--camera-view-up 1,1,0", "--camera-view-angle 70",
+        "--camera-direction -1,-1,-1", "--camera-azimuth-angle 40", "--camera-elevation-angle -25",
+        "--camera-zoom-factor 2", "--camera-orthographic", "--background-color 0,0,0"}) {
+    good(line + "other.exr " + option);
+    EXPECT_NE(text_of(folder_ / "other.exr"), text_of(folder_ / "plain.exr")) << option;
+  }
+  good(line + "none.exr --ao none");
+  const Image none = image("none.exr");
+  EXPECT_EQ(test::difference(none.plane("ao"), Plane(64, 64, 1.0f), 0.0).most, 0.0);
+}
+
+TEST_F(Cli, BitsAndHalfAreWritten) {
+  good(kSolids + " -o eight.png" + kSmall);
+  good(kSolids + " -o sixteen.png --bits 16" + kSmall);
+  good(kSolids + " -o float.exr" + kSmall);
+  good(kSolids + " -o half.exr --half" + kSmall);
+  const Image exact = image("float.exr"), eight = image("eight.png"), sixteen = image("sixteen.png"),
+              half = image("half.exr");
+  const auto off = [&](const Image& other) {
+    return test::difference(exact.plane("color.r"), other.plane("color.r"), 0.0).most;
+  };
+  EXPECT_LE(off(eight), 0.5 / 255 + 1e-6);
+  EXPECT_GT(off(eight), 1e-3);
+  EXPECT_LE(off(sixteen), 0.5 / 65535 + 1e-6);
+  EXPECT_LE(off(half), 1e-3);
+  EXPECT_GT(off(half), 1e-6);
+}
+
+TEST_F(Cli, SeveralModelsShareOnePicture) {
+  write("other.obj", "v 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\n");
+  good("tri.obj other.obj -o out.exr --passes object_id --resolution 200x60");
+  const Image picture = image("out.exr");
+  std::set<float> ids;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 200; ++x) ids.insert(picture.plane("object_id").at(x, y));
+  EXPECT_EQ(ids, (std::set<float>{-1.0f, 0.0f, 1.0f}));
+}
+
+TEST_F(Cli, NamesMayHaveSpacesAndQuotes) {
+  write("my 'odd' model.obj", text_of(folder_ / "tri.obj"));
+  const Outcome outcome = run(Words{"my 'odd' model.obj", "-o", "my picture $HOME.png", "--resolution", "8x8"});
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(image("my picture $HOME.png").width, 8);
+}
+
+TEST_F(Cli, MissingTexturesAreAWarning) {
+  write("tri.mtl", "newmtl skin\nKd 1 1 1\nmap_Kd nothere.png\n");
+  write("skin.obj", "mtllib tri.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl skin\nf 1/1 2/2 3/3\n");
+  const Outcome outcome = run("skin.obj -o out.png" + kSmall);
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.err.rfind("umbrage: warning: ", 0), 0u) << outcome.err;
+  EXPECT_NE(outcome.err.find("nothere.png"), std::string::npos) << outcome.err;
+  EXPECT_EQ(image("out.png").width, 64);
+  // A material library that is missing, too.
+  write("lib.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl skin\nf 1 2 3\n");
+  const Outcome library = run("lib.obj -o out.png" + kSmall);
+  EXPECT_EQ(library.code, 0);
+  EXPECT_NE(library.err.find("gone.mtl"), std::string::npos) << library.err;
+}
+
+TEST_F(Cli, AnOlderPictureIsReplacedOrKept) {
+  write("out.png", "older");
+  good("tri.obj -o out.png" + kSmall);
+  EXPECT_EQ(image("out.png").width, 64);
+  write("out.png", "older");
+  bad("nothere.obj -o out.png", 3, {"nothere.obj"});
+  EXPECT_EQ(text_of(folder_ / "out.png"), "older");
+}
+
+TEST_F(Cli, AnInterruptLeavesNothingBehind) {
+  const auto before = files();
+  const Outcome outcome =
+      run("scene:terrain?detail=9000000 -o out.png --resolution 8000x8000", "timeout --preserve-status -s INT 0.5");
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(files(), before);
+}
+
+// ---- what it lists
+// -----------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, ListsWhatThereIs) {
+  Words looks_there, effects_there, scenes_there, formats_there = {".png", ".exr", ".pfm"};
+  for (const Look* look : looks()) looks_there.emplace_back(look->name);
+  for (const Effect* effect : effects()) {
+    effects_there.emplace_back(effect->name);
+    for (const Parameter& row : effect->parameters)
+      effects_there.push_back(fmt::format("{}.{}", effect->name, row.name));
+  }
+  for (const BuiltinScene& scene : builtin_scenes()) scenes_there.push_back(fmt::format("scene:{}", scene.name));
+  for (const std::string& format : import_formats()) formats_there.push_back("." + format);
+  for (const auto& [kind, names] : {std::pair<std::string, Words>{"looks", looks_there},
+                                    {"effects", effects_there},
+                                    {"scenes", scenes_there},
+                                    {"devices", {"cpu"}},
+                                    {"formats", formats_there}}) {
+    const std::string plain = good("list " + kind).out;
+    const auto records = nlohmann::json::parse(good("list " + kind + " --json").out, nullptr, false);
+    ASSERT_TRUE(records.is_array()) << kind;
+    std::set<std::string> listed;
+    for (const auto& record : records) {
+      listed.insert(record.at("name").get<std::string>());
+      EXPECT_FALSE(record.at("summary").get<std::string>().empty()) << record;
+    }
+    for (const std::string& name : names) {
+      EXPECT_TRUE(listed.count(name)) << kind << ": " << name;
+      EXPECT_NE(("\n" + plain).find("\n" + name + " "), std::string::npos) << kind << ": " << name;
+    }
+    EXPECT_EQ(std::size_t(std::count(plain.begin(), plain.end(), '\n')), records.size()) << kind;
+  }
+}
+
+TEST_F(Cli, ListedScenesAndLooksCanBeDrawn) {
+  for (const Look* look : looks()) good(fmt::format("tri.obj -o out.png --resolution 16x16 --look {}", look->name));
+  for (std::string_view name : occlusion_names())
+    good(fmt::format("tri.obj -o out.png --resolution 16x16 --ao {}", name));
+}
+
+// ---- what it refuses
+// ---------------------------------------------------------------------------------------------------
+
+TEST_F(Cli, RefusesModelsThatAreNone) {
+  const std::string random = [] {
+    std::string bytes(4000, '\0');
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = char(test::hash(unsigned(i) + 17u));
+    return bytes;
+  }();
+  for (const std::string& format : import_formats()) {
+    write("random." + format, random);
+    write("empty." + format, "");
+    write("words." + format, "This is a letter, not a model.\nYours\n");
+    for (const char* name : {"random", "empty", "words"}) {
+      const std::string file = fmt::format("{}.{}", name, format);
+      bad(file + " -o out.png", 3, {file});
+    }
+  }
+  fs::create_directory(folder_ / "folder.obj");
+  write("notes.txt", "hello\n");
+  write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
+  write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  bad("nothere.obj -o out.png", 3, {"nothere.obj", "no such file"});
+  bad("no/where.obj -o out.png", 3, {"no/where.obj", "no such file"});
+  bad("folder.obj -o out.png", 3, {"folder.obj", "folder"});
+  bad("notes.txt -o out.png", 3, {"notes.txt", ".obj", ".ply"});
+  bad("points.obj -o out.png", 3, {"points.obj", "no triangles"});
+  bad("range.obj -o out.png", 3, {"range.obj", "out of range"});
+  bad("nan.obj -o out.png", 3, {"nan.obj", "not finite"});
+  bad("line.obj -o out.png", 3, {"line.obj", "degenerate"});
+  bad("tri.obj nothere.obj -o out.png", 3, {"nothere.obj"});
+}
+
+TEST_F(Cli, RefusesModelsThatAreCutShort) {
+  // Files that say they hold 1000 triangles and end before.
+  const std::string stl = std::string(80, ' ') + std::string("\xe8\x03\0\0", 4) + std::string(120, '\1');
+  write("cut.stl", stl);
+  write("cut.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3000\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1000\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n");
+  write("cut.off", "OFF\n3000 1000 0\n0 0 0\n1 0 0\n0 1 0\n");
+  write("cut.glb", std::string("glTF\2\0\0\0\0\x10\0\0\0\x08\0\0JSON{\"asset\":{\"version\":\"2.0\"}", 47));
+  write("cut.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"meshes\": [");
+  write("cut.dae",
+        "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\"><library_geo");
+  for (const char* name : {"cut.stl", "cut.ply", "cut.off", "cut.glb", "cut.gltf", "cut.dae"})
+    bad(std::string(name) + " -o out.png", 3, {name});
+}
+
+TEST_F(Cli, RefusesResolutions) {
+  for (const char* text : {"0x0", "-5x5", "100000x100000", "16384x16384", "abc", "64", "64x", "x64", "64x64x64",
+                           "1e2x64", "64.5x64", "99999999999x1"})
+    bad_option(std::string("--resolution ") + text, {"--resolution", fmt::format("'{}'", text), "16384"});
+}
+
+TEST_F(Cli, RefusesPlacesToWrite) {
+  fs::create_directory(folder_ / "folder");
+  write("file", "a file");
+  const auto to = [&](const std::string& place, const Words& texts) { bad(Words{"tri.obj", "-o", place}, 3, texts); };
+  to("nofolder/out.png", {"nofolder/out.png", "does not exist"});
+  to("file/out.png", {"file/out.png", "not a folder"});
+  to("folder", {"folder", "is a folder"});
+  to("folder/", {"folder", "is a folder"});
+  to("", {"empty"});
+  to("out", {"'out'", ".png", ".exr", ".pfm"});
+  to("out.jpg", {"'out.jpg'", ".png", ".exr", ".pfm"});
+  to("out.pgn", {"did you mean 'png'"});
+  to("/proc/out.png", {"/proc/out.png", "cannot be written"});
+  if (::geteuid() != 0) {  // nothing is forbidden to root
+    fs::create_directory(folder_ / "locked");
+    fs::permissions(folder_ / "locked", fs::perms::owner_read | fs::perms::owner_exec);
+    to("locked/out.png", {"locked", "ermission"});
+  }
+}
+
+TEST_F(Cli, RefusesNamesThatDoNotExist) {
+  bad_option("--lok ao", {"'--lok'", "did you mean '--look'"});
+  bad_option("--resolutoin=8x8", {"'--resolutoin'", "did you mean '--resolution'"});
+  bad_option("--xyzzy", {"'--xyzzy'", "umbrage render --help"});
+  bad_option("-q", {"'-q'", "umbrage render --help"});
+  bad_option("--look unshap", {"'unshap'", "did you mean 'unsharp'"});
+  bad_option("--look xyzzy", {"'xyzzy'", "there are", "ao", "unsharp"});
+  bad_option("--ao unshrp", {"'unshrp'", "did you mean 'unsharp'"});
+  bad_option("--ao xyzzy", {"'xyzzy'", "there are", "unsharp", "none"});
+  bad_option("--device cpuu", {"'cpuu'", "did you mean 'cpu'"});
+  bad_option("--device xyzzy", {"'xyzzy'", "there are", "cpu"});
+  bad_option("--passes dept", {"'dept'", "did you mean 'depth'"});
+  bad_option("--passes xyzzy", {"'xyzzy'", "there are", "normal"});
+  bad_option("--set unshar.kernel=4", {"'unshar'", "did you mean 'unsharp'"});
+  bad_option("--set unsharp.kernal=4", {"'kernal'", "did you mean 'kernel'"});
+  bad_option("--set composite.mode=multipl", {"'multipl'", "did you mean 'multiply'"});
+  bad("scene:solid -o out.png", 2, {"'solid'", "did you mean 'solids'"});
+  bad("scene:xyzzy -o out.png", 2, {"'xyzzy'", "there are", "atrium"});
+  bad("scene:solids?detail=3 -o out.png", 2, {"'3'", "1000"});
+  bad("scene:solids?colour=red -o out.png", 2, {"'colour=red'", "detail"});
+  bad("rendr tri.obj -o out.png", 2, {"'rendr'", "did you mean 'render'"});
+  bad("list lokos", 2, {"'lokos'", "did you mean 'looks'"});
+  bad("list xyzzy", 2, {"'xyzzy'", "effects"});
+}
+
+TEST_F(Cli, RefusesValues) {
+  bad_option("--set unsharp.kernel", {"'unsharp.kernel'", "effect.parameter=value"});
+  bad_option("--set unsharp.kernel=0", {"unsharp.kernel", "'0'", "1 to 1023 px"});
+  bad_option("--set unsharp.kernel=abc", {"unsharp.kernel", "'abc'", "1 to 1023 px"});
+  bad_option("--set unsharp.white_edge=maybe", {"'maybe'", "on or off"});
+  bad_option("--ao-radius -1", {"--ao-radius", "'-1'"});
+  bad_option("--ao-radius 0", {"--ao-radius", "'0'"});
+  bad_option("--ao-radius wide", {"--ao-radius", "'wide'", "5%"});
+  bad_option("--threads -1", {"--threads", "'-1'", "0 to 1024"});
+  bad_option("--threads x", {"--threads", "'x'", "0 to 1024"});
+  bad_option("--threads 1.5", {"--threads", "'1.5'", "whole number"});
+  bad_option("--threads 99999", {"--threads", "'99999'", "0 to 1024"});
+  bad_option("--bits 7", {"--bits", "7", "8 or 16"});
+  bad_option("--bits many", {"--bits", "'many'", "whole number"});
+  bad_option("--verbose=perhaps", {"--verbose", "'perhaps'"});
+  bad_option("--passes all", {"--passes all", ".exr"});
+  bad_option("--passes depth,normal", {"depth,normal", ".exr"});
+  for (const char* option : {"--camera-position", "--camera-focal-point"})
+    for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "nan,0,0", "inf,0,0", ",,", "1;2;3"})
+      bad_option(fmt::format("{} {}", option, text), {option, fmt::format("'{}'", text), "three numbers"});
+  for (const char* option : {"--camera-direction", "--camera-view-up", "--up"})
+    for (const char* text : {"0,0,0", "W", "+W", "1,2", "nan,1,0"})
+      bad_option(fmt::format("{} {}", option, text), {option, fmt::format("'{}'", text), "+Y"});
+  for (const char* text : {"0", "180", "-30", "wide", "nan"})
+    bad_option(fmt::format("--camera-view-angle {}", text), {"--camera-view-angle", fmt::format("'{}'", text), "179"});
+  bad_option("--camera-zoom-factor 0", {"--camera-zoom-factor", "'0'"});
+  bad_option("--camera-azimuth-angle x", {"--camera-azimuth-angle", "'x'"});
+  bad_option("--camera-elevation-angle 1e9", {"--camera-elevation-angle", "'1e9'"});
+  for (const char* text : {"2,0,0", "-0.1,0,0", "red", "1,1", "nan,0,0"})
+    bad_option(fmt::format("--background-color {}", text),
+               {"--background-color", fmt::format("'{}'", text), "three numbers from 0 to 1"});
+}
+
+TEST_F(Cli, RefusesWhatIsMissingOrTooMuch) {
+  bad("", 2, {"name a model", "umbrage --help"});
+  bad("render", 2, {"required", "umbrage render --help"});
+  bad("-o out.png", 2, {"MODEL", "required"});
+  bad("tri.obj", 2, {"--output", "required"});
+  bad("tri.obj -o", 2, {"--output", "needs a value"});
+  bad_option("--set", {"--set", "needs a value"});
+  bad_option("--look", {"--look", "needs a value"});
+  bad_option("-o other.png", {"--output", "twice"});
+  bad_option("--look ao --look unsharp", {"--look", "twice"});
+  bad("list", 2, {"required", "umbrage list --help"});
+  bad("list looks extra", 2, {"'extra'", "too many"});
+  bad("list looks extra more", 2, {"'extra'", "too many"});
+}
+
+}  // namespace
+}  // namespace umbrage
