@@ -1,0 +1,40 @@
+// Umbrage's public interface: a model in, a picture out.
+//
+// This header needs nothing but the standard library. It grows with the project; what it holds stays.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace umbrage {
+
+/// What to draw. Everything but the model has a value that serves.
+struct RenderRequest {
+  std::string model;                  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
+  std::string look = "ao";            ///< a recipe: see `umbrage list looks`
+  std::string occlusion;              ///< an occlusion technique, or "none"; empty: the look's own
+  std::vector<std::string> settings;  ///< "effect.parameter=value": see `umbrage list effects`
+  int width = 1024, height = 1024;    ///< pixels, 1 to 16384 each
+  int threads = 0;                    ///< 0: as many as the machine has
+};
+
+/// A picture as it would be written to an 8-bit file: row 0 at the top, red, green, blue, alpha from 0 to 1.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<float> rgba;  ///< width * height * 4
+};
+
+/// How it went. `code` is 0, or the exit code that the command line would give: 1 internal, 2 a wrong request, 3 a file
+/// that cannot be used, 4 a device that cannot do it; `message` is then one sentence for people.
+struct Outcome {
+  int code = 0;
+  std::string message;
+  std::vector<std::string> warnings;  ///< such as missing textures
+};
+
+/// Draws one picture on the CPU. On failure the picture is left as it was. Does not throw, except std::bad_alloc.
+Outcome render(const RenderRequest& request, Picture& picture);
+
+/// "0.1.0"
+const char* version();
+
+}  // namespace umbrage
