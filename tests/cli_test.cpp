@@ -365,6 +365,35 @@ TEST_F(Cli, AnInterruptLeavesNothingBehind) {
   EXPECT_EQ(files(), before);
 }
 
+TEST_F(Cli, BenchTimesEffects) {
+  const auto records =
+      nlohmann::json::parse(good("bench tri.obj --resolution 32,16 --runs 1 --json").out, nullptr, false);
+  ASSERT_TRUE(records.is_array());
+  std::set<std::string> timed;
+  for (const auto& record : records) {
+    timed.insert(record.at("effect").get<std::string>());
+    EXPECT_EQ(record.at("device"), "cpu");
+    EXPECT_EQ(record.at("width"), 32);
+    EXPECT_EQ(record.at("height"), 16);
+    EXPECT_GE(record.at("threads").get<int>(), 1);
+    EXPECT_TRUE(record.at("setting").is_string());
+    EXPECT_LE(record.at("ms_min").get<double>(), record.at("ms").get<double>());
+  }
+  EXPECT_TRUE(timed.count("capture"));
+  for (const Effect* effect : effects()) EXPECT_TRUE(timed.count(std::string(effect->name))) << effect->name;
+  bad("bench --effect unshrp", 2, {"'unshrp'", "did you mean 'unsharp'"});
+  bad("bench --runs 0", 2, {"--runs", "1 to"});
+  bad("bench --runs x", 2, {"--runs", "'x'", "whole number"});
+  bad("bench --resolution abc", 2, {"--resolution", "'abc'"});
+  bad("bench nothere.obj", 3, {"nothere.obj"});
+}
+
+TEST_F(Cli, FiguresRefuseWhatTheyCannotDo) {
+  bad("figures --paper unshrp", 2, {"unshrp", "unsharp"});
+  bad("figures -o tri.obj", 3, {"tri.obj"});
+  bad("figures extra", 2, {"'extra'", "too many"});
+}
+
 // ---- what it lists
 // -----------------------------------------------------------------------------------------------------
 

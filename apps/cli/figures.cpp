@@ -1,6 +1,8 @@
 // umbrage figures: the papers' figures and tables, with the numbers that they must show.
 #include "apps/figures/figures.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -60,7 +62,10 @@ Result<void> make_figures(const FiguresOptions& o) {
   if (!fs::exists(o.bunny))
     return file_error("{}: the bunny of figure 3 is missing; install glmark2-data or name it with --bunny", o.bunny);
 
-  const auto progress = [](const std::string& what) { fmt::print(stderr, "{}...\n", what); };
+  const bool on_terminal = ::isatty(STDERR_FILENO) != 0;
+  const auto progress = [on_terminal](const std::string& what) {
+    if (on_terminal) fmt::print(stderr, "{}...\n", what);
+  };
   const auto figures = unsharp_figures(**device, o.bunny, o.size, progress);
   if (!figures) return figures.error();
   const auto tables = unsharp_tables(**device, o.bunny, o.size, o.runs, progress);
