@@ -29,6 +29,7 @@ double StageTimes::total() const {
 }
 
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings) {
+  if (model.empty()) return usage_error("the name of a model is empty");
   return model.starts_with("scene:") ? make_builtin_scene(model) : import_scene(model, settings);
 }
 

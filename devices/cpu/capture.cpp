@@ -38,7 +38,7 @@ constexpr int kBlock = 4;
 constexpr int kTileBlocks = 8;  // blocks per side of a tile that one task draws: 32 pixels
 // A shadow ray starts this share of the hit's distance from the scene's origin and from the eye away from the surface;
 // float positions are exact to 6e-8 of their size.
-constexpr float kShadowOffset = 4e-5f;
+constexpr float kShadowOffset = 4e-6f;
 
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v) {
   const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
@@ -198,11 +198,10 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     const glm::vec3 hit = glm::vec3(rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]) + direction * depth;
     glm::vec3 geometric(rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]);
     glm::vec3 normal = mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;
-    // Facing the camera: the side that is seen counts, and interpolation may not turn a normal past the horizon.
-    if (glm::dot(geometric, direction) > 0.0f) {
-      geometric = -geometric;
-      normal = -normal;
-    }
+    // Facing the camera: the side that is seen counts, whatever the winding says; and interpolation may not turn a
+    // normal past the horizon.
+    if (glm::dot(geometric, direction) > 0.0f) geometric = -geometric;
+    if (glm::dot(normal, geometric) < 0.0f) normal = -normal;
     const float length = glm::length(normal);
     normal = length > 1e-12f ? normal / length : glm::normalize(geometric);
     const float away = glm::dot(normal, direction);

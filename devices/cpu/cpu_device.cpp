@@ -83,6 +83,8 @@ class CpuDevice final : public Device {
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
       for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p) {
         const std::string& name = gbuffer.layers[layer].names[p];
+        check_equal(gbuffer.layers[layer].planes[p].width, gbuffer.info.width, name);
+        check_equal(gbuffer.layers[layer].planes[p].height, gbuffer.info.height, name);
         image->add(layer == 0 ? name : fmt::format("layer{}.{}", layer, name)) = gbuffer.layers[layer].planes[p];
       }
     frame.storage = std::move(image);

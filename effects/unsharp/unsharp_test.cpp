@@ -336,7 +336,9 @@ TEST(Unsharp, BackgroundStaysOpen) {
     const Plane& depth = g.layers[0].plane("depth");
     for (int y = 0; y < 70; ++y)
       for (int x = 0; x < 90; ++x)
-        if (!std::isfinite(depth.at(x, y))) ASSERT_EQ(plane.at(x, y), 1.0f);
+        if (!std::isfinite(depth.at(x, y))) {
+          ASSERT_EQ(plane.at(x, y), 1.0f);
+        }
   }
 }
 
