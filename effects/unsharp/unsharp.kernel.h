@@ -8,6 +8,7 @@ IN_REAL(depth)
 IN_REAL(unsharp_depth)
 OUT_REAL(ao)
 
+CONST float kNoSample = -1.0f;
 CONST int kLowBits = 12;    // a sum is kept as two words, of the samples' upper and lower 12 bits:
 CONST int kLowMask = 4095;  // 1023 x 1023 samples of up to 4096 still fit 32 bits
 
@@ -36,8 +37,8 @@ FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre) {
   return excess_of(upper, to_real(sum_low - own_low));
 }
 
-// A sample of the window in the border mode; `inside` says whether it lies in the picture.
-FN Real window_sample(Int px, Int py, int i, int j, Bool inside) {
+// A sample of the window; outside the picture what the border mode says, and a step that never counts for `skip`.
+FN Real window_sample(Int px, Int py, int i, int j) {
   if (C.border == 3) {
     Int x = px + Int(i);
     Int y = py + Int(j);
@@ -47,8 +48,46 @@ FN Real window_sample(Int px, Int py, int i, int j, Bool inside) {
     return load_unsharp_depth(x - columns * Int(F.width), y - rows * Int(F.height));
   }
   Real tap = near_unsharp_depth(i, j);
-  if (C.border == 1) return select(inside, tap, Real(C.border_depth));
-  return tap;
+  if (C.border == 2) return tap;
+  return select(near_inside(i, j), tap, Real(C.border == 1 ? C.border_depth : kNoSample));
+}
+
+FN Bool counts(Real tap, Real centre) { return tap >= 0.0f && abs(tap - centre) < Real(C.threshold); }
+
+FN Real box_ao(Int px, Int py, Real centre) {
+  Uint high = Uint(0u);
+  Uint low = Uint(0u);
+  Int count = Int(0);
+  for (int j = C.first_row; j <= C.last_row; ++j) {
+    for (int i = C.first_column; i <= C.last_column; ++i) {
+      Real tap = window_sample(px, py, i, j);
+      Bool belongs = counts(tap, centre);
+      Uint steps = to_uint(to_int(select(belongs, tap, Real(0.0f))));
+      high = high + (steps >> kLowBits);
+      low = low + (steps & Uint(kLowMask));
+      count = count + select(belongs, Int(1), Int(0));
+    }
+  }
+  Uint samples = to_uint(max(count, Int(1)));
+  Real excess = excess_from_sum(high, low, samples, to_uint(to_int(max(centre, Real(0.0f)))));
+  return ao_from_excess(excess, to_real(samples));
+}
+
+// Weighted by a Gaussian of the distance [Luft 2006].
+FN Real gaussian_ao(Int px, Int py, Real centre) {
+  Real excess = Real(0.0f);
+  Real weights = Real(0.0f);
+  for (int j = C.first_row; j <= C.last_row; ++j) {
+    float row_weight = C.weights[j < 0 ? -j : j];
+    for (int i = C.first_column; i <= C.last_column; ++i) {
+      Real tap = window_sample(px, py, i, j);
+      Real weight = select(counts(tap, centre), Real(row_weight * C.weights[i < 0 ? -i : i]), Real(0.0f));
+      excess = mad(weight, tap - centre, excess);
+      weights = weights + weight;
+    }
+  }
+  // The pixel itself counts, so that the weights are not 0.
+  return ao_from_excess(excess, max(weights, Real(1e-20f)));
 }
 
 FN void unsharp_pixel(Int px, Int py) {
@@ -58,39 +97,6 @@ FN void unsharp_pixel(Int px, Int py) {
     return;
   }
   Real centre = near_unsharp_depth(0, 0);
-  Uint high = Uint(0u);
-  Uint low = Uint(0u);
-  Int count = Int(0);
-  Real weighted = Real(0.0f);
-  Real weights = Real(0.0f);
-  for (int j = C.first_row; j <= C.last_row; ++j) {
-    for (int i = C.first_column; i <= C.last_column; ++i) {
-      Bool inside = near_inside(i, j);
-      Real tap = window_sample(px, py, i, j, inside);
-      Bool counts = tap >= 0.0f && abs(tap - centre) < Real(C.threshold);
-      if (C.border == 0) counts = counts && inside;
-      if (C.gaussian != 0) {
-        Real weight = Real(C.weights[i < 0 ? -i : i] * C.weights[j < 0 ? -j : j]);
-        weight = select(counts, weight, Real(0.0f));
-        weighted = mad(weight, tap - centre, weighted);
-        weights = weights + weight;
-      } else {
-        Uint steps = to_uint(to_int(select(counts, tap, Real(0.0f))));
-        high = high + (steps >> kLowBits);
-        low = low + (steps & Uint(kLowMask));
-        count = count + select(counts, Int(1), Int(0));
-      }
-    }
-  }
-  Real ao = Real(1.0f);
-  if (C.gaussian != 0) {
-    // The pixel itself always counts, so that the weights are not 0.
-    ao = weighted * Real(C.scale) / max(weights, Real(1e-20f)) + 1.0f;
-    if (C.keep_white_edge == 0) ao = min(ao, Real(1.0f));
-  } else {
-    Uint samples = to_uint(max(count, Int(1)));
-    Real excess = excess_from_sum(high, low, samples, to_uint(to_int(max(centre, Real(0.0f)))));
-    ao = ao_from_excess(excess, to_real(samples));
-  }
+  Real ao = C.gaussian != 0 ? gaussian_ao(px, py, centre) : box_ao(px, py, centre);
   store_ao(select(surface, ao, Real(1.0f)));
 }

@@ -36,13 +36,8 @@ struct Formulas {
 #include "machine/kernel_end.h"
 };
 
-// Eight pixels at a time, also where sixteen would fit: pixels side by side open blocks that only some of them need,
-// and the fewer they are the less is opened in vain. Bunny, k = 121, 2 threads, 1024x1024, EPYC (Zen 4): 45 ms with
-// sixteen.
-using DI8 = hn::CappedTag<std::int32_t, 8>;
-using VI = hn::Vec<DI8>;
-using MI = hn::Mask<DI8>;
-constexpr int kPixels = int(hn::MaxLanes(DI8()));
+using VI = hn::Vec<DI>;
+using MI = hn::Mask<DI>;
 
 constexpr std::int32_t kAbsent = 1 << 30;  // a sample that never counts: farther from any step than any threshold
 constexpr int kSlack = 16;                 // vectors may read this far past the end of a row
@@ -173,13 +168,13 @@ struct Level {
 // One level from the next finer one, whose blocks have half the size.
 void coarser(const std::int32_t* least, const std::int32_t* greatest, const std::int32_t* sum, int stride, int height,
              int half, Level& out) {
-  const DI8 di;
+  const DI di;
   const std::size_t count = std::size_t(stride) * height;
   for (auto* plane : {&out.least, &out.greatest, &out.sum}) plane->resize(count);
   // Blocks that reach past the patch are never read: the last rows and columns may hold anything.
   const std::size_t down = std::size_t(half) * stride;
   const std::size_t end = count > down + half + kSlack ? count - down - half - kSlack : 0;
-  for (std::size_t i = 0; i < end; i += kPixels) {
+  for (std::size_t i = 0; i < end; i += kLanes) {
     const auto at = [&](const std::int32_t* p, std::size_t k) { return hn::LoadU(di, p + i + k); };
     hn::StoreU(hn::Min(hn::Min(at(least, 0), at(least, half)), hn::Min(at(least, down), at(least, down + half))), di,
                out.least.data() + i);
@@ -219,15 +214,15 @@ struct Pyramid {
 // from low + 2^31 instead; what an odd number of them leaves in the top bit is taken out by flush().
 struct Sums {
   VI low, high, reach;
-  VI biased_low;                // low + 2^31
-  VI biased_span;               // 2 reach - 2^31
-  VI excess = hn::Zero(DI8());  // sum of (sample - low) since the last flush
-  VI upper = hn::Zero(DI8()), lower = hn::Zero(DI8());
-  VI count = hn::Zero(DI8()), flushed = hn::Zero(DI8());
+  VI biased_low;               // low + 2^31
+  VI biased_span;              // 2 reach - 2^31
+  VI excess = hn::Zero(DI());  // sum of (sample - low) since the last flush
+  VI upper = hn::Zero(DI()), lower = hn::Zero(DI());
+  VI count = hn::Zero(DI()), flushed = hn::Zero(DI());
 };
 
 HWY_INLINE void flush(Sums& s) {
-  const DI8 di;
+  const DI di;
   const VI added = hn::Sub(s.count, s.flushed);
   s.flushed = s.count;
   // From distances above `low`, with their bias, to differences from the centre.
@@ -238,16 +233,16 @@ HWY_INLINE void flush(Sums& s) {
 }
 
 HWY_INLINE void add_sample(Sums& s, MI mask, const std::int32_t* steps) {
-  const VI distance = hn::Sub(hn::LoadU(DI8(), steps), s.biased_low);
+  const VI distance = hn::Sub(hn::LoadU(DI(), steps), s.biased_low);
   const MI counts = hn::AndNot(hn::Gt(distance, s.biased_span), mask);
   s.excess = add_where(counts, s.excess, distance);
-  s.count = add_where(counts, s.count, hn::Set(DI8(), 1));
+  s.count = add_where(counts, s.count, hn::Set(DI(), 1));
 }
 
 // A block of one of the levels 2 to 4, or of level 1 by its samples.
 template <int kLevel>
 HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at) {
-  const DI8 di;
+  const DI di;
   constexpr int kSize = 1 << kLevel;
   if constexpr (kLevel <= 1) {
     for (int j = 0; j < kSize; ++j)
@@ -266,7 +261,7 @@ HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at)
     const MI mixed = hn::And(mask, hn::And(beyond, hn::Not(outside)));
     if (hn::AllFalse(di, mixed)) return;
     if constexpr (kLevel == 2) {
-      // Sixteen samples cost as much as four more blocks, half of them opened.
+      // Looking at four blocks of four samples first costs more than it spares.
       for (int j = 0; j < kSize; ++j)
         for (int i = 0; i < kSize; ++i)
           add_sample(s, mixed, p.patch.steps.data() + at + std::ptrdiff_t(j) * p.patch.stride + i);
@@ -282,7 +277,7 @@ HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at)
 }
 
 void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas, Pyramid& p, int reach) {
-  const DI8 di;
+  const DI di;
   const Patch& patch = p.patch;
   const int side = patch.width - (tile.x1 - tile.x0) + 1;
   // 256 samples may lie 2^22 above `low` each, 64 anywhere, before 32 bits overflow.
@@ -306,11 +301,11 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
   float* ao = frame.plane("ao");
   const int columns = tile.x1 - tile.x0;
   Row row(columns);
-  const hn::RebindToFloat<DI8> df;
+  const hn::RebindToFloat<DI> df;
   const VI reaches = hn::Set(di, reach), bias = hn::Set(di, std::numeric_limits<std::int32_t>::min());
   for (int y = 0; y < tile.y1 - tile.y0; ++y) {
     const std::size_t out = std::size_t(tile.y0 + y) * frame.frame.stride + tile.x0;
-    for (int x = 0; x < columns; x += kPixels) {
+    for (int x = 0; x < columns; x += kLanes) {
       const MI surface = surface_at(di, depth + out + x);
       if (hn::AllFalse(di, surface)) continue;
       const VI centre = hn::LoadU(di, patch.row(y - formulas.C.first_row) - formulas.C.first_column + x);
