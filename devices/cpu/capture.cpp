@@ -119,7 +119,7 @@ void clear(Block& block) {
   std::fill_n(block.material, kPacket, -1.0f);
 }
 
-/// Rows are a multiple of four floats long, so that a block may be stored over the picture's right side.
+/// Rows are padded to kRowAlignment floats, so that a block may be stored over the picture's right side.
 void store(const Block& block, int x0, int y0, Image& image) {
   const float* values = block.depth;
   for (Plane& plane : image.planes) {
