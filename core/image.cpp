@@ -84,16 +84,6 @@ Plane& Image::add(std::string_view name) {
   return planes.emplace_back(width, height);
 }
 
-Image crop(const Image& image, int margin) {
-  Image out(image.width - 2 * margin, image.height - 2 * margin);
-  for (std::size_t p = 0; p < image.planes.size(); ++p) {
-    Plane& plane = out.add(image.names[p]);
-    for (int y = 0; y < out.height; ++y)
-      std::memcpy(plane.row(y), image.planes[p].row(y + margin) + margin, out.width * sizeof(float));
-  }
-  return out;
-}
-
 Image downsample(const Image& image, int factor) {
   Image out(image.width / factor, image.height / factor);
   const float share = 1.0f / float(factor * factor);

@@ -58,9 +58,6 @@ struct Image {
   Plane& add(std::string_view name);
 };
 
-/// The image inside a border of `margin` pixels.
-Image crop(const Image& image, int margin);
-
 /// Area-averages blocks of factor x factor pixels; the size is divided by the factor, rounded down.
 Image downsample(const Image& image, int factor);
 

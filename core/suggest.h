@@ -9,29 +9,33 @@
 
 namespace umbrage {
 
-/// Number of letters inserted, deleted or changed between two words (Levenshtein distance).
+/// Number of letters inserted, deleted, changed or swapped with their neighbour between two words (optimal string
+/// alignment distance).
 inline int edit_distance(std::string_view a, std::string_view b) {
-  std::vector<int> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    int diagonal = std::exchange(row[0], int(i) + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const int change = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = std::exchange(row[j + 1], std::min({change, row[j] + 1, row[j + 1] + 1}));
+  std::vector<int> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  std::iota(last.begin(), last.end(), 0);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = int(i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1), last[j] + 1, row[j - 1] + 1});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) row[j] = std::min(row[j], before[j - 2] + 1);
     }
+    before.swap(last);
+    last.swap(row);
   }
-  return row.back();
+  return last.back();
 }
 
 /// " (did you mean 'x'?)" for the nearest of `names` if it is near, otherwise " (there are: a, b, c)".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& names) {
-  int best = 3;  // more than two slips is another word
+  constexpr int kMostSlips = 2;  // more, or two in a word of up to four letters, is another word
+  int best = kMostSlips + 1;
   std::string_view nearest;
   std::string all;
   for (std::string_view name : names) {
     const int distance = edit_distance(word, name);
-    if (distance < best && distance < int(name.size())) best = distance, nearest = name;
+    if (distance < best && distance <= std::max(1, (int(name.size()) - 1) / 2)) best = distance, nearest = name;
     all += (all.empty() ? "" : ", ") + std::string(name);
   }
   if (!nearest.empty()) return " (did you mean '" + std::string(nearest) + "'?)";

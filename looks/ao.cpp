@@ -16,7 +16,10 @@ const Look& look_ao() {
                   {"unsharp.background", "ignore"},
                   {"unsharp.white_edge", "off"},
                   {"composite.mode", "occlusion"},
-                  {"output.transfer", "none"}},
+                  {"output.transfer", "none"},
+                  {"output.background_r", "0.8"},
+                  {"output.background_g", "0.8"},
+                  {"output.background_b", "0.8"}},
   };
   return look;
 }

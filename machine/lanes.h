@@ -123,7 +123,12 @@ OP Real rsqrt(Real a) {
   return hn::Div(hn::Set(D(), 1.0f), hn::Sqrt(a.v));
 #else
   const Real y = hn::ApproximateReciprocalSqrt(a.v);
-  return y * (Real(1.5f) - (a * Real(0.5f)) * (y * y));
+  const Real once = y * (Real(1.5f) - (a * Real(0.5f)) * (y * y));
+#if HWY_TARGET == HWY_NEON
+  return once * (Real(1.5f) - (a * Real(0.5f)) * (once * once));  // its estimate has 8 bits where others have 12
+#else
+  return once;
+#endif
 #endif
 }
 OP Real mad(Real a, Real b, Real c) {

@@ -25,7 +25,7 @@ constexpr Index kNone = std::numeric_limits<Index>::max();
 constexpr double kDegenerate = 1e-7;
 
 /// Squares of lengths above this are infinite in a float; coordinates beyond it count as not finite.
-constexpr float kLargestCoordinate = 1e18f;
+constexpr float kLargestCoordinate = 1e15f;
 
 /// A normal of a file shorter than this is taken for missing.
 constexpr float kShortestNormal = 1e-12f;

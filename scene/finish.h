@@ -11,6 +11,6 @@ void make_normals(Mesh& mesh, float crease_angle_deg);
 
 /// Drops triangles that are degenerate, out of range or not finite, makes missing normals, removes empty meshes, and
 /// fills in the bounds. Returns how many triangles were dropped.
-std::size_t finish_scene(Scene& scene, float crease_angle_deg = 60.0f);
+std::size_t finish_scene(Scene& scene, float crease_angle_deg = 80.0f);
 
 }  // namespace umbrage

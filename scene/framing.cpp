@@ -192,7 +192,9 @@ Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float
   if (is_direction(eye - target)) {
     eye = target + turned(eye - target, up, framing.azimuth_deg, framing.elevation_deg);
   }
-  const float height = 2.0f * glm::distance(eye, target) * std::tan(glm::radians(angle_deg) / 2.0f);
+  // From the target itself there is no distance to measure a window by: one unit stands in.
+  const float distance = is_direction(eye - target) ? glm::distance(eye, target) : 1.0f;
+  const float height = 2.0f * distance * std::tan(glm::radians(angle_deg) / 2.0f);
   return camera_at(eye, target, up, angle_deg, height, aspect, framing);
 }
 

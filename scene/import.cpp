@@ -81,7 +81,7 @@ std::string reason_of(std::string reason) {
   };
   static constexpr Known kKnown[] = {
       {"No suitable reader", "its content is of another kind, or cut short"},
-      {"No scene", "it names no scene"},
+      {"No scene", "it holds no scene to draw"},
       {"storage representation", "it is neither a text nor a binary STL file"},
       {"Cannot parse string", "a number is expected where there is none"},
   };

@@ -9,7 +9,7 @@ namespace umbrage {
 
 struct ImportSettings {
   /// Edges whose faces meet at a larger angle stay sharp where normals are made. Degrees.
-  float crease_angle_deg = 60.0f;
+  float crease_angle_deg = 80.0f;
   /// World up; the zero vector means: as the format says (+z for STL, what FBX and DAE name, otherwise +y).
   glm::vec3 up{0.0f};
 };

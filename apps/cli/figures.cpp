@@ -54,13 +54,13 @@ Result<void> make_figures(const FiguresOptions& o) {
   if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
   auto device = device_of(o);
   if (!device) return device.error();
+  if (!fs::exists(o.bunny))
+    return file_error("{}: the bunny of figure 3 is missing; install glmark2-data or name it with --bunny", o.bunny);
   std::error_code error;
   fs::create_directories(o.output, error);
   if (!fs::is_directory(o.output)) return file_error("{}: the folder cannot be made", o.output);
   const fs::path folder(o.output);
   if (auto writable = check_writable(folder / "contact-sheet.png"); !writable) return writable;
-  if (!fs::exists(o.bunny))
-    return file_error("{}: the bunny of figure 3 is missing; install glmark2-data or name it with --bunny", o.bunny);
 
   const bool on_terminal = ::isatty(STDERR_FILENO) != 0;
   const auto progress = [on_terminal](const std::string& what) {

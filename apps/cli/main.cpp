@@ -120,7 +120,10 @@ int run(int argc, char** argv) {
     return report(wrong_words(app, error));
   }
   const Result<void> done = command();
-  return done ? 0 : report(done.error());
+  if (!done) return report(done.error());
+  if (std::fflush(stdout) != 0 || std::ferror(stdout))
+    return report(file_error("what was to be printed could not be written"));
+  return 0;
 }
 
 }  // namespace

@@ -8,9 +8,8 @@
 namespace umbrage::cli {
 namespace {
 
-constexpr int kLargestSide = 16384;
-constexpr long kMostPixels = 8192L * 8192L;  // about 8 GB of planes
 constexpr int kMostThreads = 1024;
+constexpr float kFarthest = 1e15f;  // as for models: rays beyond leave what Embree takes
 
 Result<double> parse_number(std::string_view option, std::string_view text, double least, double most) {
   double value = 0.0;
@@ -29,8 +28,9 @@ Result<glm::vec3> parse_vector(std::string_view option, std::string_view text) {
     float value = 0.0f;
     const auto part = end == std::string_view::npos ? std::string_view() : text.substr(start, end - start);
     const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (part.empty() || error != std::errc() || stop != part.data() + part.size() || !std::isfinite(value))
-      return usage_error("{} cannot be '{}': it takes three numbers, such as 1,2.5,-3", option, text);
+    if (part.empty() || error != std::errc() || stop != part.data() + part.size() || !(std::abs(value) <= kFarthest))
+      return usage_error("{} cannot be '{}': it takes three numbers up to {:g}, such as 1,2.5,-3", option, text,
+                         kFarthest);
     v[i] = value;
     start = end + 1;
   }
@@ -62,7 +62,14 @@ void add_model_options(CLI::App& command, CommonOptions& o) {
       ->expected(1);
   command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
   command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
+  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
+      ->envname("UMBRAGE_VERBOSE")
+      ->group("Output");
   const auto camera = "Camera";
+  command
+      .add_option("--crease-angle", o.crease_angle,
+                  "faces that meet at a larger angle keep their edge where a file has no normals, degrees [80]")
+      ->group(picture);
   command.add_option("--up", o.up, "world up: +X -X +Y -Y +Z -Z or x,y,z [as the format says]")->group(camera);
   command.add_option("--camera-position", o.position, "x,y,z of the eye")->group(camera);
   command.add_option("--camera-focal-point", o.focal_point, "x,y,z that is looked at")->group(camera);
@@ -80,9 +87,6 @@ void add_device_options(CLI::App& command, CommonOptions& o) {
   command.add_option("--device", o.device, "cpu or auto [auto]")->envname("UMBRAGE_DEVICE")->group(device);
   command.add_option("--threads", o.threads, "number of threads; 0: all [0]")
       ->envname("UMBRAGE_NUM_THREADS")
-      ->group(device);
-  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
-      ->envname("UMBRAGE_VERBOSE")
       ->group(device);
 }
 
@@ -167,6 +171,11 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
 
 Result<ImportSettings> import_settings(const CommonOptions& o) {
   ImportSettings settings;
+  if (!o.crease_angle.empty()) {
+    const auto angle = parse_number("--crease-angle", o.crease_angle, 0.0, 180.0);
+    if (!angle) return angle.error();
+    settings.crease_angle_deg = float(*angle);
+  }
   if (o.up.empty()) return settings;
   const auto up = parse_direction("--up", o.up);
   if (!up) return up.error();

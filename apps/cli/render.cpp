@@ -13,7 +13,8 @@ namespace umbrage::cli {
 namespace {
 
 struct RenderOptions : CommonOptions {
-  std::string output, passes;
+  std::string output;
+  std::optional<std::string> passes;
   int bits = 8;
   bool half = false, json = false;
 };
@@ -44,7 +45,7 @@ std::vector<std::string> split(const std::string& text) {
 
 /// Checks the words of --passes against what the look will make, before any work.
 Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
-  if (o.passes.empty() || o.passes == "all") return {};
+  if (!o.passes || *o.passes == "all") return {};
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
   std::vector<std::string> names = {"depth",     "normal", "albedo",    "specular",
@@ -61,21 +62,26 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
           }
   }
   names.push_back("all");
-  for (const std::string& word : split(o.passes))
+  const std::vector<std::string> words = split(*o.passes);
+  for (const std::string& word : words) {
     if (std::find(names.begin(), names.end(), word) == names.end())
       return usage_error("there is no pass '{}'{}", word, suggestion(word, names));
+    if (std::count(words.begin(), words.end(), word) > 1) return usage_error("--passes names '{}' twice", word);
+  }
+  if (words.size() > 1 && std::find(words.begin(), words.end(), "all") != words.end())
+    return usage_error("--passes all stands alone: it names every pass");
   return {};
 }
 
 /// One pass as a picture: vectors from [-1, 1] to [0, 1], depth from white (near) to black (far).
 Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
   Image out(frame.width, frame.height);
-  constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
+  constexpr std::array kChannels = {"color.r", "color.g", "color.b", "color.a"};
   constexpr float kThinnest = 1e-4f;  // of the depth: a scene that is one plane facing the camera is near, not 0 / 0
   const float span = std::max(info.depth_max - info.depth_min, kThinnest * info.depth_max);
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Plane& in = frame.plane(names[k]);
-    Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min<std::size_t>(k, 2)]);
+    Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min(k, kChannels.size() - 1)]);
     const bool vector = names[k].ends_with(".x") || names[k].ends_with(".y") || names[k].ends_with(".z");
     for (int y = 0; y < out.height; ++y)
       for (int x = 0; x < out.width; ++x) {
@@ -90,8 +96,8 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
 
 Result<void> write_output(const RenderOptions& o, Device& device, const Frame& frame) {
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &frame.info.camera};
-  const bool exr = (*format_of(o.output))->extension == "exr";
-  if (o.passes.empty()) {
+  const std::string_view extension = (*format_of(o.output))->extension;
+  if (!o.passes) {
     auto names = kColor;
     if (o.no_background) names.push_back("color.a");
     const auto image = device.download(frame, names);
@@ -99,17 +105,28 @@ Result<void> write_output(const RenderOptions& o, Device& device, const Frame& f
   }
   const auto all = device.download(frame, {});
   if (!all) return all.error();
-  if (o.passes == "all") return write_image(o.output, *all, settings);
+  if (*o.passes == "all") return write_image(o.output, *all, settings);
   const auto groups = groups_of(*all);
   std::vector<std::string> names;
-  for (const std::string& word : split(o.passes)) {
+  for (const std::string& word : split(*o.passes)) {
     const auto group = groups.find(word);
     if (group == groups.end()) return usage_error("there is no pass '{}' in this picture", word);
     names.insert(names.end(), group->second.begin(), group->second.end());
   }
-  if (!exr) return write_image(o.output, picture_of_pass(*all, names, frame.info), settings);
+  if (extension == "png") return write_image(o.output, picture_of_pass(*all, names, frame.info), settings);
   const auto image = device.download(frame, names);
   return image ? write_image(o.output, *image, settings) : image.error();
+}
+
+/// Whether any pixel has a surface.
+bool shows_surface(Device& device, const Frame& frame) {
+  const auto depth = device.download(frame, {"depth"});
+  if (!depth) return true;
+  const Plane& plane = depth->planes[0];
+  for (int y = 0; y < plane.height; ++y)
+    for (int x = 0; x < plane.width; ++x)
+      if (std::isfinite(plane.at(x, y))) return true;
+  return false;
 }
 
 void print_times(const StageTimes& times, bool json) {
@@ -135,8 +152,11 @@ Result<void> render(const RenderOptions& o) {
   if (!draw_with) return draw_with.error();
   if (const auto recipe = make_recipe(*draw_with); !recipe) return recipe.error();
   if (auto fine = check_passes(o, *draw_with); !fine) return fine;
-  if ((*format)->extension != "exr" && (o.passes == "all" || o.passes.find(',') != std::string::npos))
-    return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", o.passes);
+  const std::string_view extension = (*format)->extension;
+  if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
+    return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", *o.passes);
+  if (o.bits != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
+  if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
   const auto import_with = import_settings(o);
   if (!import_with) return import_with.error();
   auto device = device_of(o);
@@ -150,6 +170,9 @@ Result<void> render(const RenderOptions& o) {
   times.done("prepare");
   const auto frame = draw(**device, *scene, *draw_with, times);
   if (!frame) return frame.error();
+  if (!shows_surface(**device, *frame))
+    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
+               scene->name);
   if (auto written = write_output(o, **device, *frame); !written) return written;
   times.done("write");
   if (o.verbose)

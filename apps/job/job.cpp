@@ -30,7 +30,10 @@ double StageTimes::total() const {
 
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings) {
   if (model.empty()) return usage_error("the name of a model is empty");
-  return model.starts_with("scene:") ? make_builtin_scene(model) : import_scene(model, settings);
+  if (!model.starts_with("scene:")) return import_scene(model, settings);
+  auto scene = make_builtin_scene(model);
+  if (scene && settings.up != glm::vec3(0.0f)) scene->up = settings.up;
+  return scene;
 }
 
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings) {
@@ -61,6 +64,8 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 }
 
 Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads) {
+  if (name == "vulkan" || name.starts_with("vulkan:"))
+    return device_error("the device '{}' is not there: this version runs on the CPU alone", name);
   if (name != "cpu" && name != "auto") {
     constexpr std::string_view kNames[] = {"cpu", "auto"};
     return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));

@@ -28,6 +28,10 @@ struct StageTimes {
   double total() const;
 };
 
+/// The largest picture: larger ones need more memory than most machines have (64 million pixels take about 8 GB).
+inline constexpr int kLargestSide = 16384;
+inline constexpr long kMostPixels = 8192L * 8192L;
+
 struct DrawSettings {
   int width = 1024, height = 1024;
   Framing framing;

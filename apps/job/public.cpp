@@ -6,10 +6,12 @@ namespace umbrage {
 namespace {
 
 Result<Picture> draw_picture(const RenderRequest& request, std::vector<std::string>& warnings) {
-  constexpr int kLargestSide = 16384;
   for (const int side : {request.width, request.height})
     if (side < 1 || side > kLargestSide)
       return usage_error("a picture cannot be {} pixels wide or high: 1 to {} can", side, kLargestSide);
+  if (long(request.width) * request.height > kMostPixels)
+    return usage_error("a picture cannot have {} x {} pixels: {} together are the most", request.width, request.height,
+                       kMostPixels);
   DrawSettings settings;
   settings.width = request.width;
   settings.height = request.height;

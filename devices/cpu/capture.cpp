@@ -22,7 +22,13 @@ struct TracedScene {
   RTCDevice device = nullptr;
   RTCScene rtc = nullptr;
   std::vector<MipTexture> textures;
-  bool has_alpha_mask = false;
+  // Embree sees the scene moved to the origin and scaled to about unit size, since single floats serve neither a
+  // micrometre nor a light year: products of four edges would leave their range. A power of two keeps every bit. A
+  // ray's parameter stays depth.
+  glm::vec3 center{0.0f};
+  float scale = 1.0f;
+
+  glm::vec3 unit_of(glm::vec3 world) const { return (world - center) * scale; }
 };
 
 void FreeTracedScene::operator()(TracedScene* traced) const {
@@ -35,7 +41,8 @@ namespace {
 
 constexpr int kPacket = 16;  // rays at a time: a block of 4 x 4 pixels
 constexpr int kBlock = 4;
-constexpr int kTileBlocks = 8;  // blocks per side of a tile that one task draws: 32 pixels
+constexpr float kEmbreeInfinity = 1e18f;  // its FLT_LARGE is 1.844e18
+constexpr int kTileBlocks = 8;            // blocks per side of a tile that one task draws: 32 pixels
 // A shadow ray starts this share of the hit's distance from the scene's origin and from the eye away from the surface;
 // float positions are exact to 6e-8 of their size.
 constexpr float kShadowOffset = 4e-6f;
@@ -76,15 +83,16 @@ struct Rays {
   glm::vec3 direction_at(float x, float y) const { return direction + direction_x * x + direction_y * y; }
 };
 
-Rays rays_of(const PictureInfo& info) {
+Rays rays_of(const TracedScene& traced, const PictureInfo& info) {
   const Camera& camera = info.camera;
   Rays rays;
   rays.world_from_view = glm::transpose(glm::mat3(camera.view_from_world));
-  rays.eye = camera.eye();
-  const glm::vec3 right = rays.world_from_view[0] * ((camera.right - camera.left) / float(info.width));
-  const glm::vec3 down = rays.world_from_view[1] * (-(camera.top - camera.bottom) / float(info.height));
-  const glm::vec3 corner = rays.world_from_view[0] * camera.left + rays.world_from_view[1] * camera.top;
-  const glm::vec3 forward = -rays.world_from_view[2];
+  rays.eye = traced.unit_of(camera.eye());
+  const glm::mat3 axes = rays.world_from_view * traced.scale;
+  const glm::vec3 right = axes[0] * ((camera.right - camera.left) / float(info.width));
+  const glm::vec3 down = axes[1] * (-(camera.top - camera.bottom) / float(info.height));
+  const glm::vec3 corner = axes[0] * camera.left + axes[1] * camera.top;
+  const glm::vec3 forward = -axes[2];
   rays.origin = rays.eye;
   rays.direction = forward;
   if (camera.projection == Projection::kOrthographic) {
@@ -134,7 +142,8 @@ glm::vec3 albedo_at(const TracedScene& traced, const Rays& rays, const Mesh& mes
                     unsigned triangle, float u, float v, glm::vec3 hit, float px, float py) {
   if (material.texture == kNoTexture || mesh.uvs.empty()) return material.albedo;
   const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
-  const glm::vec3 p0 = mesh.positions[i[0]], e1 = mesh.positions[i[1]] - p0, e2 = mesh.positions[i[2]] - p0;
+  const glm::vec3 p0 = mesh.positions[i[0]];
+  const glm::vec3 e1 = (mesh.positions[i[1]] - p0) * traced.scale, e2 = (mesh.positions[i[2]] - p0) * traced.scale;
   const glm::vec3 ng = glm::cross(e1, e2);
   const float inverse = 1.0f / glm::dot(ng, ng);
   const glm::vec2 t0 = mesh.uvs[i[0]], t1 = mesh.uvs[i[1]] - t0, t2 = mesh.uvs[i[2]] - t0;
@@ -161,9 +170,12 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
   alignas(64) std::array<int, kPacket> valid;
   for (int k = 0; k < kPacket; ++k) {
     const int x = x0 + k % kBlock, y = y0 + k / kBlock;
-    valid[k] = x < info.width && y < info.height ? -1 : 0;
     const glm::vec3 origin = rays.origin_at(float(x) + 0.5f, float(y) + 0.5f);
     const glm::vec3 direction = rays.direction_at(float(x) + 0.5f, float(y) + 0.5f);
+    // Embree takes no coordinates beyond its own infinity: from there, nothing is seen.
+    const glm::vec3 reach = glm::max(glm::abs(origin), glm::abs(direction));
+    const bool finite = std::max({reach.x, reach.y, reach.z}) < kEmbreeInfinity;
+    valid[k] = x < info.width && y < info.height && finite ? -1 : 0;
     rh.ray.org_x[k] = origin.x;
     rh.ray.org_y[k] = origin.y;
     rh.ray.org_z[k] = origin.z;
@@ -226,7 +238,8 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     if (!key) continue;
 
     // The key light is in view space; shadow rays run in world space.
-    glm::vec3 light = rays.world_from_view * (key->kind == LightKind::kPoint ? key->position : key->direction);
+    glm::vec3 light =
+        rays.world_from_view * (key->kind == LightKind::kPoint ? key->position * traced.scale : key->direction);
     float far_end = std::numeric_limits<float>::infinity();
     if (key->kind == LightKind::kPoint) {
       light = light + rays.eye - hit;
@@ -273,6 +286,8 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
     return device_error("Embree cannot start on this machine (error {})", int(rtcGetDeviceError(nullptr)));
   traced->rtc = rtcNewScene(traced->device);
   rtcSetSceneFlags(traced->rtc, RTC_SCENE_FLAG_ROBUST);
+  traced->center = scene.center();
+  if (const float radius = scene.radius(); radius > 0.0f) traced->scale = std::exp2(-std::round(std::log2(radius)));
   for (const Texture& texture : scene.textures) traced->textures.push_back(make_mips(texture));
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
@@ -286,7 +301,8 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
       rtcReleaseGeometry(geometry);
       return device_error("{}: not enough memory for {} triangles", scene.name, scene.triangle_count());
     }
-    std::memcpy(vertices, mesh.positions.data(), mesh.positions.size() * sizeof(glm::vec3));
+    std::transform(mesh.positions.begin(), mesh.positions.end(), static_cast<glm::vec3*>(vertices),
+                   [&](glm::vec3 p) { return traced->unit_of(p); });
     std::memcpy(indices, mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
     rtcSetGeometryUserData(geometry, traced.get());
     if (is_masked(*traced, mesh)) {
@@ -335,7 +351,7 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, int width, in
 Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings) {
   Image image(info.width, info.height);
   for (const char* name : kPlaneNames) image.add(name);
-  const Rays rays = rays_of(info);
+  const Rays rays = rays_of(traced, info);
   const int columns = (info.width + kBlock - 1) / kBlock, rows = (info.height + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
     for (int r = range.rows().begin(); r < range.rows().end(); ++r)

@@ -106,7 +106,9 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
     axis = down;
   }
   if (!std::isfinite(longer)) return sample_level(texture.levels.back(), uv);
-  const int taps = std::clamp(int(std::ceil(longer / std::max(shorter, 1e-6f))), 1, longer > 1.0f ? kMostTaps : 1);
+  // Rounded to the nearest number of taps: a footprint that is square but for rounding takes one.
+  const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMostTaps) : 1.0f);
+  const int taps = int(ratio + 0.5f);
   const float width = std::max(longer / float(taps), 1.0f);
   const float lod = std::clamp(std::log2(width), 0.0f, float(texture.levels.size() - 1));
   const int fine = int(lod);

@@ -217,7 +217,7 @@ struct Sums {
   VI biased_low;               // low + 2^31
   VI biased_span;              // 2 reach - 2^31
   VI excess = hn::Zero(DI());  // sum of (sample - low) since the last flush
-  VI upper = hn::Zero(DI()), lower = hn::Zero(DI());
+  VI top = hn::Zero(DI()), upper = hn::Zero(DI()), lower = hn::Zero(DI());  // of 2^28, 2^12 and 1
   VI count = hn::Zero(DI()), flushed = hn::Zero(DI());
 };
 
@@ -229,6 +229,8 @@ HWY_INLINE void flush(Sums& s) {
   s.excess = hn::Sub(s.excess, hn::Add(hn::ShiftLeft<31>(added), hn::Mul(added, s.reach)));
   s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.excess));
   s.lower = hn::Add(s.lower, hn::And(s.excess, hn::Set(di, 4095)));
+  s.top = hn::Add(s.top, hn::ShiftRight<16>(s.upper));
+  s.upper = hn::And(s.upper, hn::Set(di, 0xffff));
   s.excess = hn::Zero(di);
 }
 
@@ -341,7 +343,9 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
       flush(s);
       s.upper = hn::Add(s.upper, hn::ShiftRight<12>(s.lower));
       s.lower = hn::And(s.lower, hn::Set(di, 4095));
-      hn::StoreU(hn::ConvertTo(df, s.upper), df, row.upper.data() + x);
+      // Exact but for the one rounding of the sum, as when the kernel text makes a number of both words at once.
+      const auto upper = hn::Add(hn::Mul(hn::ConvertTo(df, s.top), hn::Set(df, 65536.0f)), hn::ConvertTo(df, s.upper));
+      hn::StoreU(upper, df, row.upper.data() + x);
       hn::StoreU(hn::ConvertTo(df, s.lower), df, row.lower.data() + x);
       hn::StoreU(hn::ConvertTo(df, hn::Max(s.count, hn::Set(di, 1))), df, row.count.data() + x);
     }

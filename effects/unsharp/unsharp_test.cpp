@@ -309,6 +309,18 @@ TEST(Unsharp, TunedEqualsPlainForLargeWindowsToTheBit) {
       }
 }
 
+TEST(Unsharp, TunedEqualsPlainForTheLargestWindowAndThreshold) {
+  // A million samples, each nearly the whole range away: the sums need all their bits.
+  const GBuffer g = depth_picture(48, 20, [](int x, int y) { return x < 4 && y < 9 ? 1.0 : 99990.0 - x; });
+  for (const char* kernel : {"800", "1023"}) {
+    const Settings settings = {
+        {"kernel", kernel}, {"threshold", "0.9999"}, {"border", "clamp"}, {"near", "1"}, {"far", "100000"}};
+    const Plane plain = ao(g, settings, {.tuned = false});
+    const Plane tuned = ao(g, settings, {.tuned = true});
+    EXPECT_EQ(test::difference(plain, tuned, 0.0).most, 0.0) << kernel;
+  }
+}
+
 TEST(Unsharp, LargestWindowDoesNotOverflow) {
   // 1023 x 1023 samples on the far plane around one pixel of surface on the near plane.
   const GBuffer g = depth_picture(1100, 1030, [](int x, int y) { return x == 550 && y == 515 ? 2.0 : 14.999999; });
