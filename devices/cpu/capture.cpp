@@ -107,6 +107,16 @@ Rays rays_of(const TracedScene& traced, const PictureInfo& info) {
   return rays;
 }
 
+/// Whether every ray of the picture lies where Embree's numbers end later than ours: it ends the program otherwise.
+bool within_reach(const Rays& rays, const PictureInfo& info) {
+  for (const float x : {0.0f, float(info.width)})
+    for (const float y : {0.0f, float(info.height)}) {
+      const glm::vec3 reach = glm::max(glm::abs(rays.origin_at(x, y)), glm::abs(rays.direction_at(x, y)));
+      if (!(std::max({reach.x, reach.y, reach.z}) < kEmbreeInfinity)) return false;
+    }
+  return true;
+}
+
 /// The planes that are drawn, in this order.
 constexpr std::array kPlaneNames = {"depth",    "normal.x", "normal.y",  "normal.z", "albedo.r",  "albedo.g",
                                     "albedo.b", "specular", "shininess", "shadow",   "object_id", "material_id"};
@@ -168,20 +178,19 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   alignas(64) RTCRayHit16 rh;
   alignas(64) std::array<int, kPacket> valid;
+  // One component at a time, so that the compiler makes vectors of the loops.
+  const auto fill = [&](float* out, float constant, float per_x, float per_y) {
+    for (int k = 0; k < kPacket; ++k)
+      out[k] = constant + per_x * (float(x0 + k % kBlock) + 0.5f) + per_y * (float(y0 + k / kBlock) + 0.5f);
+  };
+  fill(rh.ray.org_x, rays.origin.x, rays.origin_x.x, rays.origin_y.x);
+  fill(rh.ray.org_y, rays.origin.y, rays.origin_x.y, rays.origin_y.y);
+  fill(rh.ray.org_z, rays.origin.z, rays.origin_x.z, rays.origin_y.z);
+  fill(rh.ray.dir_x, rays.direction.x, rays.direction_x.x, rays.direction_y.x);
+  fill(rh.ray.dir_y, rays.direction.y, rays.direction_x.y, rays.direction_y.y);
+  fill(rh.ray.dir_z, rays.direction.z, rays.direction_x.z, rays.direction_y.z);
   for (int k = 0; k < kPacket; ++k) {
-    const int x = x0 + k % kBlock, y = y0 + k / kBlock;
-    const glm::vec3 origin = rays.origin_at(float(x) + 0.5f, float(y) + 0.5f);
-    const glm::vec3 direction = rays.direction_at(float(x) + 0.5f, float(y) + 0.5f);
-    // Embree takes no coordinates beyond its own infinity: from there, nothing is seen.
-    const glm::vec3 reach = glm::max(glm::abs(origin), glm::abs(direction));
-    const bool finite = std::max({reach.x, reach.y, reach.z}) < kEmbreeInfinity;
-    valid[k] = x < info.width && y < info.height && finite ? -1 : 0;
-    rh.ray.org_x[k] = origin.x;
-    rh.ray.org_y[k] = origin.y;
-    rh.ray.org_z[k] = origin.z;
-    rh.ray.dir_x[k] = direction.x;
-    rh.ray.dir_y[k] = direction.y;
-    rh.ray.dir_z[k] = direction.z;
+    valid[k] = x0 + k % kBlock < info.width && y0 + k / kBlock < info.height ? -1 : 0;
     rh.ray.tnear[k] = 0.0f;
     rh.ray.tfar[k] = std::numeric_limits<float>::infinity();
     rh.ray.time[k] = 0.0f;
@@ -352,6 +361,14 @@ Image capture_planes(const TracedScene& traced, const PictureInfo& info, const C
   Image image(info.width, info.height);
   for (const char* name : kPlaneNames) image.add(name);
   const Rays rays = rays_of(traced, info);
+  if (!within_reach(rays, info)) {
+    // From there nothing is seen.
+    Block background;
+    clear(background);
+    for (int y = 0; y < info.height; y += kBlock)
+      for (int x = 0; x < info.width; x += kBlock) store(background, x, y, image);
+    return image;
+  }
   const int columns = (info.width + kBlock - 1) / kBlock, rows = (info.height + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
     for (int r = range.rows().begin(); r < range.rows().end(); ++r)

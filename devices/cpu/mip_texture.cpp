@@ -10,17 +10,14 @@ namespace {
 
 constexpr int kMostTaps = 8;  // along the longer axis: an anisotropy of 8, as games set it
 
-const std::array<float, 256>& linear_from_srgb() {
-  static const std::array<float, 256> table = [] {
-    std::array<float, 256> t{};
-    for (int i = 0; i < 256; ++i) {
-      const float v = float(i) / 255.0f;
-      t[i] = v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
-    }
-    return t;
-  }();
-  return table;
-}
+const std::array<float, 256> kLinearFromSrgb = [] {
+  std::array<float, 256> t{};
+  for (int i = 0; i < 256; ++i) {
+    const float v = float(i) / 255.0f;
+    t[i] = v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+  }
+  return t;
+}();
 
 std::uint8_t srgb_byte(float linear) {
   const float v = linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
@@ -29,8 +26,7 @@ std::uint8_t srgb_byte(float linear) {
 
 glm::vec4 texel(const MipLevel& level, int x, int y) {
   const std::uint8_t* p = level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
-  const auto& linear = linear_from_srgb();
-  return {linear[p[0]], linear[p[1]], linear[p[2]], float(p[3]) / 255.0f};
+  return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], float(p[3]) * (1.0f / 255.0f)};
 }
 
 struct Bilinear {
@@ -38,20 +34,35 @@ struct Bilinear {
   float fx, fy;
 };
 
-int wrap(int i, int size) {
-  i %= size;
-  return i < 0 ? i + size : i;
+/// Largest whole number not above x, for |x| below 2^31; the library's floor is a call on machines without SSE4.
+int floor_of(float x) {
+  const int i = int(x);
+  return float(i) > x ? i - 1 : i;
+}
+
+/// The fraction of a texture coordinate; 0 for what is not finite or too large to have one.
+float fraction_of(float x) {
+  constexpr float kNoFraction = 8388608.0f;  // 2^23
+  return std::abs(x) < kNoFraction ? x - float(floor_of(x)) : 0.0f;
+}
+
+/// Two neighbouring texels, the first at least -1 and below the size, repeated.
+void neighbours(int first, int size, int& low, int& high) {
+  low = first < 0 ? size - 1 : first;
+  high = first + 1 >= size ? 0 : first + 1;
 }
 
 Bilinear bilinear_at(const MipLevel& level, glm::vec2 uv) {
-  // Repeat first, so that far coordinates keep their fraction's bits; what is not finite reads texel 0.
-  float u = uv.x - std::floor(uv.x), v = uv.y - std::floor(uv.y);
-  if (!std::isfinite(u) || !std::isfinite(v)) u = v = 0.0f;
-  const float x = u * float(level.width) - 0.5f, y = (1.0f - v) * float(level.height) - 0.5f;
-  const int ix = int(std::floor(x)), iy = int(std::floor(y));
-  return {wrap(ix, level.width),  wrap(ix + 1, level.width),
-          wrap(iy, level.height), wrap(iy + 1, level.height),
-          x - float(ix),          y - float(iy)};
+  // Repeat first, so that far coordinates keep their fraction's bits.
+  const float x = fraction_of(uv.x) * float(level.width) - 0.5f;
+  const float y = (1.0f - fraction_of(uv.y)) * float(level.height) - 0.5f;
+  Bilinear b;
+  const int ix = floor_of(x), iy = floor_of(y);
+  neighbours(std::min(ix, level.width - 1), level.width, b.x0, b.x1);
+  neighbours(std::min(iy, level.height - 1), level.height, b.y0, b.y1);
+  b.fx = x - float(ix);
+  b.fy = y - float(iy);
+  return b;
 }
 
 glm::vec4 sample_level(const MipLevel& level, glm::vec2 uv) {
