@@ -1,0 +1,113 @@
+// The dialect's own operations on every SIMD target against scalar.h, which defines them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "machine/cpu_target.h"
+#include "machine/scalar.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "dialect_test.cpp"
+#include "hwy/foreach_target.h"
+
+#include "machine/lanes.h"
+
+#ifndef UMBRAGE_DIALECT_TEST_RESULTS
+#define UMBRAGE_DIALECT_TEST_RESULTS
+struct DialectInput {
+  std::vector<unsigned> bits;  // a multiple of 16 of them
+  std::vector<float> reals;    // positive, as many
+};
+struct DialectResults {
+  std::vector<int> popcount, to_int;
+  std::vector<unsigned> ones_from, shifted;
+  std::vector<float> real_of_uint, real_of_int, mad, rsqrt, pow, floor, fract;
+  std::vector<int> less;
+};
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace umbrage {
+namespace HWY_NAMESPACE {
+namespace {
+
+void RunDialect(const DialectInput& in, DialectResults& out) {
+  const D d;
+  const DI di;
+  const DU du;
+  for (std::size_t i = 0; i < in.bits.size(); i += kLanes) {
+    const Uint bits = hn::LoadU(du, in.bits.data() + i);
+    const Real real = hn::LoadU(d, in.reals.data() + i);
+    const Int count = to_signed(bits & Uint(31u)) + Int(1);  // 1 to 32
+    hn::StoreU(popcount(bits).v, di, out.popcount.data() + i);
+    hn::StoreU(ones_from(count).v, du, out.ones_from.data() + i);
+    hn::StoreU(((bits << 3) ^ (bits >> 5)).v, du, out.shifted.data() + i);
+    hn::StoreU(to_real(bits).v, d, out.real_of_uint.data() + i);
+    hn::StoreU(to_real(to_signed(bits)).v, d, out.real_of_int.data() + i);
+    hn::StoreU(to_int(real * Real(1000.0f)).v, di, out.to_int.data() + i);
+    hn::StoreU(mad(real, real, Real(-0.5f)).v, d, out.mad.data() + i);
+    hn::StoreU(rsqrt(real).v, d, out.rsqrt.data() + i);
+    hn::StoreU(pow(real, Real(2.4f)).v, d, out.pow.data() + i);
+    hn::StoreU(floor(real - Real(3.0f)).v, d, out.floor.data() + i);
+    hn::StoreU(fract(real - Real(3.0f)).v, d, out.fract.data() + i);
+    hn::StoreU(select(bits < Uint(0x80000001u), Int(1), Int(0)).v, di, out.less.data() + i);
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace umbrage
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace umbrage {
+namespace {
+
+HWY_EXPORT(RunDialect);
+
+TEST(Dialect, LanesMeanWhatScalarMeans) {
+  DialectInput in;
+  unsigned random = 12345u;
+  for (int i = 0; i < 4096; ++i) {
+    random = random * 1664525u + 1013904223u;
+    in.bits.push_back(i == 0 ? 0u : i == 1 ? ~0u : i == 2 ? 31u : random);
+    in.reals.push_back(std::exp2(float(random >> 8) * 0x1p-24f * 20.0f - 10.0f));
+  }
+  const std::size_t n = in.bits.size();
+  for (const std::string& target : simd_target_names()) {
+    ASSERT_TRUE(choose_simd_target(target));
+    DialectResults out{std::vector<int>(n),   std::vector<int>(n),   std::vector<unsigned>(n), std::vector<unsigned>(n),
+                       std::vector<float>(n), std::vector<float>(n), std::vector<float>(n),    std::vector<float>(n),
+                       std::vector<float>(n), std::vector<float>(n), std::vector<float>(n),    std::vector<int>(n)};
+    HWY_DYNAMIC_DISPATCH(RunDialect)(in, out);
+    for (std::size_t i = 0; i < n; ++i) {
+      const unsigned bits = in.bits[i];
+      const float real = in.reals[i];
+      ASSERT_EQ(out.popcount[i], scalar::popcount(bits)) << target;
+      ASSERT_EQ(out.ones_from[i], scalar::ones_from(int(bits & 31u) + 1)) << target;
+      ASSERT_EQ(out.shifted[i], (bits << 3) ^ (bits >> 5)) << target;
+      ASSERT_EQ(out.real_of_uint[i], scalar::to_real(bits)) << target << ' ' << bits;
+      ASSERT_EQ(out.real_of_int[i], scalar::to_real(scalar::to_signed(bits))) << target;
+      ASSERT_EQ(out.to_int[i], scalar::to_int(real * 1000.0f)) << target;
+      // SSE4 has no fused multiply-add: the last bit may differ.
+      ASSERT_NEAR(out.mad[i], scalar::mad(real, real, -0.5f), 1.2e-7f * std::fabs(real * real)) << target;
+      ASSERT_NEAR(out.rsqrt[i] / scalar::rsqrt(real), 1.0f, 1e-6f) << target;
+      ASSERT_NEAR(out.pow[i] / scalar::pow(real, 2.4f), 1.0f, 1e-5f) << target;
+      ASSERT_EQ(out.floor[i], scalar::floor(real - 3.0f)) << target;
+      ASSERT_EQ(out.fract[i], scalar::fract(real - 3.0f)) << target;
+      ASSERT_EQ(out.less[i], bits < 0x80000001u ? 1 : 0) << target;
+    }
+  }
+  choose_simd_target("");
+}
+
+TEST(Dialect, TargetsOfThisMachineAreKnown) {
+  EXPECT_FALSE(simd_target_names().empty());
+  EXPECT_FALSE(choose_simd_target("AVX99"));
+  EXPECT_EQ(simd_target_name(), simd_target_names().front());
+}
+
+}  // namespace
+}  // namespace umbrage
+#endif
