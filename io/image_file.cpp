@@ -183,7 +183,11 @@ Result<void> write_whole(const fs::path& file, const std::function<Result<void>(
   std::error_code code;
   // A link stays a link: what it points at is replaced.
   const fs::path resolved = fs::canonical(file, code);
-  const fs::path target = code ? file : resolved;
+  fs::path target = code ? file : resolved;
+  if (code && fs::is_symlink(fs::symlink_status(file, code))) {
+    const fs::path aim = fs::read_symlink(file, code);  // of a link that leads nowhere yet
+    target = aim.is_absolute() ? aim : file.parent_path() / aim;
+  }
   if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
     std::FILE* stream = std::fopen(target.c_str(), "wb");
     return stream ? fill(file, stream, write) : write_error(file, errno);
@@ -200,6 +204,9 @@ Result<void> write_whole(const fs::path& file, const std::function<Result<void>(
   const Unfinished listed(part);
   Result<void> done = fill(file, stream, write);
   if (done) {
+    // A file that is replaced keeps its permissions.
+    if (const fs::file_status old = fs::status(target, code); fs::exists(old))
+      fs::permissions(part, old.permissions(), code);
     fs::rename(part, target, code);
     if (!code) return {};
     done = write_error(file, code.value());

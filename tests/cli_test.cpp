@@ -511,6 +511,25 @@ TEST_F(Cli, RefusesPlacesToWrite) {
   }
 }
 
+TEST_F(Cli, RefusesPlacesBeyondReach) {
+  bad_option("--camera-position 1e19,0,0", {"--camera-position", "'1e19,0,0'", "1e+15"});
+  bad_option("--camera-focal-point 0,1e30,0", {"--camera-focal-point", "1e+15"});
+  bad_option("--ao-radius 0", {"--ao-radius", "'0'"});
+  bad_option("--passes depth,depth", {"'depth'", "twice"});
+  bad_option("--half", {"--half", ".exr"});
+  bad("tri.obj -o out.exr --bits 16", 2, {"--bits", ".png"});
+  bad("tri.obj -o out.png --device vulkan", 4, {"'vulkan'"});
+}
+
+TEST_F(Cli, PassColorKeepsItsChannels) {
+  good("tri.obj -o out.png --passes color --background-color 1,0.5,0" + kSmall);
+  const auto image = read_image(folder_ / "out.png");
+  ASSERT_TRUE(image) << image.error().message;
+  EXPECT_NEAR(image->plane("color.r").at(0, 0), 1.0f, 1e-3);
+  EXPECT_NEAR(image->plane("color.g").at(0, 0), 0.5f, 3e-3);
+  EXPECT_NEAR(image->plane("color.b").at(0, 0), 0.0f, 1e-3);
+}
+
 TEST_F(Cli, RefusesNamesThatDoNotExist) {
   bad_option("--lok ao", {"'--lok'", "did you mean '--look'"});
   bad_option("--resolutoin=8x8", {"'--resolutoin'", "did you mean '--resolution'"});

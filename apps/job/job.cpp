@@ -73,6 +73,39 @@ Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads
   return make_cpu_device({.threads = threads});
 }
 
+namespace {
+
+struct Radius {
+  double value;
+  bool share;  // of the scene's radius, in percent
+};
+
+Result<Radius> parse_radius(const std::string& text) {
+  const bool share = text.ends_with('%');
+  const std::string_view digits = std::string_view(text).substr(0, text.size() - (share ? 1 : 0));
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0) || !std::isfinite(value))
+    return usage_error("--ao-radius cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%",
+                       text);
+  return Radius{value, share};
+}
+
+/// The window of `unsharp` that reaches one radius at the middle of the scene's depth, in pixels.
+Result<void> apply_radius(const std::string& text, const PictureInfo& info, EffectSettings& settings) {
+  const auto wish = parse_radius(text);
+  if (!wish) return wish.error();
+  const double radius = wish->share ? wish->value / 100.0 * info.scene_radius : wish->value;
+  const double depth =
+      info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
+  const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
+  const Parameter& row = *find_parameter(*find_effect("unsharp"), "kernel");
+  const double side = std::clamp(std::round(2.0 * radius / pixel), row.least, row.most);
+  return set_parameter("unsharp", row, fmt::format("{:g}", side), settings.find("unsharp")->second);
+}
+
+}  // namespace
+
 Result<Recipe> make_recipe(const DrawSettings& draw) {
   Recipe recipe;
   recipe.look = find_look(draw.look);
@@ -86,33 +119,13 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
   if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
+  if (!draw.radius.empty())
+    if (const auto radius = parse_radius(draw.radius); !radius) return radius.error();
   recipe.settings = look_settings(*recipe.look);
   for (const std::string& setting : draw.settings)
     if (auto done = apply_setting(recipe.settings, setting); !done) return done.error();
   return recipe;
 }
-
-namespace {
-
-/// The window of `unsharp` that reaches one radius at the middle of the scene's depth, in pixels.
-Result<void> apply_radius(const std::string& text, const PictureInfo& info, EffectSettings& settings) {
-  const bool share = text.ends_with('%');
-  const std::string_view digits = std::string_view(text).substr(0, text.size() - (share ? 1 : 0));
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0) || !std::isfinite(value))
-    return usage_error("--ao-radius cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%",
-                       text);
-  const double radius = share ? value / 100.0 * info.scene_radius : value;
-  const double depth =
-      info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
-  const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
-  const Parameter& row = *find_parameter(*find_effect("unsharp"), "kernel");
-  const double side = std::clamp(std::round(2.0 * radius / pixel), row.least, row.most);
-  return set_parameter("unsharp", row, fmt::format("{:g}", side), settings.find("unsharp")->second);
-}
-
-}  // namespace
 
 Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
   auto recipe = make_recipe(settings);

@@ -5,7 +5,6 @@
 IN_REAL(depth)
 OUT_REAL(unsharp_depth)
 
-CONST float kSteps = 16777216.0f;     // 2^24
 CONST float kFarthest = 16777215.0f;  // D = 1, less one step, so that 256 samples add up below 2^32
 CONST float kNoSurface = -1.0f;       // background that does not count
 
@@ -17,9 +16,9 @@ FN void linearize_pixel(Int px, Int py) {
   // Equation (1) with window depth Z = F (z - N) / (z (F - N)): z/F for Z stretched to [-1, 1], as the equation needs
   // it; 2z/(z + F) for Z in [0, 1], as the listing feeds it. `extent` spans near to far and is ours.
   Real d = z / f;
-  if (C.linearization == 1) d = (z + z) / (z + f);
-  if (C.linearization == 2) d = (z - n) / (f - n);
-  d = clamp(floor(d * kSteps + 0.5f), Real(0.0f), Real(kFarthest));
+  if (C.linearization == kUnsharpListing) d = (z + z) / (z + f);
+  if (C.linearization == kUnsharpExtent) d = (z - n) / (f - n);
+  d = clamp(floor(d * kUnsharpSteps + 0.5f), Real(0.0f), Real(kFarthest));
   Real background = C.ignore_background != 0 ? Real(kNoSurface) : Real(kFarthest);
   // NaN is no surface either.
   store_unsharp_depth(select(is_finite(depth), d, background));

@@ -22,7 +22,6 @@ constexpr std::uint32_t kUnsharpSpirv[] = {
 #include "spirv/unsharp.inc"
 };
 
-constexpr float kSteps = 16777216.0f;  // 2^24, as in linearize.kernel.h
 // The automatic far plane leaves the farthest geometry at 90 % of the depth range, the paper's largest threshold away
 // from the end; the near plane keeps the listing's ratio of 2 to 15.
 constexpr float kFarShare = 0.9f;
@@ -115,7 +114,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.ignore_background = params.background;
   c.keep_white_edge = params.white_edge;
 
-  const bool extent = params.linearization == 2;
+  const bool extent = params.linearization == kUnsharpExtent;
   float far_depth = params.far_depth;
   if (!(far_depth > 0.0f)) far_depth = extent ? info.depth_max : info.depth_max / kFarShare;
   float near_depth = params.near_depth;
@@ -126,12 +125,12 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.near_depth = near_depth;
   c.far_depth = far_depth;
 
-  c.threshold = params.threshold > 0.0f ? params.threshold * kSteps : 2.0f * kSteps;
-  const float zero = params.linearization == 0   ? near_depth / far_depth
-                     : params.linearization == 1 ? 2.0f * near_depth / (near_depth + far_depth)
-                                                 : 0.0f;
-  c.border_depth = std::min(std::floor(zero * kSteps + 0.5f), kSteps - 1.0f);
-  c.scale = params.strength / kSteps;
+  c.threshold = params.threshold > 0.0f ? params.threshold * kUnsharpSteps : 2.0f * kUnsharpSteps;
+  const float zero = params.linearization == kUnsharpLinear    ? near_depth / far_depth
+                     : params.linearization == kUnsharpListing ? 2.0f * near_depth / (near_depth + far_depth)
+                                                               : 0.0f;
+  c.border_depth = std::min(std::floor(zero * kUnsharpSteps + 0.5f), kUnsharpSteps - 1.0f);
+  c.scale = params.strength / kUnsharpSteps;
   const float sigma = std::max(float(side) / kSigmasPerKernel, 0.25f);
   for (int i = 0; i < kUnsharpWeights; ++i) c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
 }

@@ -7,15 +7,19 @@
 struct UnsharpParams {
   Length kernel;    // side of the window, pixels or share of the picture's height
   float threshold;  // of linearised depth; 0: none
-  int border;       // 0 skip, 1 zero, 2 clamp, 3 repeat
+  int border;       // kUnsharpBorder...
   float strength;
-  int linearization;            // 0 linear, 1 listing, 2 extent
+  int linearization;            // kUnsharpLinear, kUnsharpListing, kUnsharpExtent
   float near_depth, far_depth;  // scene units; 0: automatic
   int background;               // 0 far plane, 1 ignored
   int white_edge;               // 0 or 1
   int window;                   // 0 box, 1 gaussian
 };
 
+const float kUnsharpSteps = 16777216.0f;  // 2^24: depth in whole steps, all of which a float holds
+// Values of UnsharpParams::border and linearization.
+const int kUnsharpBorderSkip = 0, kUnsharpBorderZero = 1, kUnsharpBorderClamp = 2, kUnsharpBorderRepeat = 3;
+const int kUnsharpLinear = 0, kUnsharpListing = 1, kUnsharpExtent = 2;
 const int kUnsharpLargestKernel = 1023;
 const int kUnsharpWeights = 512;  // a window of 1023 reaches 511 pixels from its centre
 

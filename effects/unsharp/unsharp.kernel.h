@@ -39,7 +39,7 @@ FN Real excess_from_sum(Uint high, Uint low, Uint count, Uint centre) {
 
 // A sample of the window; outside the picture what the border mode says, and a step that never counts for `skip`.
 FN Real window_sample(Int px, Int py, int i, int j) {
-  if (C.border == 3) {
+  if (C.border == kUnsharpBorderRepeat) {
     Int x = px + Int(i);
     Int y = py + Int(j);
     // A window is at most 1023 wide: a narrow picture repeats more than once.
@@ -48,8 +48,8 @@ FN Real window_sample(Int px, Int py, int i, int j) {
     return load_unsharp_depth(x - columns * Int(F.width), y - rows * Int(F.height));
   }
   Real tap = near_unsharp_depth(i, j);
-  if (C.border == 2) return tap;
-  return select(near_inside(i, j), tap, Real(C.border == 1 ? C.border_depth : kNoSample));
+  if (C.border == kUnsharpBorderClamp) return tap;
+  return select(near_inside(i, j), tap, Real(C.border == kUnsharpBorderZero ? C.border_depth : kNoSample));
 }
 
 FN Bool counts(Real tap, Real centre) { return tap >= 0.0f && abs(tap - centre) < Real(C.threshold); }

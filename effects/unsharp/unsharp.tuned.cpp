@@ -65,16 +65,16 @@ void load_patch(const KernelFrame& frame, const UnsharpConstants& c, const Tile&
     const float v = plane[std::ptrdiff_t(y) * f.stride + x];
     return v >= 0.0f ? std::int32_t(v) : kAbsent;
   };
-  const std::int32_t outside = c.border == 1 ? std::int32_t(c.border_depth) : kAbsent;
+  const std::int32_t outside = c.border == kUnsharpBorderZero ? std::int32_t(c.border_depth) : kAbsent;
   const int left = tile.x0 + c.first_column;
   const int inside_begin = std::clamp(-left, 0, patch.width), inside_end = std::clamp(f.width - left, 0, patch.width);
   for (int r = 0; r < patch.height; ++r) {
     std::int32_t* out = patch.steps.data() + std::ptrdiff_t(r) * patch.stride;
     int y = tile.y0 + c.first_row + r;
     const bool above_or_below = y < 0 || y >= f.height;
-    if (c.border == 2) y = std::clamp(y, 0, f.height - 1);
-    if (c.border == 3) y = wrapped(y, f.height);
-    if (above_or_below && c.border < 2) {
+    if (c.border == kUnsharpBorderClamp) y = std::clamp(y, 0, f.height - 1);
+    if (c.border == kUnsharpBorderRepeat) y = wrapped(y, f.height);
+    if (above_or_below && c.border < kUnsharpBorderClamp) {
       std::fill_n(out, patch.stride, outside);
       continue;
     }
@@ -82,10 +82,11 @@ void load_patch(const KernelFrame& frame, const UnsharpConstants& c, const Tile&
     for (int i = 0; i < patch.width; ++i) {
       if (i == inside_begin) i = inside_end;
       if (i >= patch.width) break;
-      if (c.border < 2)
+      if (c.border < kUnsharpBorderClamp)
         out[i] = outside;
       else
-        out[i] = sample(c.border == 2 ? std::clamp(left + i, 0, f.width - 1) : wrapped(left + i, f.width), y);
+        out[i] = sample(
+            c.border == kUnsharpBorderClamp ? std::clamp(left + i, 0, f.width - 1) : wrapped(left + i, f.width), y);
     }
     std::fill(out + patch.width, out + patch.stride, kAbsent);
   }
@@ -371,8 +372,7 @@ void RunTuned(const KernelFrame& frame, const Tile& tile) {
   // Kept from tile to tile: a fresh megabyte per tile costs more than filling it.
   static thread_local Pyramid pyramid;
   load_patch(frame, formulas.C, tile, pyramid.patch);
-  constexpr float kNoThreshold = 16777216.0f;  // no two steps differ by as much
-  if (formulas.C.threshold >= kNoThreshold)
+  if (formulas.C.threshold >= kUnsharpSteps)
     RunOpen(frame, tile, formulas, pyramid.patch);
   else
     RunThreshold(frame, tile, formulas, pyramid, int(std::ceil(formulas.C.threshold)) - 1);
