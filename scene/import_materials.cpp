@@ -15,6 +15,7 @@
 #include <optional>
 #include <system_error>
 
+#include "core/srgb.h"
 #include "scene/texture_file.h"
 
 namespace umbrage {
@@ -32,10 +33,7 @@ constexpr float kDielectricReflectance = 0.04f;
 constexpr double kBinaryShare = 0.9, kClearShare = 0.001;
 constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
 
-float linear_of_srgb(float x) {
-  x = std::clamp(x, 0.0f, 1.0f);
-  return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f);
-}
+float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
 
 float in_unit(float x) { return x >= 0.0f ? std::min(x, 1.0f) : 0.0f; }
 glm::vec3 in_unit(const glm::vec3& c) { return {in_unit(c.x), in_unit(c.y), in_unit(c.z)}; }

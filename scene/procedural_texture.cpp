@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "core/srgb.h"
 #include "scene/noise.h"
 
 namespace umbrage::procedural {
@@ -28,8 +29,7 @@ std::uint8_t srgb_byte(float linear) {
     for (int i = 0; i <= kSteps; ++i) {
       // Stored by the root of the value, which spreads the dark end where the curve is steep.
       const float root = float(i) / kSteps, x = root * root;
-      const float s = x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1.0f / 2.4f) - 0.055f;
-      made[std::size_t(i)] = std::uint8_t(std::lround(255.0f * s));
+      made[std::size_t(i)] = std::uint8_t(std::lround(255.0f * srgb_from_linear(x)));
     }
     return made;
   }();

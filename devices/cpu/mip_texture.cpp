@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "core/srgb.h"
+
 namespace umbrage {
 namespace {
 
@@ -12,16 +14,12 @@ constexpr int kMostTaps = 8;  // along the longer axis: an anisotropy of 8, as g
 
 const std::array<float, 256> kLinearFromSrgb = [] {
   std::array<float, 256> t{};
-  for (int i = 0; i < 256; ++i) {
-    const float v = float(i) / 255.0f;
-    t[i] = v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
-  }
+  for (int i = 0; i < 256; ++i) t[i] = linear_from_srgb(float(i) / 255.0f);
   return t;
 }();
 
 std::uint8_t srgb_byte(float linear) {
-  const float v = linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
-  return std::uint8_t(std::clamp(v, 0.0f, 1.0f) * 255.0f + 0.5f);
+  return std::uint8_t(std::clamp(srgb_from_linear(linear), 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 
 glm::vec4 texel(const MipLevel& level, int x, int y) {
