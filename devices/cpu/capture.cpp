@@ -168,6 +168,13 @@ glm::vec3 albedo_at(const TracedScene& traced, const Rays& rays, const Mesh& mes
   return material.albedo * glm::vec3(texel);
 }
 
+/// v at length 1, also where its square leaves the range of floats, as for the normal of a tiny triangle.
+glm::vec3 unit(glm::vec3 v) {
+  const glm::vec3 size = glm::abs(v);
+  const float largest = std::max({size.x, size.y, size.z});
+  return largest > 0.0f ? glm::normalize(v / largest) : glm::vec3(0.0f, 0.0f, 1.0f);
+}
+
 /// Draws the 4 x 4 pixels from (x0, y0) on.
 void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& info, bool trace_shadow, int x0, int y0,
                 Image& image) {
@@ -224,7 +231,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     if (glm::dot(geometric, direction) > 0.0f) geometric = -geometric;
     if (glm::dot(normal, geometric) < 0.0f) normal = -normal;
     const float length = glm::length(normal);
-    normal = length > 1e-12f ? normal / length : glm::normalize(geometric);
+    normal = length > 1e-12f ? normal / length : unit(geometric);
     const float away = glm::dot(normal, direction);
     if (away > 0.0f) {
       constexpr float kPastHorizon = 1.001f;
@@ -246,7 +253,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     out.material[k] = float(mesh.material);
     if (!key) continue;
 
-    // The key light is in view space; shadow rays run in world space.
+    // The key light is in view space; shadow rays run along world axes.
     glm::vec3 light =
         rays.world_from_view * (key->kind == LightKind::kPoint ? key->position * traced.scale : key->direction);
     float far_end = std::numeric_limits<float>::infinity();
@@ -262,7 +269,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     }
     const glm::vec3 extent = glm::abs(hit) + glm::abs(hit - rays.eye);
     const float offset = kShadowOffset * std::max({extent.x, extent.y, extent.z});
-    const glm::vec3 start = hit + glm::normalize(geometric) * offset;
+    const glm::vec3 start = hit + unit(geometric) * offset;
     to_light.org_x[k] = start.x;
     to_light.org_y[k] = start.y;
     to_light.org_z[k] = start.z;
