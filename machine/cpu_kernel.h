@@ -18,9 +18,6 @@ namespace {
 
 struct Kernel {
   LanesView view;
-  const FrameConstants F = view.frame.frame;
-  const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
-  HWY_INLINE Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #include "machine/kernel_begin.h"
 
 #include UMBRAGE_KERNEL_TEXT
@@ -52,9 +49,6 @@ namespace {
 
 struct Kernel {
   ScalarView view;
-  const FrameConstants F = view.frame.frame;
-  const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
-  HWY_INLINE Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #include "machine/kernel_begin.h"
 
 #include UMBRAGE_KERNEL_TEXT

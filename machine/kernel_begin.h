@@ -1,6 +1,10 @@
-// Opens the dialect inside the body of a C++ struct: what the struct offers (`view`, see cpu_kernel.h) becomes the
-// loads and stores that a kernel text declares. kernel_end.h closes it. GLSL's counterpart is glsl.h.
+// Opens the dialect inside the body of a C++ struct: what the struct offers (`view`, of scalar_view.h or lanes_view.h)
+// becomes the constants F and C, of the type UMBRAGE_KERNEL_CONSTANTS, and the loads and stores that a kernel text
+// declares. kernel_end.h closes it. GLSL's counterpart is glsl.h.
 #define FN HWY_INLINE HWY_MAYBE_UNUSED
+const FrameConstants F = view.frame.frame;
+const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
+FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #define CONST static constexpr
 #define IN_REAL(name)                                                               \
   const float* name##_plane = view.plane(#name);                                    \

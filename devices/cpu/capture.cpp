@@ -175,6 +175,15 @@ glm::vec3 unit(glm::vec3 v) {
   return largest > 0.0f ? glm::normalize(v / largest) : glm::vec3(0.0f, 0.0f, 1.0f);
 }
 
+/// Ray k runs from its origin to the parameter `end` and meets everything.
+void set_length(RTCRay16& rays, int k, float end) {
+  rays.tnear[k] = 0.0f;
+  rays.tfar[k] = end;
+  rays.time[k] = 0.0f;
+  rays.mask[k] = ~0u;
+  rays.flags[k] = 0;
+}
+
 /// Draws the 4 x 4 pixels from (x0, y0) on.
 void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& info, bool trace_shadow, int x0, int y0,
                 Image& image) {
@@ -198,11 +207,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
   fill(rh.ray.dir_z, rays.direction.z, rays.direction_x.z, rays.direction_y.z);
   for (int k = 0; k < kPacket; ++k) {
     valid[k] = x0 + k % kBlock < info.width && y0 + k / kBlock < info.height ? -1 : 0;
-    rh.ray.tnear[k] = 0.0f;
-    rh.ray.tfar[k] = std::numeric_limits<float>::infinity();
-    rh.ray.time[k] = 0.0f;
-    rh.ray.mask[k] = ~0u;
-    rh.ray.flags[k] = 0;
+    set_length(rh.ray, k, std::numeric_limits<float>::infinity());
     rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
   }
   rtcIntersect16(valid.data(), traced.rtc, &context, &rh);
@@ -276,11 +281,7 @@ void draw_block(const TracedScene& traced, const Rays& rays, const PictureInfo& 
     to_light.dir_x[k] = light.x;
     to_light.dir_y[k] = light.y;
     to_light.dir_z[k] = light.z;
-    to_light.tnear[k] = 0.0f;
-    to_light.tfar[k] = far_end;
-    to_light.time[k] = 0.0f;
-    to_light.mask[k] = ~0u;
-    to_light.flags[k] = 0;
+    set_length(to_light, k, far_end);
     wants_shadow[k] = -1;
     any_shadow = true;
   }

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <limits>
 #include <vector>
+#define UMBRAGE_KERNEL_CONSTANTS UnsharpConstants
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "effects/unsharp/unsharp.tuned.cpp"
 #include "hwy/foreach_target.h"
@@ -26,9 +27,6 @@ namespace {
 // For the formulas of the kernel text.
 struct Formulas {
   LanesView view;
-  const FrameConstants F = view.frame.frame;
-  const UnsharpConstants& C = *static_cast<const UnsharpConstants*>(view.frame.constants);
-  HWY_INLINE Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #include "machine/kernel_begin.h"
 
 #include "effects/unsharp/unsharp.kernel.h"
