@@ -20,9 +20,13 @@ struct Frame {
   std::shared_ptr<void> storage;  ///< the device's own
 };
 
+inline constexpr int kMostLayers = 16;
+
 struct CaptureSettings {
-  int width = 1024, height = 1024;
-  bool shadow = true;  ///< trace the key light's shadow
+  int width = 1024, height = 1024;  ///< without the guard band
+  bool shadow = true;               ///< trace the key light's shadow
+  int layers = 1;                   ///< surfaces along each primary ray, 1 to kMostLayers
+  int guard = 0;                    ///< pixels drawn beyond each side: see PictureInfo::guard
 };
 
 class Device {
@@ -41,9 +45,13 @@ class Device {
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) = 0;
   /// A frame from planes on the host.
   virtual Result<Frame> upload(const GBuffer& gbuffer) = 0;
+  /// Adds planes from the host to a frame, in place of those of the same names. They are of the frame's whole size, its
+  /// guard band included.
+  virtual Result<void> add(const Image& planes, Frame& frame) = 0;
   /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
   virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) = 0;
-  /// The planes of these names, in this order; all of them if `names` is empty. Errors: kUsage for one that is missing.
+  /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
+  /// for one that is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
 };
 

@@ -9,6 +9,8 @@
 //   shadow            share of the key light that arrives, 0 to 1
 //   object_id, material_id   whole numbers; -1 where nothing was hit
 #pragma once
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/camera.h"
@@ -19,13 +21,27 @@ namespace umbrage {
 
 /// What an effect may know of a picture besides its planes.
 struct PictureInfo {
-  int width = 0, height = 0;
-  Camera camera;
+  int width = 0, height = 0;  ///< with the guard band
+  int guard = 0;  ///< pixels on each side that are drawn for the sake of those inside, and cut off at the end
+  Camera camera;  ///< of the whole picture, guard band included
   std::vector<Light> lights;  ///< in view space
   glm::vec3 ambient{0.3f};
   float scene_radius = 1.0f;  ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
   float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
+
+  /// The picture's size once the guard band is cut off: what shares of the picture are shares of.
+  int inner_width() const { return width - 2 * guard; }
+  int inner_height() const { return height - 2 * guard; }
 };
+
+/// A picture without a guard band, widened by `guard` pixels of the same size on each side.
+PictureInfo with_guard(PictureInfo inner, int guard);
+
+/// The camera of the picture once its guard band is cut off.
+Camera inner_camera(const PictureInfo& info);
+
+/// The name of a plane of a depth layer in a picture that holds them all: `depth`, `layer1.depth`.
+std::string layer_plane(int layer, std::string_view name);
 
 /// A G-buffer on the host: its information and one image per depth layer, nearest first.
 struct GBuffer {

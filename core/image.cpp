@@ -84,6 +84,14 @@ Plane& Image::add(std::string_view name) {
   return planes.emplace_back(width, height);
 }
 
+Plane cropped(const Plane& plane, int margin) {
+  if (margin == 0) return plane;
+  check_less(2 * margin, std::min(plane.width, plane.height), "margin of a crop");
+  Plane out(plane.width - 2 * margin, plane.height - 2 * margin);
+  for (int y = 0; y < out.height; ++y) std::copy_n(plane.row(y + margin) + margin, out.width, out.row(y));
+  return out;
+}
+
 Image downsample(const Image& image, int factor) {
   Image out(image.width / factor, image.height / factor);
   const float share = 1.0f / float(factor * factor);

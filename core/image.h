@@ -58,6 +58,9 @@ struct Image {
   Plane& add(std::string_view name);
 };
 
+/// The pixels that remain when `margin` of them are cut off on each side.
+Plane cropped(const Plane& plane, int margin);
+
 /// Area-averages blocks of factor x factor pixels; the size is divided by the factor, rounded down.
 Image downsample(const Image& image, int factor);
 

@@ -808,7 +808,7 @@ TEST(Device, NeutralValuesStandInForPlanesThatAreMissing) {
 
 TEST(PictureInfo, DepthsSpanTheScene) {
   const Scene scene = scene_of({shapes::box({-1, -2, -3}, {1, 2, 3})});
-  const PictureInfo info = picture_info(scene, from_above(4.0f, 2.0f, 10.0f), 64, 32);
+  const PictureInfo info = picture_info(scene, from_above(4.0f, 2.0f, 10.0f), {.width = 64, .height = 32});
   EXPECT_EQ(info.width, 64);
   EXPECT_EQ(info.height, 32);
   EXPECT_NEAR(info.depth_min, 7.0f, 1e-5);
@@ -840,7 +840,8 @@ TEST(PictureInfo, CapturedDepthsLieWithin) {
 
 TEST(PictureInfo, IsSaneWhereTheSceneIsBehindTheCamera) {
   const Scene scene = scene_of({square(1.0f)});
-  const PictureInfo info = picture_info(scene, perspective_camera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40.0f, 1.0f), 8, 8);
+  const PictureInfo info =
+      picture_info(scene, perspective_camera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40.0f, 1.0f), {.width = 8, .height = 8});
   EXPECT_GT(info.depth_min, 0.0f);
   EXPECT_LE(info.depth_min, info.depth_max);
   EXPECT_TRUE(std::isfinite(info.depth_max));
@@ -853,7 +854,7 @@ TEST(PictureInfo, LightsAreInViewSpace) {
   scene.ambient = {0.1f, 0.2f, 0.3f};
   scene.lights = {key_light({0, 0, 1}), key_lamp({1, 2, 3})};
   const Camera camera = perspective_camera({4, 0, 3}, {0, 0, 3}, {0, 0, 1}, 40.0f, 1.0f);  // looks along -x
-  const PictureInfo info = picture_info(scene, camera, 8, 8);
+  const PictureInfo info = picture_info(scene, camera, {.width = 8, .height = 8});
   ASSERT_EQ(info.lights.size(), 2u);
   EXPECT_LT(glm::distance(info.lights[0].direction, glm::vec3(0, 1, 0)), 1e-6f);
   EXPECT_LT(glm::distance(info.lights[1].position, glm::vec3(2, 0, -3)), 1e-5f);

@@ -70,7 +70,7 @@ class CpuDevice final : public Device {
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
     if (!traced_) fail_check("capture before prepare");
     Frame frame;
-    frame.info = picture_info(*scene_, camera, settings.width, settings.height);
+    frame.info = picture_info(*scene_, camera, settings);
     frame.storage =
         std::make_shared<Image>(arena_.execute([&] { return capture_planes(*traced_, frame.info, settings); }));
     return frame;
@@ -85,10 +85,19 @@ class CpuDevice final : public Device {
         const std::string& name = gbuffer.layers[layer].names[p];
         check_equal(gbuffer.layers[layer].planes[p].width, gbuffer.info.width, name);
         check_equal(gbuffer.layers[layer].planes[p].height, gbuffer.info.height, name);
-        image->add(layer == 0 ? name : fmt::format("layer{}.{}", layer, name)) = gbuffer.layers[layer].planes[p];
+        image->add(layer_plane(int(layer), name)) = gbuffer.layers[layer].planes[p];
       }
     frame.storage = std::move(image);
     return frame;
+  }
+
+  Result<void> add(const Image& planes, Frame& frame) override {
+    for (std::size_t p = 0; p < planes.planes.size(); ++p) {
+      check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
+      check_equal(planes.planes[p].height, frame.info.height, planes.names[p]);
+      planes_of(frame).add(planes.names[p]) = planes.planes[p];
+    }
+    return {};
   }
 
   Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) override {
@@ -103,13 +112,12 @@ class CpuDevice final : public Device {
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
     const Image& image = planes_of(frame);
-    if (names.empty()) return image;
-    Image out(image.width, image.height);
-    for (const std::string& name : names) {
+    Image out(frame.info.inner_width(), frame.info.inner_height());
+    for (const std::string& name : names.empty() ? image.names : names) {
       const Plane* plane = image.find(name);
       if (!plane) return usage_error("the picture has no plane '{}'", name);
       out.names.push_back(name);
-      out.planes.push_back(*plane);
+      out.planes.push_back(cropped(*plane, frame.info.guard));
     }
     return out;
   }

@@ -101,7 +101,7 @@ int kernel_side(const Length& kernel, int height) {
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
   const auto& params = as<UnsharpParams>(bytes);
   auto& c = *static_cast<UnsharpConstants*>(out);
-  const int side = kernel_side(params.kernel, info.height);
+  const int side = kernel_side(params.kernel, info.inner_height());
   const int half = side / 2;
   // The listing's window starts floor(k/2) to the left and below; rows here are counted from the top.
   c.first_column = -half;

@@ -1,4 +1,4 @@
-#include "devices/cpu/mip_texture.h"
+#include "rays/mip_texture.h"
 
 #include <algorithm>
 #include <array>

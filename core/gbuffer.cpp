@@ -1,0 +1,35 @@
+#include "core/gbuffer.h"
+
+#include <fmt/core.h>
+
+namespace umbrage {
+namespace {
+
+/// The camera's window moved outwards by so many pixels on each side.
+Camera widened(Camera camera, int width, int height, int pixels) {
+  const float across = (camera.right - camera.left) / float(width) * float(pixels);
+  const float down = (camera.top - camera.bottom) / float(height) * float(pixels);
+  camera.left -= across;
+  camera.right += across;
+  camera.bottom -= down;
+  camera.top += down;
+  return camera;
+}
+
+}  // namespace
+
+PictureInfo with_guard(PictureInfo inner, int guard) {
+  inner.camera = widened(inner.camera, inner.width, inner.height, guard);
+  inner.width += 2 * guard;
+  inner.height += 2 * guard;
+  inner.guard = guard;
+  return inner;
+}
+
+Camera inner_camera(const PictureInfo& info) { return widened(info.camera, info.width, info.height, -info.guard); }
+
+std::string layer_plane(int layer, std::string_view name) {
+  return layer == 0 ? std::string(name) : fmt::format("layer{}.{}", layer, name);
+}
+
+}  // namespace umbrage

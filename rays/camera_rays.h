@@ -1,0 +1,29 @@
+// Camera rays: the rays through the pixels of a picture, in the unit space of a traced scene.
+#pragma once
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "core/gbuffer.h"
+#include "rays/traced_scene.h"
+
+namespace umbrage {
+
+/// The ray through the point (x, y) of the picture, in pixels from its top left corner, starts at
+/// origin + x origin_x + y origin_y and has the direction direction + x direction_x + y direction_y. A direction's
+/// component along the view axis is `scale` of the traced scene, so that a ray's parameter is depth in scene units.
+struct CameraRays {
+  glm::mat3 world_from_view;
+  glm::vec3 eye;
+  glm::vec3 origin, origin_x{0.0f}, origin_y{0.0f};
+  glm::vec3 direction, direction_x{0.0f}, direction_y{0.0f};
+
+  glm::vec3 origin_at(float x, float y) const { return origin + origin_x * x + origin_y * y; }
+  glm::vec3 direction_at(float x, float y) const { return direction + direction_x * x + direction_y * y; }
+};
+
+CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info);
+
+/// Whether every ray of the picture lies where Embree's numbers end later than ours: it ends the program otherwise.
+bool within_reach(const CameraRays& rays, const PictureInfo& info);
+
+}  // namespace umbrage

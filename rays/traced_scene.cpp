@@ -1,0 +1,124 @@
+#include "rays/traced_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+
+namespace umbrage {
+
+void FreeTracedScene::operator()(TracedScene* traced) const {
+  if (traced->rtc) rtcReleaseScene(traced->rtc);
+  if (traced->device) rtcReleaseDevice(traced->device);
+  delete traced;
+}
+
+namespace {
+
+// A ray that leaves a surface starts this share of the hit's distance from the scene's origin and from the eye away
+// from it; float positions are exact to 6e-8 of their size.
+constexpr float kStartOffset = 4e-6f;
+
+bool is_masked(const TracedScene& traced, const Mesh& mesh) {
+  const Material& material = traced.scene->materials[mesh.material];
+  return material.alpha_mask && material.texture != kNoTexture && !mesh.uvs.empty();
+}
+
+/// Lets rays through where a texture's alpha is cut away.
+void cut_away(const RTCFilterFunctionNArguments* args) {
+  const auto& traced = *static_cast<const TracedScene*>(args->geometryUserPtr);
+  for (unsigned k = 0; k < args->N; ++k) {
+    if (args->valid[k] == 0) continue;
+    const Mesh& mesh = traced.scene->meshes[RTCHitN_geomID(args->hit, args->N, k)];
+    const Material& material = traced.scene->materials[mesh.material];
+    const glm::vec2 uv = uv_at(mesh, RTCHitN_primID(args->hit, args->N, k), RTCHitN_u(args->hit, args->N, k),
+                               RTCHitN_v(args->hit, args->N, k));
+    if (sample_alpha(traced.textures[material.texture], uv) < material.alpha_cutoff) args->valid[k] = 0;
+  }
+}
+
+/// v at length 1, also where its square leaves the range of floats, as for the normal of a tiny triangle.
+glm::vec3 unit(glm::vec3 v) {
+  const glm::vec3 size = glm::abs(v);
+  const float largest = std::max({size.x, size.y, size.z});
+  return largest > 0.0f ? glm::normalize(v / largest) : glm::vec3(0.0f, 0.0f, 1.0f);
+}
+
+}  // namespace
+
+glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v) {
+  const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
+  return mesh.uvs[i[0]] * (1.0f - u - v) + mesh.uvs[i[1]] * u + mesh.uvs[i[2]] * v;
+}
+
+Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned triangle, float u, float v,
+                   glm::vec3 origin, glm::vec3 direction, glm::vec3 across, float t) {
+  const Mesh& mesh = traced.scene->meshes[mesh_index];
+  const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
+  Surface surface{
+      .mesh = &mesh, .material = &traced.scene->materials[mesh.material], .triangle = triangle, .u = u, .v = v};
+  surface.position = origin + direction * t;
+  glm::vec3 geometric = across;
+  glm::vec3 normal = mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;
+  if (glm::dot(geometric, direction) > 0.0f) geometric = -geometric;
+  if (glm::dot(normal, geometric) < 0.0f) normal = -normal;
+  surface.geometric = unit(geometric);
+  const float length = glm::length(normal);
+  normal = length > 1e-12f ? normal / length : surface.geometric;
+  // Interpolation may not turn a normal past the horizon.
+  if (const float away = glm::dot(normal, direction); away > 0.0f) {
+    constexpr float kPastHorizon = 1.001f;
+    normal = glm::normalize(normal - direction * (away / glm::dot(direction, direction) * kPastHorizon));
+  }
+  surface.normal = normal;
+  return surface;
+}
+
+glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from) {
+  const glm::vec3 extent = glm::abs(surface.position) + glm::abs(surface.position - seen_from);
+  return surface.position + surface.geometric * (kStartOffset * std::max({extent.x, extent.y, extent.z}));
+}
+
+Result<TracedScenePtr> trace_ready(const Scene& scene) {
+  TracedScenePtr traced(new TracedScene);
+  traced->scene = &scene;
+  traced->device = rtcNewDevice(nullptr);
+  if (!traced->device)
+    return device_error("Embree cannot start on this machine (error {})", int(rtcGetDeviceError(nullptr)));
+  traced->rtc = rtcNewScene(traced->device);
+  rtcSetSceneFlags(traced->rtc, RTC_SCENE_FLAG_ROBUST);
+  traced->center = scene.center();
+  if (const float radius = scene.radius(); radius > 0.0f) traced->scale = std::exp2(-std::round(std::log2(radius)));
+  for (const Texture& texture : scene.textures) traced->textures.push_back(make_mips(texture));
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    const RTCGeometry geometry = rtcNewGeometry(traced->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    // Embree's own buffers: it reads 16 bytes per vertex, past the end of a shared array of 12.
+    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
+                                             mesh.positions.size());
+    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                            3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
+    if (!vertices || !indices) {
+      rtcReleaseGeometry(geometry);
+      return device_error("{}: not enough memory for {} triangles", scene.name, scene.triangle_count());
+    }
+    std::transform(mesh.positions.begin(), mesh.positions.end(), static_cast<glm::vec3*>(vertices),
+                   [&](glm::vec3 p) { return traced->unit_of(p); });
+    std::memcpy(indices, mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
+    rtcSetGeometryUserData(geometry, traced.get());
+    if (is_masked(*traced, mesh)) {
+      rtcSetGeometryIntersectFilterFunction(geometry, cut_away);
+      rtcSetGeometryOccludedFilterFunction(geometry, cut_away);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(traced->rtc, geometry, unsigned(m));
+    rtcReleaseGeometry(geometry);
+  }
+  rtcCommitScene(traced->rtc);
+  if (const RTCError error = rtcGetDeviceError(traced->device); error != RTC_ERROR_NONE)
+    return device_error("{}: Embree cannot build its hierarchy of {} triangles (error {})", scene.name,
+                        scene.triangle_count(), int(error));
+  return traced;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,84 @@
+// A scene made ready for rays: Embree's hierarchy, filtered textures, and what a ray's hit is. What captures on the CPU
+// and what traces the truth both stand on it.
+#pragma once
+#include <embree3/rtcore.h>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <vector>
+
+#include "core/result.h"
+#include "rays/mip_texture.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Embree sees the scene moved to the origin and scaled to about unit size, since single floats serve neither a
+/// micrometre nor a light year: products of four edges would leave their range. A power of two keeps every bit.
+struct TracedScene {
+  const Scene* scene = nullptr;
+  RTCDevice device = nullptr;
+  RTCScene rtc = nullptr;
+  std::vector<MipTexture> textures;
+  glm::vec3 center{0.0f};
+  float scale = 1.0f;  ///< units per scene unit
+
+  glm::vec3 unit_of(glm::vec3 world) const { return (world - center) * scale; }
+};
+
+struct FreeTracedScene {
+  void operator()(TracedScene* traced) const;
+};
+using TracedScenePtr = std::unique_ptr<TracedScene, FreeTracedScene>;
+
+/// Builds the hierarchy. The scene must outlive the result. Rays pass where a texture's alpha is cut away.
+/// Errors: kDevice where Embree cannot (out of memory).
+Result<TracedScenePtr> trace_ready(const Scene& scene);
+
+/// What a ray met, in unit space.
+struct Surface {
+  const Mesh* mesh = nullptr;
+  const Material* material = nullptr;
+  unsigned triangle = 0;
+  float u = 0.0f, v = 0.0f;  ///< barycentric weights of the triangle's second and third vertex
+  glm::vec3 position{0.0f};
+  glm::vec3 geometric{0.0f};  ///< the triangle's normal, unit, on the side that the ray came from
+  glm::vec3 normal{0.0f};     ///< the interpolated one, unit, on that side of both the triangle and the ray
+};
+
+/// The hit of a ray with this origin and direction at parameter `t`; `across` is a normal of the triangle, of any
+/// length and either side, as Embree gives it. The side that was met counts, whatever the winding says.
+Surface surface_at(const TracedScene& traced, unsigned mesh, unsigned triangle, float u, float v, glm::vec3 origin,
+                   glm::vec3 direction, glm::vec3 across, float t);
+
+/// Where a ray that leaves the surface starts: far enough along the geometric normal that rounding does not let it meet
+/// the surface again. `seen_from` is the origin of the ray that found the surface.
+glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from);
+
+/// Texture coordinates of a hit. The mesh must have some.
+glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);
+
+/// The largest packet of rays that Embree takes.
+inline constexpr int kPacket = 16;
+
+/// Ray k of a packet meets everything from parameter 0 to `end`.
+inline void set_length(RTCRay16& rays, int k, float end) {
+  rays.tnear[k] = 0.0f;
+  rays.tfar[k] = end;
+  rays.time[k] = 0.0f;
+  rays.mask[k] = ~0u;
+  rays.flags[k] = 0;
+}
+
+inline void set_ray(RTCRay16& rays, int k, glm::vec3 origin, glm::vec3 direction, float end) {
+  rays.org_x[k] = origin.x;
+  rays.org_y[k] = origin.y;
+  rays.org_z[k] = origin.z;
+  rays.dir_x[k] = direction.x;
+  rays.dir_y[k] = direction.y;
+  rays.dir_z[k] = direction.z;
+  set_length(rays, k, end);
+}
+
+}  // namespace umbrage
