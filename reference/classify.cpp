@@ -1,0 +1,247 @@
+// classify(): silhouettes, thin things and open surfaces from depth and normals.
+//
+// All rests on one question: is there a jump in depth between two neighbouring pixels? Each has a tangent plane. On one
+// smooth surface, however steep, either point lies on the other's plane. In a corner each lies in front of the other's
+// plane, on a convex edge each behind it: the planes meet between the pixels. Only where the nearer point lies in front
+// of the farther one's plane, and the farther one behind the nearer one's, is there a gap that neither plane explains.
+// At the rim of a round thing the last pixel's plane may be so steep that it explains anything; there the pixel before
+// it is asked too.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+#include <vector>
+
+#include "reference/metrics.h"
+
+namespace umbrage {
+namespace {
+
+// Lying off a plane means: by more than this many pixels (their size in the scene, at the farther point) for each pixel
+// between the two points. 1 is what a round thing explains: where it turns edge-on within n pixels of the picture, it
+// falls behind its tangent plane by n of them. Shading normals may thus be wrong by as much as the view is oblique.
+constexpr double kJumpPixels = 1.0;
+
+// Silhouettes reach 2 pixels to either side of a jump in a picture 1024 high: the width over which a screen-space
+// technique mixes both sides when it filters or lacks a neighbour.
+constexpr double kSilhouetteShare = 2.0 / 1024.0;
+constexpr int kSilhouetteLeast = 1;
+
+// Thin is what a tenth of a usual radius (a tenth of the height) spans: samples step over it or take it for a wall.
+constexpr double kThinShare = 0.01;
+constexpr int kThinLeast = 2;
+
+// The frame's border: as far as the inner half of a usual radius reaches, where samples lie that count most.
+constexpr double kBorderShare = 0.04;
+constexpr int kBorderLeast = 1;
+
+int share_of(int size, double share, int least) { return std::max(least, int(std::lround(size * share))); }
+
+bool is_surface(float depth) { return depth > 0.0f && std::isfinite(depth); }
+
+/// What a pixel shows: a point of a surface in view space.
+struct Surfel {
+  bool covered = false;
+  double depth = 0.0;
+  double pixel = 0.0;  ///< size of a pixel there
+  glm::dvec3 point{0.0}, normal{0.0};
+};
+
+/// Reads the surfels of one row.
+class SurfelRows {
+ public:
+  explicit SurfelRows(const GBuffer& gbuffer) : camera_(gbuffer.info.camera), depth_(gbuffer.layers[0].plane("depth")) {
+    constexpr std::array<const char*, 3> kNames = {"normal.x", "normal.y", "normal.z"};
+    for (int i = 0; i < 3; ++i) normal_[i] = gbuffer.layers[0].find(kNames[i]);
+    step_x_ = (double(camera_.right) - camera_.left) / depth_.width;
+    step_y_ = (double(camera_.top) - camera_.bottom) / depth_.height;
+  }
+
+  void read(int y, Surfel* out) const {
+    for (int x = 0; x < depth_.width; ++x) out[x] = at(x, y);
+  }
+
+ private:
+  Surfel at(int x, int y) const {
+    const double depth = depth_.at(x, y);
+    if (!is_surface(depth_.at(x, y))) return {};
+    const bool perspective = camera_.projection == Projection::kPerspective;
+    const double spread = perspective ? depth : 1.0;
+    const glm::dvec3 point((camera_.left + (x + 0.5) * step_x_) * spread, (camera_.top - (y + 0.5) * step_y_) * spread,
+                           -depth);
+    const glm::dvec3 to_viewer = perspective ? -glm::normalize(point) : glm::dvec3(0.0, 0.0, 1.0);
+    glm::dvec3 normal(0.0);
+    if (normal_[0] && normal_[1] && normal_[2])
+      normal = {normal_[0]->at(x, y), normal_[1]->at(x, y), normal_[2]->at(x, y)};
+    const double length = glm::length(normal);
+    const bool usable = length > 0.0 && std::isfinite(length);
+    return {true, depth, spread * std::max(step_x_, step_y_), point, usable ? normal / length : to_viewer};
+  }
+
+  const Camera& camera_;
+  const Plane& depth_;
+  std::array<const Plane*, 3> normal_{};
+  double step_x_, step_y_;
+};
+
+/// Between a pixel and its neighbour: the jump's direction, or none.
+enum class Jump : std::int8_t { kNone, kDown, kUp };  // kDown: the neighbour is farther
+
+/// Whether a point lies off a surfel's plane, towards the viewer or away, by more than the pixels between explain.
+bool lies_before(const Surfel& surfel, const Surfel& point, double unexplained) {
+  return glm::dot(surfel.normal, point.point - surfel.point) > unexplained;
+}
+bool lies_behind(const Surfel& surfel, const Surfel& point, double unexplained) {
+  return glm::dot(surfel.normal, surfel.point - point.point) > unexplained;
+}
+
+/// The middle two of four surfels in a line.
+Jump jump_between(const Surfel& before, const Surfel& pixel, const Surfel& neighbour, const Surfel& beyond) {
+  if (!pixel.covered && !neighbour.covered) return Jump::kNone;
+  const bool down = !neighbour.covered || (pixel.covered && pixel.depth <= neighbour.depth);
+  if (pixel.covered && neighbour.covered) {
+    const Surfel &near = down ? pixel : neighbour, &far = down ? neighbour : pixel;
+    const Surfel& next_to_near = down ? before : beyond;
+    const double unexplained = kJumpPixels * far.pixel;
+    if (!lies_before(far, near, unexplained)) return Jump::kNone;
+    if (!lies_behind(near, far, unexplained) &&
+        !(next_to_near.covered && lies_behind(next_to_near, far, 2.0 * unexplained)))
+      return Jump::kNone;
+  }
+  return down ? Jump::kDown : Jump::kUp;
+}
+
+/// The neighbours that each pixel is compared with; the others are theirs.
+struct Step {
+  int x, y;
+};
+constexpr std::array<Step, 4> kSteps = {{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
+constexpr int kStraightSteps = 2;  // those along the axes come first
+constexpr int kMargin = 2;         // how far a step's line of four surfels reaches beyond the frame
+
+/// The jumps between each pixel and its neighbours.
+struct JumpMap {
+  int width, height;
+  std::array<std::vector<Jump>, kSteps.size()> jumps;  ///< kNone beyond the frame
+
+  bool inside(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
+  Jump at(int step, int x, int y) const { return jumps[step][std::size_t(y) * width + x]; }
+};
+
+JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
+  JumpMap map{width, height, {}};
+  for (auto& jumps : map.jumps) jumps.assign(std::size_t(width) * height, Jump::kNone);
+  constexpr int kGrain = 32;  // rows of one task: enough to outweigh the rows that it reads above and below
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
+    // Rows y - 1 to y + 2, of which row r is kept at r mod 4.
+    std::array<std::vector<Surfel>, 4> kept;
+    const auto row = [&](int r) -> std::vector<Surfel>& { return kept[(r + 4) % 4]; };
+    const auto read = [&](int r) {
+      row(r).assign(width + 2 * kMargin, {});
+      if (r >= 0 && r < height) surfels.read(r, row(r).data() + kMargin);
+    };
+    for (int r = rows.begin() - 1; r <= rows.begin() + 1; ++r) read(r);
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      read(y + 2);
+      for (int s = 0; s < int(kSteps.size()); ++s) {
+        const auto [dx, dy] = kSteps[s];
+        const auto at = [&, x0 = kMargin, dx = dx, dy = dy](int x, int n) -> const Surfel& {
+          return row(y + n * dy)[x0 + x + n * dx];
+        };
+        for (int x = 0; x < width; ++x)
+          if (map.inside(x + dx, y + dy))
+            map.jumps[s][std::size_t(y) * width + x] = jump_between(at(x, -1), at(x, 0), at(x, 1), at(x, 2));
+      }
+    }
+  });
+  return map;
+}
+
+/// Marks the pixels that are at most `reach` from a jump along the axes; 1 is beside it.
+std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
+  const int width = map.width, height = map.height;
+  const std::size_t size = std::size_t(width) * height;
+  std::vector<char> beside(size, 0), along(size, 0), marked(size, 0);
+  for (int s = 0; s < kStraightSteps; ++s)
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        if (map.at(s, x, y) == Jump::kNone) continue;
+        beside[std::size_t(y) * width + x] = 1;
+        beside[std::size_t(y + kSteps[s].y) * width + x + kSteps[s].x] = 1;
+      }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (!beside[std::size_t(y) * width + x]) continue;
+      const int first = std::max(x - reach + 1, 0), last = std::min(x + reach - 1, width - 1);
+      for (int i = first; i <= last; ++i) along[std::size_t(y) * width + i] = 1;
+    }
+  for (int y = 0; y < height; ++y) {
+    const int first = std::max(y - reach + 1, 0), last = std::min(y + reach - 1, height - 1);
+    for (int x = 0; x < width; ++x) {
+      if (!along[std::size_t(y) * width + x]) continue;
+      for (int j = first; j <= last; ++j) marked[std::size_t(j) * width + x] = 1;
+    }
+  }
+  return marked;
+}
+
+/// Marks runs of at most `most` pixels along the step that begin with a jump up and end with a jump down.
+void mark_runs(const JumpMap& map, int step, int most, std::vector<char>& marked) {
+  const auto [dx, dy] = kSteps[step];
+  for (int y0 = 0; y0 < map.height; ++y0)
+    for (int x0 = 0; x0 < map.width; ++x0) {
+      if (map.inside(x0 - dx, y0 - dy)) continue;
+      constexpr int kNoRun = -1;
+      int begin = kNoRun;
+      for (int i = 0; map.inside(x0 + i * dx, y0 + i * dy); ++i) {
+        const Jump jump = map.at(step, x0 + i * dx, y0 + i * dy);
+        if (jump == Jump::kNone) continue;
+        if (jump == Jump::kDown && begin != kNoRun && i - begin < most)
+          for (int j = begin; j <= i; ++j) marked[std::size_t(y0 + j * dy) * map.width + x0 + j * dx] = 1;
+        begin = jump == Jump::kUp ? i + 1 : kNoRun;
+      }
+    }
+}
+
+std::vector<char> mark_thin(const JumpMap& map, int width) {
+  std::vector<char> marked(std::size_t(map.width) * map.height, 0);
+  const int diagonal = std::max(1, int(width / std::numbers::sqrt2));
+  for (int s = 0; s < int(kSteps.size()); ++s) mark_runs(map, s, s < kStraightSteps ? width : diagonal, marked);
+  return marked;
+}
+
+}  // namespace
+
+ClassMap classify(const GBuffer& gbuffer) {
+  ClassMap map{gbuffer.info.width, gbuffer.info.height, {}};
+  const Plane* depth = gbuffer.layers.empty() ? nullptr : gbuffer.layers[0].find("depth");
+  if (depth) map.width = depth->width, map.height = depth->height;
+  const int width = map.width, height = map.height;
+  map.classes.assign(std::size_t(width) * height, PixelClass::kBackground);
+  if (!depth) return map;
+
+  const SurfelRows surfels(gbuffer);
+  const JumpMap jumps = find_jumps(surfels, width, height);
+  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteShare, kSilhouetteLeast));
+  const auto thin = mark_thin(jumps, share_of(height, kThinShare, kThinLeast));
+  const int border = share_of(std::min(width, height), kBorderShare, kBorderLeast);
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      if (!is_surface(depth->at(x, y))) continue;
+      const std::size_t i = std::size_t(y) * width + x;
+      const bool near_border = std::min({x, y, width - 1 - x, height - 1 - y}) < border;
+      map.classes[i] = near_border     ? PixelClass::kBorder
+                       : thin[i]       ? PixelClass::kThin
+                       : silhouette[i] ? PixelClass::kSilhouette
+                                       : PixelClass::kOpen;
+    }
+  });
+  return map;
+}
+
+}  // namespace umbrage

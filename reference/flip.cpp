@@ -1,0 +1,317 @@
+// FLIP for low dynamic range [Andersson et al. 2020]: how much two pictures seem to differ to somebody who flips
+// between them on a screen.
+//
+// Colour: both pictures are blurred as the eye does at that distance, each opponent channel by its own contrast
+// sensitivity, and compared in a perceptual space. Features: edges and points that only one of them shows add to that.
+// All filters are Gaussians, derivatives of Gaussians or sums of them, hence separable. At the frame's border the last
+// pixel is repeated. Grey pictures need only the achromatic channel: in the others they are 0.
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec3.hpp>
+#include <numbers>
+#include <vector>
+
+#include "core/check.h"
+#include "core/srgb.h"
+#include "reference/counted.h"
+
+namespace umbrage {
+namespace {
+
+using std::numbers::pi;
+
+// The paper's viewer sits 0.7 m from a screen 0.7 m wide of 3840 pixels.
+constexpr double kPixelsPerDegree = 3840.0 * (0.7 / 0.7) * pi / 180.0;
+
+// The paper's parameters of the colour difference: exponent, and the share of the largest difference that is mapped to
+// the share kPointT of the error's range.
+constexpr float kColourExponent = 0.7f, kPointC = 0.4f, kPointT = 0.95f;
+
+// The paper's parameters of the feature difference: exponent, and the width in degrees between the peaks of the
+// eye's edge detector, twice its standard deviation.
+constexpr float kFeatureExponent = 0.5f;
+constexpr double kFeatureWidth = 0.082;
+
+/// A term of a channel's contrast sensitivity: a sqrt(pi / b) exp(-pi^2 r^2 / b), with r in degrees.
+struct Sensitivity {
+  double a, b;
+};
+const std::vector<Sensitivity> kAchromatic = {{1.0, 0.0047}};
+const std::vector<Sensitivity> kRedGreen = {{1.0, 0.0053}};
+const std::vector<Sensitivity> kBlueYellow = {{34.1, 0.04}, {13.5, 0.025}};
+constexpr double kWidestB = 0.04;
+
+constexpr int kGrain = 16;  // rows of one task: enough to outweigh its scratch memory
+
+/// A filter along one axis: weights at distance 0, 1, ... on the far side, and sign times those on the near side.
+struct Kernel {
+  std::vector<float> weights;
+  float sign = 1.0f;
+};
+
+/// A Gaussian blur: share x the Gaussian along both axes, summed over the terms.
+struct Blur {
+  float share;
+  Kernel gaussian;
+};
+
+/// Reach of a filter: 3 standard deviations, given in pixels.
+int reach(double deviation) { return int(std::ceil(3.0 * deviation)); }
+
+int blur_reach() { return reach(std::sqrt(kWidestB / (2.0 * pi * pi)) * kPixelsPerDegree); }
+
+/// Weights at 0 to `radius`, divided by the sum over both sides.
+Kernel even_kernel(const std::vector<double>& weights) {
+  double sum = weights[0];
+  for (std::size_t k = 1; k < weights.size(); ++k) sum += 2.0 * weights[k];
+  Kernel kernel;
+  for (double w : weights) kernel.weights.push_back(float(w / sum));
+  return kernel;
+}
+
+std::vector<Blur> blur_of(const std::vector<Sensitivity>& terms) {
+  std::vector<double> volumes;
+  std::vector<Blur> blurs;
+  double volume_sum = 0.0;
+  for (const Sensitivity& term : terms) {
+    std::vector<double> weights;
+    double sum = 0.0;
+    for (int k = 0; k <= blur_reach(); ++k) {
+      const double degrees = k / kPixelsPerDegree;
+      weights.push_back(std::exp(-pi * pi * degrees * degrees / term.b));
+      sum += (k == 0 ? 1.0 : 2.0) * weights.back();
+    }
+    volumes.push_back(term.a * std::sqrt(pi / term.b) * sum * sum);
+    volume_sum += volumes.back();
+    blurs.push_back({0.0f, even_kernel(weights)});
+  }
+  for (std::size_t i = 0; i < blurs.size(); ++i) blurs[i].share = float(volumes[i] / volume_sum);
+  return blurs;
+}
+
+/// The feature detectors along their axis, and the Gaussian that both have across it. Positive weights sum to 1 and
+/// negative ones to -1.
+struct Detectors {
+  Kernel across, edge, point;
+};
+
+Detectors make_detectors() {
+  const double deviation = 0.5 * kFeatureWidth * kPixelsPerDegree;
+  std::vector<double> gaussian, edge, point;
+  double edge_sum = 0.0, rise = 0.0, fall = 0.0;
+  for (int k = 0; k <= reach(deviation); ++k) {
+    const double g = std::exp(-0.5 * k * k / (deviation * deviation));
+    const double second = (k * k / (deviation * deviation) - 1.0) * g;
+    gaussian.push_back(g);
+    edge.push_back(k * g);
+    point.push_back(second);
+    edge_sum += k * g;
+    (second > 0.0 ? rise : fall) += (k == 0 ? 1.0 : 2.0) * std::abs(second);
+  }
+  Detectors detectors{even_kernel(gaussian), {{}, -1.0f}, {{}, 1.0f}};
+  for (double w : edge) detectors.edge.weights.push_back(float(w / edge_sum));
+  for (double w : point) detectors.point.weights.push_back(float(w / (w > 0.0 ? rise : fall)));
+  return detectors;
+}
+
+/// A row with its ends repeated beyond either side, so that filters need not look where they are.
+struct Row {
+  explicit Row(int width) : values(width + 2 * blur_reach()) {}
+  std::vector<float> values;
+  float* begin() { return values.data() + blur_reach(); }
+  const float* begin() const { return values.data() + blur_reach(); }
+};
+
+/// Filters down the columns of a plane around row y.
+void filter_down(const Plane& plane, int y, const Kernel& kernel, Row& out) {
+  const int width = plane.width;
+  float* sums = out.begin();
+  const float* centre = plane.row(y);
+  for (int x = 0; x < width; ++x) sums[x] = kernel.weights[0] * centre[x];
+  for (int k = 1; k < int(kernel.weights.size()); ++k) {
+    const float far = kernel.weights[k], near = kernel.sign * far;
+    const float *above = plane.row(std::max(y - k, 0)), *below = plane.row(std::min(y + k, plane.height - 1));
+    for (int x = 0; x < width; ++x) sums[x] += near * above[x] + far * below[x];
+  }
+  std::fill(out.values.data(), sums, sums[0]);
+  std::fill(sums + width, out.values.data() + out.values.size(), sums[width - 1]);
+}
+
+/// Filters along a row; adds to `out`.
+void filter_along(const Row& row, const Kernel& kernel, float share, std::vector<float>& out) {
+  const int width = int(out.size());
+  const float* centre = row.begin();
+  for (int x = 0; x < width; ++x) out[x] += share * kernel.weights[0] * centre[x];
+  for (int k = 1; k < int(kernel.weights.size()); ++k) {
+    const float far = share * kernel.weights[k], near = kernel.sign * far;
+    for (int x = 0; x < width; ++x) out[x] += near * centre[x - k] + far * centre[x + k];
+  }
+}
+
+/// Linear Rec.709 and XYZ divided by that of white [IEC 61966-2-1], with the fractions that the paper's authors use.
+struct Matrices {
+  glm::mat3 xyz_from_rgb, rgb_from_xyz;
+};
+
+Matrices make_matrices() {
+  constexpr std::array<std::array<double, 3>, 3> kXyzFromRgb = {
+      {{10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
+       {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
+       {1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0}}};
+  glm::dmat3 matrix;
+  for (int row = 0; row < 3; ++row) {
+    const double white = kXyzFromRgb[row][0] + kXyzFromRgb[row][1] + kXyzFromRgb[row][2];
+    for (int column = 0; column < 3; ++column) matrix[column][row] = kXyzFromRgb[row][column] / white;
+  }
+  return {glm::mat3(matrix), glm::mat3(glm::inverse(matrix))};
+}
+
+const Matrices& matrices() {
+  static const Matrices made = make_matrices();
+  return made;
+}
+
+/// The curve of L*a*b*: a cube root with a straight foot.
+float lab_curve(float t) {
+  constexpr float kFoot = 6.0f / 29.0f;
+  return t > kFoot * kFoot * kFoot ? std::cbrt(t) : t / (3.0f * kFoot * kFoot) + 4.0f / 29.0f;
+}
+
+float lightness(float y) { return 116.0f * lab_curve(y) - 16.0f; }
+
+/// L*a*b* of linear light, with chroma adjusted for the Hunt effect: colours are less vivid in the dark.
+glm::vec3 hunt_lab(glm::vec3 rgb) {
+  const glm::vec3 xyz = matrices().xyz_from_rgb * rgb;
+  const glm::vec3 f(lab_curve(xyz.x), lab_curve(xyz.y), lab_curve(xyz.z));
+  const float l = 116.0f * f.y - 16.0f, hunt = 0.01f * l;
+  return {l, hunt * 500.0f * (f.x - f.y), hunt * 200.0f * (f.y - f.z)};
+}
+
+/// The HyAB distance: lightness counts beside hue and chroma, not with them.
+float hyab(glm::vec3 a, glm::vec3 b) { return std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); }
+
+/// The error from 0 to 1 of a HyAB distance: most of the range goes to differences below those of pure colours.
+float colour_error(float distance) {
+  static const float largest =
+      std::pow(hyab(hunt_lab({0.0f, 1.0f, 0.0f}), hunt_lab({0.0f, 0.0f, 1.0f})), kColourExponent);
+  const float power = std::pow(distance, kColourExponent), knee = kPointC * largest;
+  if (power < knee) return power * (kPointT / knee);
+  return kPointT + (power - knee) / (largest - knee) * (1.0f - kPointT);
+}
+
+/// A picture's opponent channels, YCxCz less the scale and offset of each: a grey picture has Y alone.
+std::vector<Plane> opponent_channels(const Image& image, const ClassMap& classes) {
+  const int width = classes.width, height = classes.height;
+  const std::size_t channels = image.planes.size();
+  std::vector<Plane> out(channels, Plane(width, height));
+  tbb::parallel_for(0, height, [&](int y) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      float* row = out[c].row(y);
+      counted_row(image.planes[c].row(y), classes.row(y), width, 1.0f, row);
+      for (int x = 0; x < width; ++x) row[x] = std::clamp(row[x], 0.0f, 1.0f);
+    }
+    if (channels == 1) {
+      for (int x = 0; x < width; ++x) out[0].row(y)[x] = linear_from_srgb(out[0].row(y)[x]);
+    } else {
+      float *r = out[0].row(y), *g = out[1].row(y), *b = out[2].row(y);
+      for (int x = 0; x < width; ++x) {
+        const glm::vec3 xyz = matrices().xyz_from_rgb * glm::vec3(r[x], g[x], b[x]);
+        r[x] = xyz.y;
+        g[x] = xyz.x - xyz.y;
+        b[x] = xyz.y - xyz.z;
+      }
+    }
+  });
+  return out;
+}
+
+/// What the eye sees along one row of a picture.
+struct Seen {
+  std::array<std::vector<float>, 3> colour;  ///< blurred opponent channels
+  std::array<std::vector<float>, 2> edge, point;
+};
+
+struct Eye {
+  std::array<std::vector<Blur>, 3> blurs = {blur_of(kAchromatic), blur_of(kRedGreen), blur_of(kBlueYellow)};
+  Detectors detectors = make_detectors();
+};
+
+void see_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& scratch, Seen& seen) {
+  const int width = channels[0].width;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    seen.colour[c].assign(width, 0.0f);
+    for (const Blur& blur : eye.blurs[c]) {
+      filter_down(channels[c], y, blur.gaussian, scratch);
+      filter_along(scratch, blur.gaussian, blur.share, seen.colour[c]);
+    }
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    seen.edge[axis].assign(width, 0.0f);
+    seen.point[axis].assign(width, 0.0f);
+  }
+  const Detectors& detectors = eye.detectors;
+  filter_down(channels[0], y, detectors.across, scratch);
+  filter_along(scratch, detectors.edge, 1.0f, seen.edge[0]);
+  filter_along(scratch, detectors.point, 1.0f, seen.point[0]);
+  filter_down(channels[0], y, detectors.edge, scratch);
+  filter_along(scratch, detectors.across, 1.0f, seen.edge[1]);
+  filter_down(channels[0], y, detectors.point, scratch);
+  filter_along(scratch, detectors.across, 1.0f, seen.point[1]);
+}
+
+/// Distance of the colours that the eye sees in pixel x.
+float colour_distance(const Seen& a, const Seen& b, int x, bool grey) {
+  if (grey) return std::abs(lightness(a.colour[0][x]) - lightness(b.colour[0][x]));
+  const auto lab = [x](const Seen& seen) {
+    const float y = seen.colour[0][x];
+    const glm::vec3 rgb = matrices().rgb_from_xyz * glm::vec3(y + seen.colour[1][x], y, y - seen.colour[2][x]);
+    return hunt_lab(glm::clamp(rgb, 0.0f, 1.0f));
+  };
+  return hyab(lab(a), lab(b));
+}
+
+/// Difference of the features in pixel x, from 0 to 1.
+float feature_error(const Seen& a, const Seen& b, int x) {
+  const auto strength = [x](const std::array<std::vector<float>, 2>& feature) {
+    return std::sqrt(feature[0][x] * feature[0][x] + feature[1][x] * feature[1][x]);
+  };
+  const float most =
+      std::max(std::abs(strength(a.edge) - strength(b.edge)), std::abs(strength(a.point) - strength(b.point)));
+  return std::pow(most / std::numbers::sqrt2_v<float>, kFeatureExponent);
+}
+
+}  // namespace
+
+Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes) {
+  check_equal(picture.planes.size(), truth.planes.size(), "planes of the compared pictures");
+  const int width = classes.width, height = classes.height;
+  Plane map(width, height, 0.0f);
+  if (picture.planes.empty()) return map;
+  static const Eye eye;
+  const bool grey = picture.planes.size() == 1;
+  const std::vector<Plane> channels = opponent_channels(picture, classes);
+  const std::vector<Plane> true_channels = opponent_channels(truth, classes);
+  tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
+    Row scratch(width);
+    Seen seen, truly_seen;
+    for (int y = rows.begin(); y < rows.end(); ++y) {
+      see_row(eye, channels, y, scratch, seen);
+      see_row(eye, true_channels, y, scratch, truly_seen);
+      for (int x = 0; x < width; ++x) {
+        if (!is_counted(classes.row(y)[x])) continue;
+        const float distance = colour_distance(seen, truly_seen, x, grey);
+        if (distance == 0.0f) continue;
+        map.row(y)[x] = std::pow(colour_error(distance), 1.0f - feature_error(seen, truly_seen, x));
+      }
+    }
+  });
+  return map;
+}
+
+}  // namespace umbrage
