@@ -2,6 +2,18 @@
 
 namespace umbrage {
 
+Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info) {
+  const float length = radius.relative ? radius.value / 100.0f * info.scene_radius : radius.value;
+  constexpr float kRounding = 1.0001f;
+  const float across = 2.0f * info.scene_radius;
+  const std::string written = fmt::format("{:g}{}", radius.value, radius.relative ? "%" : "");
+  if (!(length > 0.0f)) return usage_error("{} cannot be '{}': it takes a length above 0", owner, written);
+  if (length > across * kRounding)
+    return usage_error("{} cannot be '{}': that is larger than the scene, which is {:.3g} across (200%)", owner,
+                       written, across);
+  return length;
+}
+
 const Parameter* find_parameter(const Effect& effect, std::string_view name) {
   for (const Parameter& row : effect.parameters)
     if (row.name == name) return &row;

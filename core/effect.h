@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/gbuffer.h"
+#include "core/length.h"
 #include "core/parameters.h"
 
 namespace umbrage {
@@ -41,8 +42,17 @@ struct Effect {
   std::size_t constants_size = 0;
   /// Fills the constants that all passes read, from the params and the picture.
   void (*constants)(const ParameterBytes& params, const PictureInfo& info, void* constants) = nullptr;
+  /// Of a technique that has a radius: sets it, in scene units, as nearly as its parameters can say it.
+  void (*set_radius)(float radius, const PictureInfo& info, ParameterBytes& params) = nullptr;
+  /// Settings that differ in cost or quality, worth timing and comparing: "parameter=value parameter=value". The empty
+  /// one, nothing set, is always among them.
+  std::vector<std::string_view> variants;
   std::vector<Pass> passes;
 };
+
+/// What a radius is in scene units: a share is of the scene's radius. `owner` is named in errors ("--ao-radius").
+/// Errors: kUsage where it is not above 0, or larger than the scene, whose diameter is twice its radius.
+Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info);
 
 /// The row of that name, or null.
 const Parameter* find_parameter(const Effect& effect, std::string_view name);

@@ -17,6 +17,8 @@ struct Light {
   glm::vec3 position{0.0f};               ///< (point)
   glm::vec3 color{1.0f};
   float reach = 0.0f;         ///< (point) distance at which `color` holds; 0 means no falloff
+  float angle_deg = 0.0f;     ///< (directional) what its disc spans in the sky; 0: a point, with hard shadows
+  float radius = 0.0f;        ///< (point) of the ball that shines, scene units; 0: a point, with hard shadows
   bool casts_shadow = false;  ///< only the first light's shadow is captured
 };
 

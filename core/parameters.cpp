@@ -62,6 +62,7 @@ ParameterBytes initial_parameters(std::span<const Parameter> table, std::size_t 
 
 std::string parameter_range(const Parameter& row) {
   const std::string unit = row.unit.empty() ? "" : " " + std::string(row.unit);
+  const std::string of_unit = row.unit.empty() ? "" : " in " + std::string(row.unit);
   const std::string zero = row.zero_means.empty() ? "" : fmt::format(" (0: {})", row.zero_means);
   switch (row.type) {
     case ParameterType::kBool:
@@ -69,6 +70,7 @@ std::string parameter_range(const Parameter& row) {
     case ParameterType::kChoice:
       return join_choices(row.choices);
     case ParameterType::kLength:
+      if (row.above_zero) return fmt::format("a number above 0{} or a share up to {:g}%", of_unit, kMostPercent);
       return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.least, row.most, unit, kMostPercent, zero);
     default:
       return fmt::format("{:g} to {:g}{}{}", row.least, row.most, unit, zero);
@@ -94,6 +96,7 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
   const bool percent = row.type == ParameterType::kLength && text.ends_with('%');
   double value = 0.0;
   if (!parse_number(percent ? text.substr(0, text.size() - 1) : text, value)) return wrong();
+  if (row.above_zero && !(value > 0.0)) return wrong();
   if (percent ? (value < 0.0 || value > kMostPercent) : (value < row.least || value > row.most)) return wrong();
   if (row.type == ParameterType::kLength)
     store(bytes, row.offset, Length{float(value), percent ? 1 : 0});

@@ -28,6 +28,7 @@ struct Parameter {
   std::string_view unit;                  ///< "px", "deg", "" for a plain number
   std::vector<std::string_view> choices;  ///< for kChoice
   bool initially_relative = false;        ///< for kLength: `initial` is in percent
+  bool above_zero = false;                ///< 0 itself is refused, of a share too
   std::string_view zero_means;            ///< what 0 stands for, such as "automatic"; empty: nothing special
 };
 

@@ -20,22 +20,33 @@ const Look* find_look(std::string_view name);
 /// No occlusion at all: `ao` is 1 everywhere.
 inline constexpr std::string_view kNoOcclusion = "none";
 
-/// Names that --ao takes: every occlusion technique, and `none`.
-std::vector<std::string_view> occlusion_names();
+/// Names that --ao takes: every occlusion technique, also those handed in, and `none`.
+std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in = {});
 
 /// Parameters by the effect's name.
 using EffectSettings = std::map<std::string, ParameterBytes, std::less<>>;
 
-/// Every effect's own settings with the look's presets applied.
-EffectSettings look_settings(const Look& look);
+/// Every effect's own settings, also of those handed in, with the look's presets applied.
+EffectSettings look_settings(const Look& look, std::span<const Effect* const> handed_in = {});
 
 /// Applies one "effect.parameter=value". Errors: kUsage, with a suggestion for a misspelt name.
-Result<void> apply_setting(EffectSettings& settings, std::string_view assignment);
+Result<void> apply_setting(EffectSettings& settings, std::string_view assignment,
+                           std::span<const Effect* const> handed_in = {});
+
+/// Runs a technique that no device can run, since it needs more than a frame: it adds its planes to the frame.
+using RunHandedIn = std::function<Result<void>(const Effect&, const ParameterBytes&, Frame&)>;
+
+struct LookRun {
+  const Look* look = nullptr;
+  std::string_view occlusion;  ///< the technique, or kNoOcclusion
+  const EffectSettings* settings = nullptr;
+  /// Called with the name of each effect once it is done.
+  std::function<void(std::string_view)> after = [](std::string_view) {};
+  std::span<const Effect* const> handed_in = {};
+  RunHandedIn run_handed_in = {};  ///< of the techniques in `handed_in`
+};
 
 /// Runs a look's effects on a frame; afterwards the frame has color.r, color.g, color.b and color.a.
-/// `occlusion` is the technique, or kNoOcclusion. `after` is called with the name of each effect once it is done.
-Result<void> run_look(
-    const Look& look, std::string_view occlusion, const EffectSettings& settings, Device& device, Frame& frame,
-    const std::function<void(std::string_view)>& after = [](std::string_view) {});
+Result<void> run_look(const LookRun& run, Device& device, Frame& frame);
 
 }  // namespace umbrage

@@ -27,35 +27,53 @@ const Look* find_look(std::string_view name) {
   return nullptr;
 }
 
-std::vector<std::string_view> occlusion_names() {
+namespace {
+
+std::vector<const Effect*> all_effects(std::span<const Effect* const> handed_in) {
+  std::vector<const Effect*> all(effects().begin(), effects().end());
+  all.insert(all.end(), handed_in.begin(), handed_in.end());
+  return all;
+}
+
+const Effect* find_in(std::span<const Effect* const> list, std::string_view name) {
+  for (const Effect* effect : list)
+    if (effect->name == name) return effect;
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in) {
   std::vector<std::string_view> names;
-  for (const Effect* effect : effects())
+  for (const Effect* effect : all_effects(handed_in))
     if (effect->kind == EffectKind::kOcclusion) names.push_back(effect->name);
   names.push_back(kNoOcclusion);
   return names;
 }
 
-EffectSettings look_settings(const Look& look) {
+EffectSettings look_settings(const Look& look, std::span<const Effect* const> handed_in) {
   EffectSettings settings;
-  for (const Effect* effect : effects())
+  for (const Effect* effect : all_effects(handed_in))
     settings[std::string(effect->name)] = initial_parameters(effect->parameters, effect->params_size);
   for (const auto& [name, value] : look.presets)
-    if (const auto done = apply_setting(settings, fmt::format("{}={}", name, value)); !done)
+    if (const auto done = apply_setting(settings, fmt::format("{}={}", name, value), handed_in); !done)
       fail_check(fmt::format("look {}: {}", look.name, done.error().message));
   return settings;
 }
 
-Result<void> apply_setting(EffectSettings& settings, std::string_view assignment) {
+Result<void> apply_setting(EffectSettings& settings, std::string_view assignment,
+                           std::span<const Effect* const> handed_in) {
   const std::size_t equals = assignment.find('=');
   const std::size_t dot = assignment.substr(0, equals).find('.');
   if (equals == std::string_view::npos || dot == std::string_view::npos)
     return usage_error("'{}' is not a setting: write effect.parameter=value, such as unsharp.kernel=40", assignment);
   const std::string_view owner = assignment.substr(0, dot);
   const std::string_view name = assignment.substr(dot + 1, equals - dot - 1);
-  const Effect* effect = find_effect(owner);
+  const auto all = all_effects(handed_in);
+  const Effect* effect = find_in(all, owner);
   if (!effect) {
     std::vector<std::string_view> names;
-    for (const Effect* each : effects()) names.push_back(each->name);
+    for (const Effect* each : all) names.push_back(each->name);
     return usage_error("there is no effect '{}'{}", owner, suggestion(owner, names));
   }
   const Parameter* row = find_parameter(*effect, name);
@@ -67,17 +85,19 @@ Result<void> apply_setting(EffectSettings& settings, std::string_view assignment
   return set_parameter(owner, *row, assignment.substr(equals + 1), settings.find(owner)->second);
 }
 
-Result<void> run_look(const Look& look, std::string_view occlusion, const EffectSettings& settings, Device& device,
-                      Frame& frame, const std::function<void(std::string_view)>& after) {
-  for (std::string_view name : look.effects) {
+Result<void> run_look(const LookRun& run, Device& device, Frame& frame) {
+  for (std::string_view name : run.look->effects) {
     if (name == "occlusion") {
-      if (occlusion == kNoOcclusion) continue;  // `ao` is then the device's neutral 1
-      name = occlusion;
+      if (run.occlusion == kNoOcclusion) continue;  // `ao` is then the device's neutral 1
+      name = run.occlusion;
     }
-    const Effect* effect = find_effect(name);
-    if (!effect) fail_check(fmt::format("look {} names no effect: {}", look.name, name));
-    if (auto done = device.run(*effect, settings.find(name)->second, frame); !done) return done;
-    after(name);
+    const Effect* of_others = find_in(run.handed_in, name);
+    const Effect* effect = of_others ? of_others : find_effect(name);
+    if (!effect) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
+    const ParameterBytes& params = run.settings->find(name)->second;
+    auto done = of_others ? run.run_handed_in(*effect, params, frame) : device.run(*effect, params, frame);
+    if (!done) return done;
+    run.after(name);
   }
   return {};
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace umbrage {
@@ -42,6 +43,28 @@ bool within_reach(const CameraRays& rays, const PictureInfo& info) {
       if (!(std::max({reach.x, reach.y, reach.z}) < kEmbreeInfinity)) return false;
     }
   return true;
+}
+
+glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py) {
+  const Mesh& mesh = *surface.mesh;
+  const Material& material = *surface.material;
+  if (material.texture == kNoTexture || mesh.uvs.empty()) return material.albedo;
+  const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
+  const glm::vec3 p0 = mesh.positions[i[0]];
+  const glm::vec3 e1 = (mesh.positions[i[1]] - p0) * traced.scale, e2 = (mesh.positions[i[2]] - p0) * traced.scale;
+  const glm::vec3 ng = glm::cross(e1, e2);
+  const float inverse = 1.0f / glm::dot(ng, ng);
+  const glm::vec2 t0 = mesh.uvs[i[0]], t1 = mesh.uvs[i[1]] - t0, t2 = mesh.uvs[i[2]] - t0;
+  // Where the neighbouring pixels' rays meet this triangle's plane, and how far texture coordinates moved.
+  const auto change = [&](float x, float y) {
+    const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
+    const float t = glm::dot(ng, surface.position - origin) / glm::dot(ng, direction);
+    const glm::vec3 moved = origin + direction * t - surface.position;
+    return t1 * (glm::dot(glm::cross(moved, e2), ng) * inverse) + t2 * (glm::dot(glm::cross(e1, moved), ng) * inverse);
+  };
+  const glm::vec4 texel = sample_filtered(traced.textures[material.texture], t0 + t1 * surface.u + t2 * surface.v,
+                                          change(px + 1.0f, py), change(px, py + 1.0f));
+  return material.albedo * glm::vec3(texel);
 }
 
 }  // namespace umbrage

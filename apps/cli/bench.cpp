@@ -35,18 +35,6 @@ Result<Times> time_of(int runs, const Run& run) {
   return Times{ms[ms.size() / 2], ms[0]};
 }
 
-/// Settings of an effect that its cost hangs on, as "parameter=value"; the look's own when empty.
-std::vector<std::string> settings_of(std::string_view effect) {
-  if (effect == "unsharp")
-    return {"kernel=15",
-            "kernel=40",
-            "kernel=121",
-            "kernel=40 threshold=0",
-            "kernel=121 threshold=0",
-            "kernel=15 window=gaussian"};
-  return {""};
-}
-
 Result<void> bench(const BenchOptions& o) {
   constexpr int kMostRuns = 10000;
   if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
@@ -104,20 +92,14 @@ Result<void> bench(const BenchOptions& o) {
       }
     for (const Effect* effect : effects()) {
       if (!o.effect.empty() && o.effect != effect->name) continue;
-      for (const std::string& setting : settings_of(effect->name)) {
+      const std::vector<std::string_view> only_own = {""};
+      for (const std::string_view variant : effect->variants.empty() ? only_own : effect->variants) {
         EffectSettings settings = look_settings(*find_look("unsharp"));
-        for (std::size_t start = 0; start < setting.size();) {
-          const std::size_t end = std::min(setting.find(' ', start), setting.size());
-          if (auto set =
-                  apply_setting(settings, fmt::format("{}.{}", effect->name, setting.substr(start, end - start)));
-              !set)
-            return set;
-          start = end + 1;
-        }
+        if (auto set = apply_variant(settings, *effect, variant); !set) return set;
         const auto times =
             time_of(o.runs, [&] { return device.run(*effect, settings.find(effect->name)->second, *frame); });
         if (!times) return times.error();
-        report(effect->name, setting, *times);
+        report(effect->name, std::string(variant), *times);
       }
     }
   }

@@ -27,7 +27,7 @@ nlohmann::json list_looks() {
 
 nlohmann::json list_effects() {
   nlohmann::json records = nlohmann::json::array();
-  for (const Effect* effect : effects()) {
+  for (const Effect* effect : every_effect()) {
     records.push_back({{"name", effect->name}, {"summary", effect->summary}});
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     for (const Parameter& row : effect->parameters)

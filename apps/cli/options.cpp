@@ -60,6 +60,13 @@ void add_model_options(CLI::App& command, CommonOptions& o) {
       ->group(picture)
       ->take_all()
       ->expected(1);
+  command
+      .add_option("--layers", o.layers, "surfaces captured along each ray: layer1.depth is the second one's depth [1]")
+      ->group(picture);
+  command
+      .add_option("--guard-band", o.guard_band,
+                  "draw so much more on each side and cut it off, as a share of the longer side [0%]")
+      ->group(picture);
   command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
   command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
   command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
@@ -152,6 +159,18 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
         number("--camera-zoom-factor", o.zoom, 1e-3, 1e3, framing.zoom)})
     if (!done) return done.error();
   framing.orthographic = o.orthographic;
+  const auto layers = parse_number("--layers", o.layers, 1, kMostLayers);
+  if (!layers) return layers.error();
+  if (*layers != std::floor(*layers))
+    return usage_error("--layers cannot be '{}': it takes a whole number from 1 to {}", o.layers, kMostLayers);
+  draw.layers = int(*layers);
+  constexpr double kWidestGuard = 100.0;
+  const std::string_view share = std::string_view(o.guard_band).substr(0, o.guard_band.find('%'));
+  const auto guard = parse_number("--guard-band", share, 0.0, kWidestGuard);
+  if (!guard || share.size() + 1 < o.guard_band.size())
+    return usage_error("--guard-band cannot be '{}': it takes 0% to {:g}% of the picture's longer side", o.guard_band,
+                       kWidestGuard);
+  draw.guard_percent = float(*guard);
   draw.look = o.look;
   draw.occlusion = o.occlusion;
   draw.radius = o.radius;

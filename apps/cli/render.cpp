@@ -21,13 +21,16 @@ struct RenderOptions : CommonOptions {
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 
-/// Planes of a frame by the word that --passes takes for them: `normal` for normal.x, normal.y, normal.z.
+/// The word that --passes takes for a plane: `normal` for normal.x, `layer1.depth` for itself.
+std::string group_of(std::string_view plane) {
+  const bool channel = plane.size() > 2 && plane[plane.size() - 2] == '.';
+  return std::string(channel ? plane.substr(0, plane.size() - 2) : plane);
+}
+
+/// Planes of a frame by the word that --passes takes for them.
 std::map<std::string, std::vector<std::string>> groups_of(const Image& image) {
   std::map<std::string, std::vector<std::string>> groups;
-  for (const std::string& name : image.names) {
-    const std::size_t dot = name.rfind('.');
-    groups[dot == std::string::npos ? name : name.substr(0, dot)].push_back(name);
-  }
+  for (const std::string& name : image.names) groups[group_of(name)].push_back(name);
   return groups;
 }
 
@@ -48,16 +51,21 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
   if (!o.passes || *o.passes == "all") return {};
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
-  std::vector<std::string> names = {"depth",     "normal", "albedo",    "specular",
-                                    "shininess", "shadow", "object_id", "material_id"};
+  std::vector<std::string> names;
+  for (int layer = 0; layer < draw.layers; ++layer)
+    for (const char* name :
+         {"depth", "normal", "albedo", "specular", "shininess", "shadow", "object_id", "material_id"})
+      names.push_back(layer_plane(layer, name));
+  const auto all = every_effect();
   for (std::string_view effect : recipe->look->effects) {
     if (effect == "occlusion") effect = recipe->occlusion;
-    if (const Effect* found = find_effect(effect))
-      for (const Pass& pass : found->passes)
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Effect* each) { return each->name == effect; });
+    if (found != all.end())
+      for (const Pass& pass : (*found)->passes)
         // Inputs too: what nobody made, such as `ao` under --ao none, becomes a neutral plane.
         for (const auto* planes : {&pass.inputs, &pass.outputs})
           for (std::string_view plane : *planes) {
-            const std::string group(plane.substr(0, plane.rfind('.')));
+            const std::string group = group_of(plane);
             if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
           }
   }
@@ -87,7 +95,8 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
       for (int x = 0; x < out.width; ++x) {
         float v = in.at(x, y);
         if (vector) v = 0.5f * v + 0.5f;
-        if (names[k] == "depth") v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / span : 0.0f;
+        if (names[k] == "depth" || names[k].ends_with(".depth"))
+          v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / span : 0.0f;
         plane.at(x, y) = v;
       }
   }
@@ -95,7 +104,8 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
 }
 
 Result<void> write_output(const RenderOptions& o, Device& device, const Frame& frame) {
-  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &frame.info.camera};
+  const Camera camera = inner_camera(frame.info);
+  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
   const std::string_view extension = (*format_of(o.output))->extension;
   if (!o.passes) {
     auto names = kColor;

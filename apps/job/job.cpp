@@ -6,6 +6,7 @@
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
+#include "reference/reference.h"
 #include "scene/builtin.h"
 
 namespace umbrage {
@@ -73,35 +74,58 @@ Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads
   return make_cpu_device({.threads = threads});
 }
 
-namespace {
-
-struct Radius {
-  double value;
-  bool share;  // of the scene's radius, in percent
-};
-
-Result<Radius> parse_radius(const std::string& text) {
-  const bool share = text.ends_with('%');
-  const std::string_view digits = std::string_view(text).substr(0, text.size() - (share ? 1 : 0));
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0) || !std::isfinite(value))
-    return usage_error("--ao-radius cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%",
-                       text);
-  return Radius{value, share};
+std::span<const Effect* const> handed_in() {
+  static const Effect* const all[] = {&reference_effect()};
+  return all;
 }
 
-/// The window of `unsharp` that reaches one radius at the middle of the scene's depth, in pixels.
+std::vector<const Effect*> every_effect() {
+  std::vector<const Effect*> all(effects().begin(), effects().end());
+  all.insert(all.end(), handed_in().begin(), handed_in().end());
+  return all;
+}
+
+Result<Length> parse_radius(std::string_view option, const std::string& text) {
+  const bool share = text.ends_with('%');
+  const std::string_view digits = std::string_view(text).substr(0, text.size() - (share ? 1 : 0));
+  float value = 0.0f;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0f) || !std::isfinite(value))
+    return usage_error("{} cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%", option,
+                       text);
+  return Length{value, share ? 1 : 0};
+}
+
+Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::string_view variant) {
+  for (std::size_t start = 0; start < variant.size();) {
+    const std::size_t end = std::min(variant.find(' ', start), variant.size());
+    const std::string setting = fmt::format("{}.{}", effect.name, variant.substr(start, end - start));
+    if (auto set = apply_setting(settings, setting, handed_in()); !set) return set;
+    start = end + 1;
+  }
+  return {};
+}
+
+Result<CaptureSettings> capture_settings(const DrawSettings& draw, bool shadow) {
+  const int guard = int(std::ceil(draw.guard_percent / 100.0f * float(std::max(draw.width, draw.height))));
+  const long width = draw.width + 2L * guard, height = draw.height + 2L * guard;
+  if (width * height * draw.layers > kMostPixels)
+    return usage_error("{} layers of {} x {} pixels are too many: together at most {} pixels", draw.layers, width,
+                       height, kMostPixels);
+  return CaptureSettings{draw.width, draw.height, shadow, draw.layers, guard};
+}
+
+namespace {
+
+/// Applies --ao-radius to every technique that has one.
 Result<void> apply_radius(const std::string& text, const PictureInfo& info, EffectSettings& settings) {
-  const auto wish = parse_radius(text);
-  if (!wish) return wish.error();
-  const double radius = wish->share ? wish->value / 100.0 * info.scene_radius : wish->value;
-  const double depth =
-      info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
-  const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
-  const Parameter& row = *find_parameter(*find_effect("unsharp"), "kernel");
-  const double side = std::clamp(std::round(2.0 * radius / pixel), row.least, row.most);
-  return set_parameter("unsharp", row, fmt::format("{:g}", side), settings.find("unsharp")->second);
+  const auto length = parse_radius("--ao-radius", text);
+  if (!length) return length.error();
+  const auto radius = radius_in_scene("--ao-radius", *length, info);
+  if (!radius) return radius.error();
+  for (const Effect* effect : every_effect())
+    if (effect->set_radius) effect->set_radius(*radius, info, settings.find(effect->name)->second);
+  return {};
 }
 
 }  // namespace
@@ -115,15 +139,15 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
     return usage_error("there is no look '{}'{}", draw.look, suggestion(draw.look, names));
   }
   recipe.occlusion = draw.occlusion.empty() ? std::string(recipe.look->occlusion) : draw.occlusion;
-  const auto techniques = occlusion_names();
+  const auto techniques = occlusion_names(handed_in());
   if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   if (!draw.radius.empty())
-    if (const auto radius = parse_radius(draw.radius); !radius) return radius.error();
-  recipe.settings = look_settings(*recipe.look);
+    if (const auto radius = parse_radius("--ao-radius", draw.radius); !radius) return radius.error();
+  recipe.settings = look_settings(*recipe.look, handed_in());
   for (const std::string& setting : draw.settings)
-    if (auto done = apply_setting(recipe.settings, setting); !done) return done.error();
+    if (auto done = apply_setting(recipe.settings, setting, handed_in()); !done) return done.error();
   return recipe;
 }
 
@@ -137,14 +161,30 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   const bool shadow = parameter_text(*find_parameter(lighting, "shadow"), recipe->settings["lighting"]) != "0";
   const bool lit =
       std::find(recipe->look->effects.begin(), recipe->look->effects.end(), "lighting") != recipe->look->effects.end();
-  auto frame = device.capture(camera, {settings.width, settings.height, shadow && lit});
+  const auto capture_with = capture_settings(settings, shadow && lit);
+  if (!capture_with) return capture_with.error();
+  auto frame = device.capture(camera, *capture_with);
   if (!frame) return frame;
   times.done("capture");
-  if (!settings.radius.empty())
+  if (!settings.radius.empty()) {
     if (auto done = apply_radius(settings.radius, frame->info, recipe->settings); !done) return done.error();
-  const auto after = [&](std::string_view name) { times.done(name); };
-  if (auto done = run_look(*recipe->look, recipe->occlusion, recipe->settings, device, *frame, after); !done)
-    return done.error();
+    // What --set says of a technique holds whatever the radius.
+    for (const std::string& setting : settings.settings)
+      if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) return done.error();
+  }
+  const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
+    const auto traced = trace_ready(scene);
+    if (!traced) return traced.error();
+    const auto planes = trace_reference(**traced, on.info, params, {device.threads(), settings.progress});
+    return planes ? device.add(*planes, on) : planes.error();
+  };
+  const LookRun run{.look = recipe->look,
+                    .occlusion = recipe->occlusion,
+                    .settings = &recipe->settings,
+                    .after = [&](std::string_view name) { times.done(name); },
+                    .handed_in = handed_in(),
+                    .run_handed_in = run_reference};
+  if (auto done = run_look(run, device, *frame); !done) return done.error();
   return frame;
 }
 

@@ -1,7 +1,9 @@
 // What every program of ours does: get a model, a camera, a device; draw; time each stage.
 #pragma once
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,7 +41,16 @@ struct DrawSettings {
   std::string occlusion;              ///< empty: the look's own
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
   std::string radius;  ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
+  int layers = 1;      ///< surfaces captured along each primary ray
+  float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
+  std::function<bool(double)> progress = [](double) { return true; };  ///< see TraceControl
 };
+
+/// Occlusion techniques that no device runs, since they need the scene: the ray-traced reference.
+std::span<const Effect* const> handed_in();
+
+/// All effects and what is handed in.
+std::vector<const Effect*> every_effect();
 
 /// A file's scene, or a built-in one for `scene:NAME?detail=N`.
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings = {});
@@ -50,6 +61,12 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 /// The device that `--device` names. Errors: kUsage for a name that does not exist.
 Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads);
 
+/// A length as people write it: "0.3" or "5%". Errors: kUsage unless it is above 0.
+Result<Length> parse_radius(std::string_view option, const std::string& text);
+
+/// Applies the words of a variant, "kernel=15 window=gaussian", to an effect's settings. Errors: kUsage.
+Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::string_view variant);
+
 /// The look's settings with everything the user said. Errors: kUsage.
 struct Recipe {
   const Look* look = nullptr;
@@ -57,6 +74,9 @@ struct Recipe {
   EffectSettings settings;
 };
 Result<Recipe> make_recipe(const DrawSettings& draw);
+
+/// What the device is to capture. Errors: kUsage for a picture that is too large with its layers and guard band.
+Result<CaptureSettings> capture_settings(const DrawSettings& draw, bool shadow);
 
 /// Draws a prepared scene: captures, runs the look. Scene must be the one that the device was prepared with; lights are
 /// added to it where it has none.

@@ -55,29 +55,6 @@ void store(const Block& block, int x0, int y0, int layer, Image& image) {
   }
 }
 
-/// Albedo of a surface: the material's, times its texture averaged over the pixel whose centre is (px, py).
-glm::vec3 albedo_at(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py) {
-  const Mesh& mesh = *surface.mesh;
-  const Material& material = *surface.material;
-  if (material.texture == kNoTexture || mesh.uvs.empty()) return material.albedo;
-  const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
-  const glm::vec3 p0 = mesh.positions[i[0]];
-  const glm::vec3 e1 = (mesh.positions[i[1]] - p0) * traced.scale, e2 = (mesh.positions[i[2]] - p0) * traced.scale;
-  const glm::vec3 ng = glm::cross(e1, e2);
-  const float inverse = 1.0f / glm::dot(ng, ng);
-  const glm::vec2 t0 = mesh.uvs[i[0]], t1 = mesh.uvs[i[1]] - t0, t2 = mesh.uvs[i[2]] - t0;
-  // Where the neighbouring pixels' rays meet this triangle's plane, and how far texture coordinates moved.
-  const auto change = [&](float x, float y) {
-    const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
-    const float t = glm::dot(ng, surface.position - origin) / glm::dot(ng, direction);
-    const glm::vec3 moved = origin + direction * t - surface.position;
-    return t1 * (glm::dot(glm::cross(moved, e2), ng) * inverse) + t2 * (glm::dot(glm::cross(e1, moved), ng) * inverse);
-  };
-  const glm::vec4 texel = sample_filtered(traced.textures[material.texture], t0 + t1 * surface.u + t2 * surface.v,
-                                          change(px + 1.0f, py), change(px, py + 1.0f));
-  return material.albedo * glm::vec3(texel);
-}
-
 /// Fills a block from the hits of its primary rays; `valid` names the pixels that the picture has.
 void shade_block(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info, bool trace_shadow, int x0,
                  int y0, const RTCRayHit16& rh, const std::array<int, kPacket>& valid, Block& out) {
@@ -95,7 +72,7 @@ void shade_block(const TracedScene& traced, const CameraRays& rays, const Pictur
                                        {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]);
     const glm::vec3 n = view * surface.normal;
     const glm::vec3 albedo =
-        albedo_at(traced, rays, surface, float(x0 + k % kBlock) + 0.5f, float(y0 + k / kBlock) + 0.5f);
+        pixel_albedo(traced, rays, surface, float(x0 + k % kBlock) + 0.5f, float(y0 + k / kBlock) + 0.5f);
     out.depth[k] = rh.ray.tfar[k];
     out.nx[k] = n.x;
     out.ny[k] = n.y;

@@ -135,6 +135,15 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   for (int i = 0; i < kUnsharpWeights; ++i) c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
 }
 
+/// The window that reaches one radius to each side at the middle of the scene's depth.
+void set_radius(float radius, const PictureInfo& info, ParameterBytes& bytes) {
+  const double depth =
+      info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
+  const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
+  const double side = std::clamp(std::round(2.0 * radius / pixel), 1.0, double(kUnsharpLargestKernel));
+  as<UnsharpParams>(bytes).kernel = {float(side), 0};
+}
+
 }  // namespace
 
 const Effect& effect_unsharp() {
@@ -147,6 +156,9 @@ const Effect& effect_unsharp() {
       .params_size = sizeof(UnsharpParams),
       .constants_size = sizeof(UnsharpConstants),
       .constants = fill_constants,
+      .set_radius = set_radius,
+      .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0", "kernel=121 threshold=0",
+                   "kernel=15 window=gaussian"},
       .passes = {{.name = "linearize",
                   .inputs = {"depth"},
                   .outputs = {"unsharp_depth"},

@@ -1,0 +1,112 @@
+#include "reference/reference.h"
+
+#include <cstddef>
+
+namespace umbrage {
+namespace {
+
+constexpr int kSamples = 64;
+constexpr double kRadiusPercent = 10.0;
+constexpr double kMostLength = 1e12;
+constexpr double kMostSeed = 1e6;
+enum LightChoice { kOcclusionAlone, kDirect, kBounce };
+
+const std::vector<Parameter> kTable = {
+    {.name = "samples",
+     .help = "rays per pixel",
+     .type = ParameterType::kInt,
+     .offset = offsetof(ReferenceParams, samples),
+     .initial = kSamples,
+     .least = 1.0,
+     .most = kMostSamples},
+    {.name = "radius",
+     .help = "what lies farther away does not occlude; a share is of the scene's radius, 200% the whole scene",
+     .type = ParameterType::kLength,
+     .offset = offsetof(ReferenceParams, radius),
+     .initial = kRadiusPercent,
+     .most = kMostLength,
+     .unit = "scene units",
+     .initially_relative = true,
+     .above_zero = true},
+    {.name = "falloff",
+     .help = "how much an occluder within the radius counts: whole, or less the farther it is",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ReferenceParams, falloff),
+     .choices = {"none", "linear", "smooth"}},
+    {.name = "normal",
+     .help = "around which normal rays go out: the triangle's own, or the interpolated one",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ReferenceParams, normal),
+     .choices = {"triangle", "shading"}},
+    {.name = "light",
+     .help = "also trace the lights with soft shadows, and their bounce",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ReferenceParams, light),
+     .choices = {"off", "direct", "bounce"}},
+    {.name = "sun_angle",
+     .help = "what a parallel light's disc spans in the sky: the larger, the softer its shadow",
+     .offset = offsetof(ReferenceParams, sun_angle_deg),
+     .most = 90.0,
+     .unit = "deg",
+     .zero_means = "as the light has it"},
+    {.name = "seed",
+     .help = "another one gives other, equally good noise",
+     .type = ParameterType::kInt,
+     .offset = offsetof(ReferenceParams, seed),
+     .most = kMostSeed},
+};
+
+void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
+  as<ReferenceParams>(bytes).radius = {radius, 0};
+}
+
+}  // namespace
+
+const Effect& reference_effect() {
+  static const Effect effect = {
+      .name = "reference",
+      .summary = "the truth by ray tracing: slow, and what every technique is measured against",
+      .source = "Zhukov et al. 1998",
+      .kind = EffectKind::kOcclusion,
+      .parameters = kTable,
+      .params_size = sizeof(ReferenceParams),
+      .set_radius = set_radius,
+      .variants = {"", "samples=1", "samples=4", "samples=16"},
+      .passes = {{.name = "trace",
+                  .outputs = {"ao", "bent_normal.x", "bent_normal.y", "bent_normal.z", "direct.r", "direct.g",
+                              "direct.b", "shadow", "indirect.r", "indirect.g", "indirect.b"}}},
+  };
+  return effect;
+}
+
+Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info, const ParameterBytes& bytes,
+                              const TraceControl& control) {
+  const auto& params = as<ReferenceParams>(bytes);
+  const auto radius = radius_in_scene("reference.radius", params.radius, info);
+  if (!radius) return radius.error();
+  // Occlusion and light each cost about as many rays as they have kinds; progress is told as one.
+  const bool light = params.light != kOcclusionAlone, bounce = params.light == kBounce;
+  const double occlusion_share = light ? bounce ? 0.2 : 0.5 : 1.0;
+  TraceControl first = control, second = control;
+  first.progress = [&](double done) { return control.progress(occlusion_share * done); };
+  second.progress = [&](double done) { return control.progress(occlusion_share + (1.0 - occlusion_share) * done); };
+  auto image = trace_occlusion(scene, info,
+                               {.samples = params.samples,
+                                .radius = *radius,
+                                .falloff = Falloff(params.falloff),
+                                .normal = HemisphereNormal(params.normal),
+                                .seed = std::uint32_t(params.seed)},
+                               first);
+  if (!image || !light) return image;
+  auto lit = trace_light(scene, info,
+                         {.samples = params.samples,
+                          .bounce = bounce,
+                          .sun_angle_deg = params.sun_angle_deg,
+                          .seed = std::uint32_t(params.seed)},
+                         second);
+  if (!lit) return lit;
+  for (std::size_t p = 0; p < lit->planes.size(); ++p) image->add(lit->names[p]) = std::move(lit->planes[p]);
+  return image;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,430 @@
+#include "reference/trace.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/trigonometric.hpp>
+#include <mutex>
+
+#include "core/check.h"
+#include "rays/camera_rays.h"
+#include "reference/sampler.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kTile = 16;  // side of what one task traces
+constexpr float kPi = 3.14159265f;
+
+/// Independent sets of sample points of one pixel.
+enum SampleSet : std::uint32_t { kHemisphere = 1, kBounceLight = 2, kFirstLight = 3 };
+
+/// An orthonormal basis with z = n, continuous but for n.z = 0 [Duff et al. 2017].
+glm::mat3 basis_around(glm::vec3 n) {
+  const float sign = std::copysign(1.0f, n.z);
+  const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+  return {{1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+}
+
+/// A direction about +z with probability in proportion to its cosine: a point of the disc, concentric so that
+/// neighbouring samples stay neighbours [Shirley and Chiu 1997], lifted to the sphere.
+glm::vec3 cosine_direction(glm::vec2 sample) {
+  const float a = 2.0f * sample.x - 1.0f, b = 2.0f * sample.y - 1.0f;
+  float radius = 0.0f, angle = 0.0f;
+  if (std::abs(a) > std::abs(b)) {
+    radius = a;
+    angle = kPi / 4.0f * (b / a);
+  } else if (b != 0.0f) {
+    radius = b;
+    angle = kPi / 2.0f - kPi / 4.0f * (a / b);
+  }
+  const float x = radius * std::cos(angle), y = radius * std::sin(angle);
+  return {x, y, std::sqrt(std::max(0.0f, 1.0f - x * x - y * y))};
+}
+
+/// A direction about +z within a cone, uniform in solid angle.
+glm::vec3 cone_direction(glm::vec2 sample, float cos_cone) {
+  const float z = 1.0f - sample.x * (1.0f - cos_cone);
+  const float across = std::sqrt(std::max(0.0f, 1.0f - z * z)), angle = 2.0f * kPi * sample.y;
+  return {across * std::cos(angle), across * std::sin(angle), z};
+}
+
+std::uint32_t pixel_seed(int x, int y, std::uint32_t seed) {
+  return hash(hash(std::uint32_t(x), seed), std::uint32_t(y));
+}
+
+RTCIntersectContext make_context(RTCIntersectContextFlags flags) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = flags;
+  return context;
+}
+
+/// What a pixel's centre sees, if anything.
+bool primary_surface(const TracedScene& traced, const CameraRays& rays, int x, int y, Surface& surface) {
+  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
+  const float px = float(x) + 0.5f, py = float(y) + 0.5f;
+  const glm::vec3 origin = rays.origin_at(px, py), direction = rays.direction_at(px, py);
+  RTCRayHit rh{};
+  rh.ray = {.org_x = origin.x,
+            .org_y = origin.y,
+            .org_z = origin.z,
+            .dir_x = direction.x,
+            .dir_y = direction.y,
+            .dir_z = direction.z,
+            .tfar = std::numeric_limits<float>::infinity(),
+            .mask = ~0u};
+  rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(traced.rtc, &context, &rh);
+  if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  surface = surface_at(traced, rh.hit.geomID, rh.hit.primID, rh.hit.u, rh.hit.v, origin, direction,
+                       {rh.hit.Ng_x, rh.hit.Ng_y, rh.hit.Ng_z}, rh.ray.tfar);
+  return true;
+}
+
+/// Calls trace(x, y, surface, rays) for every pixel inside the guard band that sees a surface, from all threads.
+template <class Trace>
+Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info, const TraceControl& control,
+                              const Trace& trace) {
+  const CameraRays rays = camera_rays(traced, info);
+  if (!within_reach(rays, info)) return {};  // from there nothing is seen
+  const int columns = (info.inner_width() + kTile - 1) / kTile, rows = (info.inner_height() + kTile - 1) / kTile;
+  std::atomic<int> done = 0;
+  std::atomic<bool> ended = false;
+  std::mutex telling;
+  const int most = tbb::info::default_concurrency();
+  tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, most) : most);
+  arena.execute([&] {
+    tbb::parallel_for(
+        tbb::blocked_range<int>(0, rows * columns, 1),
+        [&](const tbb::blocked_range<int>& range) {
+          for (int t = range.begin(); t < range.end() && !ended; ++t) {
+            const int x0 = info.guard + t % columns * kTile, y0 = info.guard + t / columns * kTile;
+            for (int y = y0; y < std::min(y0 + kTile, info.height - info.guard); ++y)
+              for (int x = x0; x < std::min(x0 + kTile, info.width - info.guard); ++x)
+                if (Surface surface; primary_surface(traced, rays, x, y, surface)) trace(x, y, surface, rays);
+            const double share = double(++done) / (rows * columns);
+            if (const std::unique_lock lock(telling, std::try_to_lock); lock.owns_lock() && !control.progress(share))
+              ended = true;
+          }
+        },
+        tbb::simple_partitioner());
+  });
+  if (ended) return Error{ErrorKind::kInterrupted, "interrupted"};
+  return {};
+}
+
+/// Three planes of an image that are one vector or colour.
+struct VectorPlanes {
+  std::array<Plane*, 3> planes;
+
+  void store(int x, int y, glm::vec3 v) const {
+    for (int c = 0; c < 3; ++c) planes[c]->at(x, y) = v[c];
+  }
+};
+
+/// An image of these planes, each filled with one value.
+Image filled_image(const PictureInfo& info, std::initializer_list<std::pair<const char*, float>> planes) {
+  Image image(info.width, info.height);
+  for (const auto& [name, value] : planes) image.add(name) = Plane(info.width, info.height, value);
+  return image;
+}
+
+VectorPlanes vector_planes(Image& image, std::array<const char*, 3> names) {
+  return {{&image.plane(names[0]), &image.plane(names[1]), &image.plane(names[2])}};
+}
+
+/// How much a hit at this share of the radius counts.
+float weight_of(Falloff falloff, float share) {
+  if (falloff == Falloff::kNone) return 1.0f;
+  if (falloff == Falloff::kLinear) return 1.0f - share;
+  return 1.0f - share * share * (3.0f - 2.0f * share);
+}
+
+/// Up to kPacket rays on their way.
+struct alignas(64) Packet {
+  RTCRayHit16 rh;
+  std::array<int, kPacket> valid{};
+  bool any = false;
+
+  void add(int k, glm::vec3 origin, glm::vec3 direction, float end) {
+    set_ray(rh.ray, k, origin, direction, end);
+    rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    valid[k] = -1;
+    any = true;
+  }
+  /// Finds for each ray whether anything lies in its way.
+  void find_blocked(const TracedScene& traced) {
+    RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    if (any) rtcOccluded16(valid.data(), traced.rtc, &context, &rh.ray);
+  }
+  bool blocked(int k) const { return rh.ray.tfar[k] < 0.0f; }
+  /// Finds the nearest hit of each ray.
+  void find_hits(const TracedScene& traced) {
+    RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
+    if (any) rtcIntersect16(valid.data(), traced.rtc, &context, &rh);
+  }
+  bool hit(int k) const { return valid[k] && rh.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID; }
+  Surface surface(const TracedScene& traced, int k) const {
+    return surface_at(traced, rh.hit.geomID[k], rh.hit.primID[k], rh.hit.u[k], rh.hit.v[k],
+                      {rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]},
+                      {rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]},
+                      {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]);
+  }
+};
+
+/// A light in unit space.
+struct TracedLight {
+  bool point = false;
+  glm::vec3 where{0.0f};  ///< direction to it, unit, or its centre
+  glm::vec3 color{0.0f};
+  float reach_squared = 0.0f;  ///< 0: no falloff
+  float radius = 0.0f;         ///< of a point light's ball
+  float cos_cone = 1.0f;       ///< of the half angle that a directional light spans
+};
+
+std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
+                                       float sun_angle_deg) {
+  std::vector<TracedLight> lights;
+  for (const Light& light : info.lights) {
+    TracedLight out{.color = light.color};
+    const bool head = light.kind == LightKind::kHead;
+    out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
+    if (head) {
+      out.where = out.point ? rays.eye : rays.world_from_view[2];
+    } else if (out.point) {
+      out.where = rays.eye + rays.world_from_view * (light.position * traced.scale);
+      out.reach_squared = light.reach * light.reach * traced.scale * traced.scale;
+      out.radius = light.radius * traced.scale;
+    } else {
+      out.where = glm::normalize(rays.world_from_view * light.direction);
+      const float angle_deg = sun_angle_deg > 0.0f ? sun_angle_deg : light.angle_deg;
+      out.cos_cone = std::cos(glm::radians(0.5f * angle_deg));
+    }
+    lights.push_back(out);
+  }
+  return lights;
+}
+
+/// One sample of a light from a place: the direction to it, unit, how far it is, and the radiance of a white surface
+/// that faces it.
+struct LightSample {
+  glm::vec3 direction;
+  float distance;
+  glm::vec3 color;
+};
+
+LightSample sample_light(const TracedLight& light, glm::vec3 from, glm::vec2 sample) {
+  if (!light.point) {
+    const glm::vec3 direction = basis_around(light.where) * cone_direction(sample, light.cos_cone);
+    return {direction, std::numeric_limits<float>::infinity(), light.color};
+  }
+  const glm::vec3 to_center = light.where - from;
+  const float squared = std::max(glm::dot(to_center, to_center), 1e-20f), distance = std::sqrt(squared);
+  const glm::vec3 toward = to_center / distance;
+  const glm::vec3 color = light.reach_squared > 0.0f ? light.color * (light.reach_squared / squared) : light.color;
+  if (!(light.radius > 0.0f)) return {toward, distance, color};
+  // The cone that the ball fills, seen from outside; what lies inside the ball has it all around.
+  const float sine_squared = std::min(1.0f, light.radius * light.radius / squared);
+  const float cos_cone = std::sqrt(1.0f - sine_squared);
+  const glm::vec3 local = cone_direction(sample, cos_cone);
+  const float to_ball = distance * local.z -
+                        std::sqrt(std::max(0.0f, light.radius * light.radius - squared * (1.0f - local.z * local.z)));
+  return {basis_around(toward) * local, std::max(to_ball, 0.0f), color};
+}
+
+/// Albedo of a surface that no pixel sees: the finest texels.
+glm::vec3 plain_albedo(const TracedScene& traced, const Surface& surface) {
+  const Material& material = *surface.material;
+  if (material.texture == kNoTexture || surface.mesh->uvs.empty()) return material.albedo;
+  const glm::vec2 uv = uv_at(*surface.mesh, surface.triangle, surface.u, surface.v);
+  return material.albedo *
+         glm::vec3(sample_filtered(traced.textures[material.texture], uv, glm::vec2(0.0f), glm::vec2(0.0f)));
+}
+
+/// Blinn-Phong's highlight of a sample, as effects/lighting has it.
+float highlight_of(const Surface& surface, glm::vec3 to_light, glm::vec3 to_eye) {
+  const Material& material = *surface.material;
+  if (!(material.specular_strength > 0.0f)) return 0.0f;
+  const glm::vec3 halfway = to_light + to_eye;
+  const float length = glm::length(halfway);
+  const float cosine = length > 0.0f ? std::max(glm::dot(surface.normal, halfway) / length, 0.0f) : 0.0f;
+  return material.specular_strength * std::pow(cosine, material.specular_exponent);
+}
+
+/// What one pixel gets of the lights.
+struct DirectLight {
+  glm::vec3 diffuse{0.0f};  ///< before the albedo
+  glm::vec3 highlight{0.0f};
+  float key_arrives = 1.0f;
+};
+
+DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface, glm::vec3 to_eye,
+                         const std::vector<TracedLight>& lights, const SampleTable& table, int samples,
+                         std::uint32_t seed) {
+  DirectLight sum;
+  const glm::vec3 start = start_above(surface, rays.eye);
+  for (std::size_t l = 0; l < lights.size(); ++l) {
+    const TracedLight& light = lights[l];
+    const bool hard = light.point ? !(light.radius > 0.0f) : light.cos_cone >= 1.0f;
+    const int count = hard ? 1 : samples;  // all samples of a point are one
+    int arrived = 0;
+    for (int first = 0; first < count; first += kPacket) {
+      const int n = std::min(kPacket, count - first);
+      Packet packet;
+      std::array<LightSample, kPacket> sample;
+      for (int k = 0; k < n; ++k) {
+        sample[k] = sample_light(light, start, sample_point(table, first + k, hash(seed, kFirstLight + unsigned(l))));
+        if (glm::dot(sample[k].direction, surface.geometric) > 0.0f)
+          packet.add(k, start, sample[k].direction, sample[k].distance);
+      }
+      packet.find_blocked(traced);
+      for (int k = 0; k < n; ++k) {
+        if (!packet.valid[k] || packet.blocked(k)) continue;
+        ++arrived;
+        const float lambert = glm::dot(surface.normal, sample[k].direction);
+        if (!(lambert > 0.0f)) continue;
+        const glm::vec3 color = sample[k].color / float(count);
+        sum.diffuse += color * lambert;
+        sum.highlight += color * highlight_of(surface, sample[k].direction, to_eye);
+      }
+    }
+    if (l == 0) sum.key_arrives = float(arrived) / float(count);
+  }
+  return sum;
+}
+
+/// Mean radiance from the hemisphere: what the surfaces there emit and reflect of the lights, one light sample each.
+glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface,
+                        const std::vector<TracedLight>& lights, const SampleTable& table, int samples,
+                        std::uint32_t seed) {
+  glm::vec3 sum(0.0f);
+  const glm::vec3 start = start_above(surface, rays.eye);
+  const glm::mat3 basis = basis_around(surface.normal);
+  for (int first = 0; first < samples; first += kPacket) {
+    const int n = std::min(kPacket, samples - first);
+    Packet packet;
+    for (int k = 0; k < n; ++k) {
+      const glm::vec3 direction = basis * cosine_direction(sample_point(table, first + k, hash(seed, kHemisphere)));
+      if (glm::dot(direction, surface.geometric) > 0.0f)
+        packet.add(k, start, direction, std::numeric_limits<float>::infinity());
+    }
+    packet.find_hits(traced);
+    std::array<Surface, kPacket> hits;
+    std::array<glm::vec3, kPacket> albedo;
+    for (int k = 0; k < n; ++k) {
+      if (!packet.hit(k)) continue;
+      hits[k] = packet.surface(traced, k);
+      albedo[k] = plain_albedo(traced, hits[k]);
+      sum += hits[k].material->emission;
+    }
+    for (std::size_t l = 0; l < lights.size(); ++l) {
+      Packet to_light;
+      std::array<glm::vec3, kPacket> reflected;
+      for (int k = 0; k < n; ++k) {
+        if (!packet.hit(k)) continue;
+        const glm::vec3 from = start_above(hits[k], surface.position);
+        const LightSample sample =
+            sample_light(lights[l], from, sample_point(table, first + k, hash(hash(seed, kBounceLight), unsigned(l))));
+        const float lambert = glm::dot(hits[k].normal, sample.direction);
+        if (!(lambert > 0.0f) || !(glm::dot(hits[k].geometric, sample.direction) > 0.0f)) continue;
+        reflected[k] = albedo[k] * sample.color * lambert;
+        to_light.add(k, from, sample.direction, sample.distance);
+      }
+      to_light.find_blocked(traced);
+      for (int k = 0; k < n; ++k)
+        if (to_light.valid[k] && !to_light.blocked(k)) sum += reflected[k];
+    }
+  }
+  return sum / float(samples);
+}
+
+}  // namespace
+
+Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info, const OcclusionSettings& settings,
+                              const TraceControl& control) {
+  check_less(0, settings.samples, "samples of the reference");
+  check_less(settings.samples, kMostSamples + 1, "samples of the reference");
+  Image image =
+      filled_image(info, {{"ao", 1.0f}, {"bent_normal.x", 0.0f}, {"bent_normal.y", 0.0f}, {"bent_normal.z", 0.0f}});
+  Plane& ao = image.plane("ao");
+  const VectorPlanes bent_normal = vector_planes(image, {"bent_normal.x", "bent_normal.y", "bent_normal.z"});
+  const SampleTable table = sample_table(settings.samples);
+  const float radius = settings.radius * traced.scale;
+  const glm::mat3 view_from_world(info.camera.view_from_world);
+  const auto done =
+      for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
+        const glm::vec3 start = start_above(surface, rays.eye);
+        const glm::vec3 normal = settings.normal == HemisphereNormal::kTriangle ? surface.geometric : surface.normal;
+        const glm::mat3 basis = basis_around(normal);
+        const std::uint32_t seed = hash(pixel_seed(x, y, settings.seed), kHemisphere);
+        float open = 0.0f;
+        glm::vec3 bent(0.0f);
+        for (int first = 0; first < settings.samples; first += kPacket) {
+          const int n = std::min(kPacket, settings.samples - first);
+          Packet packet;
+          std::array<glm::vec3, kPacket> directions;
+          for (int k = 0; k < n; ++k) {
+            directions[k] = basis * cosine_direction(sample_point(table, first + k, seed));
+            if (glm::dot(directions[k], surface.geometric) > 0.0f) packet.add(k, start, directions[k], radius);
+          }
+          settings.falloff == Falloff::kNone ? packet.find_blocked(traced) : packet.find_hits(traced);
+          for (int k = 0; k < n; ++k) {
+            if (!packet.valid[k]) continue;
+            float visible = 1.0f;
+            if (settings.falloff == Falloff::kNone)
+              visible = packet.blocked(k) ? 0.0f : 1.0f;
+            else if (packet.hit(k))
+              visible = 1.0f - weight_of(settings.falloff, std::min(packet.rh.ray.tfar[k] / radius, 1.0f));
+            open += visible;
+            bent += directions[k] * visible;
+          }
+        }
+        ao.at(x, y) = open / float(settings.samples);
+        const float length = glm::length(bent);
+        bent_normal.store(x, y, view_from_world * (length > 0.0f ? bent / length : normal));
+      });
+  if (!done) return done.error();
+  return image;
+}
+
+Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, const LightSettings& settings,
+                          const TraceControl& control) {
+  check_less(0, settings.samples, "samples of the reference");
+  check_less(settings.samples, kMostSamples + 1, "samples of the reference");
+  Image image = filled_image(info, {{"direct.r", 0.0f}, {"direct.g", 0.0f}, {"direct.b", 0.0f}, {"shadow", 1.0f}});
+  if (settings.bounce)
+    for (const char* name : {"indirect.r", "indirect.g", "indirect.b"})
+      image.add(name) = Plane(info.width, info.height, 0.0f);
+  const VectorPlanes direct = vector_planes(image, {"direct.r", "direct.g", "direct.b"});
+  Plane& shadow = image.plane("shadow");
+  VectorPlanes indirect;
+  if (settings.bounce) indirect = vector_planes(image, {"indirect.r", "indirect.g", "indirect.b"});
+  const SampleTable table = sample_table(settings.samples);
+  const std::vector<TracedLight> lights =
+      traced_lights(traced, camera_rays(traced, info), info, settings.sun_angle_deg);
+  const bool orthographic = info.camera.projection == Projection::kOrthographic;
+  const auto done =
+      for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
+        const std::uint32_t seed = pixel_seed(x, y, settings.seed);
+        const glm::vec3 to_eye = orthographic ? rays.world_from_view[2] : glm::normalize(rays.eye - surface.position);
+        const glm::vec3 albedo = pixel_albedo(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
+        const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);
+        direct.store(x, y, light.diffuse * albedo + light.highlight);
+        shadow.at(x, y) = light.key_arrives;
+        if (settings.bounce)
+          indirect.store(x, y, bounced_light(traced, rays, surface, lights, table, settings.samples, seed));
+      });
+  if (!done) return done.error();
+  return image;
+}
+
+}  // namespace umbrage
