@@ -13,8 +13,9 @@
 namespace umbrage {
 
 struct WriteSettings {
-  int bits = 8;       ///< PNG: 8 or 16
-  bool half = false;  ///< EXR: half instead of float
+  int bits = 8;        ///< PNG: 8 or 16
+  bool half = false;   ///< EXR: half instead of float
+  bool small = false;  ///< PNG: as small as deflate makes it rather than fast
   /// EXR: written as worldToCamera and worldToNDC, which OpenEXR defines left-handed with +z forward.
   const Camera* camera = nullptr;
 };
@@ -41,6 +42,9 @@ Result<void> check_writable(const std::filesystem::path& file);
 /// becomes depth.Z; names ending in .r .g .b .a .x .y .z get that letter in upper case; with `half`, depth and id
 /// planes are float all the same. Errors: kFile.
 Result<void> write_image(const std::filesystem::path& file, const Image& image, const WriteSettings& settings = {});
+
+/// The bytes of the PNG file that write_image would write. Errors: kFile.
+Result<std::string> encode_png(const Image& image, const WriteSettings& settings = {});
 
 /// Reads an image of any of the formats, told apart by content; the same names back. A single plane of PNG or PFM is
 /// called `grey`. PNG values are in [0, 1], not linearised. What EXR parts and windows become is said in exr.cpp.

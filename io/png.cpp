@@ -19,6 +19,7 @@
 #include <bit>
 #include <csetjmp>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
@@ -68,7 +69,7 @@ void dequantise(const Integer* values, int count, int step, float* out) {
   for (int x = 0; x < count; ++x) out[x] = float(values[std::size_t(x) * step]) / kMax;
 }
 
-bool encode(std::FILE* stream, const Plane* const* planes, int channels, int bits, png_byte* row,
+bool encode(std::FILE* stream, const Plane* const* planes, int channels, int bits, bool small, png_byte* row,
             Complaint* complaint) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, complaint, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;
@@ -87,9 +88,9 @@ bool encode(std::FILE* stream, const Plane* const* planes, int channels, int bit
   png_set_IHDR(png, info, width, height, bits, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
   if (channels > 1) png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-  png_set_compression_level(png, Z_BEST_SPEED);
-  png_set_compression_strategy(png, Z_RLE);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, small ? PNG_ALL_FILTERS : PNG_FILTER_UP);
+  png_set_compression_level(png, small ? Z_BEST_COMPRESSION : Z_BEST_SPEED);
+  png_set_compression_strategy(png, small ? Z_FILTERED : Z_RLE);
   constexpr int kChunkBytes = 1 << 16;  // libpng's 8 kB make many small chunks
   png_set_compression_buffer_size(png, kChunkBytes);
   png_write_info(png, info);
@@ -106,18 +107,22 @@ bool encode(std::FILE* stream, const Plane* const* planes, int channels, int bit
   return true;
 }
 
+/// Writes the planes of a picture to an open file; `name` is what errors call it.
+Result<void> write_to(std::FILE* stream, const fs::path& name, const std::vector<const Plane*>& planes,
+                      const WriteSettings& settings) {
+  const int channels = int(planes.size());
+  std::vector<png_byte> row(std::size_t(planes[0]->width) * channels * (settings.bits / 8));
+  Complaint complaint;
+  if (encode(stream, planes.data(), channels, settings.bits, settings.small, row.data(), &complaint)) return {};
+  return file_error("'{}' cannot be written as PNG: {}", name.string(), complaint.text);
+}
+
 Result<void> write(const fs::path& file, const Image& image, const WriteSettings& settings) {
   const Result<std::vector<const Plane*>> planes = picture_planes(file, image, true);
   if (!planes) return planes.error();
   if (settings.bits != 8 && settings.bits != 16)
     return file_error("'{}' cannot be written with {} bits: PNG takes 8 or 16", file.string(), settings.bits);
-  return write_whole(file, [&](std::FILE* stream) -> Result<void> {
-    const int channels = int(planes->size());
-    std::vector<png_byte> row(std::size_t(image.width) * channels * (settings.bits / 8));
-    Complaint complaint;
-    if (encode(stream, planes->data(), channels, settings.bits, row.data(), &complaint)) return {};
-    return file_error("'{}' cannot be written as PNG: {}", file.string(), complaint.text);
-  });
+  return write_whole(file, [&](std::FILE* stream) { return write_to(stream, file, *planes, settings); });
 }
 
 /// A PNG being read: the header first, the pixels when there is a place for them.
@@ -206,6 +211,23 @@ Result<Image> read(const fs::path& file) {
 bool recognises(std::string_view start) { return start == "\x89PNG\r\n\x1a\n"; }
 
 }  // namespace
+
+Result<std::string> encode_png(const Image& image, const WriteSettings& settings) {
+  const fs::path name = "picture.png";
+  const Result<std::vector<const Plane*>> planes = picture_planes(name, image, true);
+  if (!planes) return planes.error();
+  char* bytes = nullptr;
+  std::size_t size = 0;
+  std::FILE* stream = open_memstream(&bytes, &size);
+  if (!stream) return file_error("not enough memory for a PNG of {} x {} pixels", image.width, image.height);
+  const Result<void> written = write_to(stream, name, *planes, settings);
+  const bool closed = std::fclose(stream) == 0;
+  std::string out(bytes, closed ? size : 0);
+  std::free(bytes);
+  if (!written) return written.error();
+  if (!closed) return file_error("not enough memory for a PNG of {} x {} pixels", image.width, image.height);
+  return out;
+}
 
 const ImageFormat kPng = {"png", "8 or 16 bit grey, RGB or RGBA pictures, sRGB", write, read, recognises};
 

@@ -13,6 +13,7 @@ using AddCommand = void (*)(CLI::App& app, std::function<Result<void>()>& run);
 void add_render(CLI::App& app, std::function<Result<void>()>& run);
 void add_figures(CLI::App& app, std::function<Result<void>()>& run);
 void add_bench(CLI::App& app, std::function<Result<void>()>& run);
+void add_compare(CLI::App& app, std::function<Result<void>()>& run);
 void add_list(CLI::App& app, std::function<Result<void>()>& run);
 
 }  // namespace umbrage::cli

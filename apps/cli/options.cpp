@@ -1,5 +1,7 @@
 #include "apps/cli/options.h"
 
+#include <unistd.h>
+
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -46,38 +48,15 @@ Result<void> store(const Result<T>& parsed, auto& out) {
 
 }  // namespace
 
-void add_model_options(CLI::App& command, CommonOptions& o) {
+void add_scene_options(CLI::App& command, CommonOptions& o) {
   command.add_option("MODEL", o.models, "model files, or built-in scenes: scene:NAME?detail=TRIANGLES")->required();
-  const auto picture = "Picture";
-  command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
-  command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
-  command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
-  command
-      .add_option("--ao-radius", o.radius,
-                  "reach of occlusion: scene units (0.3) or a share of the scene's radius (5%)")
-      ->group(picture);
-  command.add_option("--set", o.settings, "effect.parameter=value, any number of times: see umbrage list effects")
-      ->group(picture)
-      ->take_all()
-      ->expected(1);
-  command
-      .add_option("--layers", o.layers, "surfaces captured along each ray: layer1.depth is the second one's depth [1]")
-      ->group(picture);
-  command
-      .add_option("--guard-band", o.guard_band,
-                  "draw so much more on each side and cut it off, as a share of the longer side [0%]")
-      ->group(picture);
-  command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
-  command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
-  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
-      ->envname("UMBRAGE_VERBOSE")
-      ->group("Output");
-  const auto camera = "Camera";
+  const auto scene = "Scene";
   command
       .add_option("--crease-angle", o.crease_angle,
                   "faces that meet at a larger angle keep their edge where a file has no normals, degrees [80]")
-      ->group(picture);
-  command.add_option("--up", o.up, "world up: +X -X +Y -Y +Z -Z or x,y,z [as the format says]")->group(camera);
+      ->group(scene);
+  command.add_option("--up", o.up, "world up: +X -X +Y -Y +Z -Z or x,y,z [as the format says]")->group(scene);
+  const auto camera = "Camera";
   command.add_option("--camera-position", o.position, "x,y,z of the eye")->group(camera);
   command.add_option("--camera-focal-point", o.focal_point, "x,y,z that is looked at")->group(camera);
   command.add_option("--camera-view-up", o.view_up, "x,y,z that points up in the picture")->group(camera);
@@ -89,12 +68,43 @@ void add_model_options(CLI::App& command, CommonOptions& o) {
   command.add_flag("--camera-orthographic", o.orthographic, "parallel projection")->group(camera);
 }
 
+void add_technique_options(CLI::App& command, CommonOptions& o) {
+  const auto technique = "Technique";
+  command
+      .add_option("--ao-radius", o.radius,
+                  "reach of occlusion: scene units (0.3) or a share of the scene's radius (5%)")
+      ->group(technique);
+  command.add_option("--set", o.settings, "effect.parameter=value, any number of times: see umbrage list effects")
+      ->group(technique)
+      ->take_all()
+      ->expected(1);
+  command
+      .add_option("--layers", o.layers, "surfaces captured along each ray: layer1.depth is the second one's depth [1]")
+      ->group(technique);
+  command
+      .add_option("--guard-band", o.guard_band,
+                  "draw so much more on each side and cut it off, as a share of the longer side [0%]")
+      ->group(technique);
+}
+
+void add_picture_options(CLI::App& command, CommonOptions& o) {
+  const auto picture = "Picture";
+  command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
+  command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
+  command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
+  command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
+  command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
+}
+
 void add_device_options(CLI::App& command, CommonOptions& o) {
   const auto device = "Device";
   command.add_option("--device", o.device, "cpu or auto [auto]")->envname("UMBRAGE_DEVICE")->group(device);
   command.add_option("--threads", o.threads, "number of threads; 0: all [0]")
       ->envname("UMBRAGE_NUM_THREADS")
       ->group(device);
+  command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
+      ->envname("UMBRAGE_VERBOSE")
+      ->group("Output");
 }
 
 Result<std::pair<int, int>> parse_resolution(std::string_view text) {
@@ -208,6 +218,19 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (*threads != std::floor(*threads))
     return usage_error("--threads cannot be '{}': it takes a whole number from 0 to {}", o.threads, kMostThreads);
   return make_device(o.device, int(*threads));
+}
+
+ProgressLine::ProgressLine() : shown_(::isatty(STDERR_FILENO) != 0) {}
+
+ProgressLine::~ProgressLine() {
+  if (shown_ && width_ > 0) fmt::print(stderr, "\r{:{}}\r", "", width_);
+}
+
+void ProgressLine::show(const std::string& text) {
+  if (!shown_) return;
+  fmt::print(stderr, "\r{:<{}}", text, width_);
+  std::fflush(stderr);
+  width_ = std::max(width_, text.size());
 }
 
 }  // namespace umbrage::cli

@@ -25,7 +25,9 @@ struct CommonOptions {
   bool verbose = false;
 };
 
-void add_model_options(CLI::App& command, CommonOptions& options);
+void add_scene_options(CLI::App& command, CommonOptions& options);
+void add_technique_options(CLI::App& command, CommonOptions& options);
+void add_picture_options(CLI::App& command, CommonOptions& options);
 void add_device_options(CLI::App& command, CommonOptions& options);
 
 /// The options, parsed. Errors: kUsage, naming the option and what it takes.
@@ -38,5 +40,18 @@ Result<std::pair<int, int>> parse_resolution(std::string_view text);
 
 /// "+Y", "-z" or "0,1,0".
 Result<glm::vec3> parse_direction(std::string_view option, std::string_view text);
+
+/// One line of progress on a terminal, wiped at the end; nothing where standard error is piped.
+class ProgressLine {
+ public:
+  ProgressLine();
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  void show(const std::string& text);
+
+ private:
+  bool shown_;
+  std::size_t width_ = 0;
+};
 
 }  // namespace umbrage::cli

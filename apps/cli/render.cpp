@@ -158,7 +158,7 @@ Result<void> render(const RenderOptions& o) {
   const auto format = format_of(o.output);
   if (!format) return format.error();
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
-  const auto draw_with = draw_settings(o);
+  auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
   if (const auto recipe = make_recipe(*draw_with); !recipe) return recipe.error();
   if (auto fine = check_passes(o, *draw_with); !fine) return fine;
@@ -178,6 +178,11 @@ Result<void> render(const RenderOptions& o) {
   times.done("load");
   if (auto ready = (*device)->prepare(*scene); !ready) return ready;
   times.done("prepare");
+  ProgressLine line;
+  draw_with->progress = [&](double done) {
+    line.show(fmt::format("tracing rays: {:.0f} %", 100.0 * done));
+    return true;
+  };
   const auto frame = draw(**device, *scene, *draw_with, times);
   if (!frame) return frame.error();
   if (!shows_surface(**device, *frame))
@@ -197,7 +202,9 @@ Result<void> render(const RenderOptions& o) {
 void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("render", "draw a model to a file");
   auto options = std::make_shared<RenderOptions>();
-  add_model_options(*command, *options);
+  add_scene_options(*command, *options);
+  add_technique_options(*command, *options);
+  add_picture_options(*command, *options);
   const auto output = "Output";
   command->add_option("-o,--output", options->output, "file to write: .png, .exr or .pfm")->required()->group(output);
   command

@@ -1,0 +1,187 @@
+// umbrage compare: each technique against ray-traced truth: numbers, error maps, an HTML page.
+#include "apps/compare/compare.h"
+
+#include <filesystem>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/options.h"
+#include "apps/compare/report.h"
+#include "core/suggest.h"
+#include "io/image_file.h"
+
+namespace umbrage::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CompareOptions : CommonOptions {
+  std::string techniques = "all", output = "report", baseline;
+  std::vector<std::string> sizes = {"960,540", "480,270"};
+  int cameras = 2, samples = 256, runs = 3;
+};
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    words.push_back(text.substr(start, comma - start));
+    start = comma + 1;
+  }
+  return words;
+}
+
+/// The words of the command line, as one would type them.
+std::string command_of(const CompareOptions& o) {
+  std::string text = "umbrage compare";
+  for (const std::string& model : o.models) text += " " + model;
+  text += " --ao " + o.techniques;
+  for (const std::string& size : o.sizes) text += " --resolution " + size;
+  if (!o.radius.empty()) text += " --ao-radius " + o.radius;
+  for (const std::string& setting : o.settings) text += " --set " + setting;
+  if (o.guard_band != "0%") text += " --guard-band " + o.guard_band;
+  for (const auto& [name, value] : {std::pair{"--camera-position", &o.position},
+                                    {"--camera-focal-point", &o.focal_point},
+                                    {"--camera-direction", &o.direction},
+                                    {"--camera-view-up", &o.view_up},
+                                    {"--camera-view-angle", &o.view_angle}})
+    if (!value->empty()) text += fmt::format(" {}={}", name, *value);
+  return text + fmt::format(" --cameras {} --samples {} --runs {} -o {}", o.cameras, o.samples, o.runs, o.output);
+}
+
+/// Makes the folder, unless it is there, and says whether files can be made in it.
+Result<void> prepare_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder, error)) return file_error("{}: the report's folder cannot be made", folder.string());
+  for (const char* file : {"index.html", "scores.json"})
+    if (auto writable = check_writable(folder / file); !writable) return writable;
+  return {};
+}
+
+/// One line per technique and setting: means over all pictures of one size.
+void print_table(const Comparison& comparison, std::pair<int, int> size) {
+  fmt::print("{}x{}, means over all scenes and cameras\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
+             size.first, size.second, "technique", "setting", "ms", "rmse", "bias", "ssim", "p99", "flip");
+  std::vector<std::pair<std::string, std::string>> shown;
+  for (const Score& first : comparison.scores) {
+    const std::pair key(first.technique, first.setting);
+    if (std::find(shown.begin(), shown.end(), key) != shown.end()) continue;
+    shown.push_back(key);
+    double ms = 0.0, rmse = 0.0, bias = 0.0, ssim = 0.0, p99 = 0.0, flip = 0.0;
+    int count = 0;
+    for (const Score& score : comparison.scores) {
+      if (std::pair(score.technique, score.setting) != key || std::pair(score.width, score.height) != size) continue;
+      ++count;
+      ms += score.ms;
+      rmse += score.card.covered.rmse;
+      bias += score.card.covered.bias;
+      ssim += score.card.covered.ssim;
+      p99 += score.card.covered.p99;
+      flip += score.card.covered.flip;
+    }
+    if (count == 0) continue;
+    fmt::print("{:<11} {:<27} {:9.1f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f}\n", first.technique, first.setting,
+               ms / count, rmse / count, bias / count, ssim / count, p99 / count, flip / count);
+  }
+}
+
+Result<void> run_compare(const CompareOptions& o) {
+  constexpr int kMostCameras = 100, kMostRuns = 1000;
+  if (o.cameras < 1 || o.cameras > kMostCameras)
+    return usage_error("--cameras cannot be {}: it takes 1 to {}", o.cameras, kMostCameras);
+  if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
+  CompareSettings settings;
+  settings.models = o.models;
+  settings.cameras = o.cameras;
+  settings.samples = o.samples;
+  settings.runs = o.runs;
+  settings.sizes.clear();
+  for (const std::string& text : o.sizes) {
+    const auto size = parse_resolution(text);
+    if (!size) return size.error();
+    settings.sizes.push_back(*size);
+  }
+  // The page shows the pictures of the first size.
+  std::stable_sort(settings.sizes.begin(), settings.sizes.end(),
+                   [](const auto& a, const auto& b) { return long(a.first) * a.second > long(b.first) * b.second; });
+  settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
+  if (o.techniques != "all") settings.techniques = split(o.techniques);
+  const auto import_with = import_settings(o);
+  if (!import_with) return import_with.error();
+  settings.import = *import_with;
+  const auto draw_with = draw_settings(o);
+  if (!draw_with) return draw_with.error();
+  settings.draw = *draw_with;
+  if (auto fine = check_compare(settings); !fine) return fine;
+  nlohmann::json baseline;
+  if (!o.baseline.empty()) {
+    auto read = read_baseline(o.baseline);
+    if (!read) return read.error();
+    baseline = std::move(*read);
+  }
+  auto device = device_of(o);
+  if (!device) return device.error();
+  const fs::path folder(o.output);
+  if (auto prepared = prepare_folder(folder); !prepared) return prepared;
+
+  ProgressLine line;
+  settings.progress = [&](const std::string& what) {
+    line.show(what);
+    return true;
+  };
+  const auto comparison = compare(**device, settings);
+  if (!comparison) return comparison.error();
+  for (const std::string& warning : comparison->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
+  if (o.verbose) fmt::print(stderr, "{}\n", (*device)->description());
+  line.show("writing the page");
+  const nlohmann::json scores = scores_json(*comparison);
+  const auto page = report_page(*comparison, command_of(o), **device);
+  if (!page) return page.error();
+  if (auto written = write_text(folder / "scores.json", scores.dump(1) + "\n"); !written) return written;
+  if (auto written = write_text(folder / "index.html", *page); !written) return written;
+  line.show("");
+
+  for (const auto& size : settings.sizes) print_table(*comparison, size);
+  fmt::print("truth: mean {:.4f} over all surfaces, {} rays a pixel within {}, standard error of a pixel {:.4f}\n",
+             comparison->mean, comparison->samples, comparison->radius, comparison->noise);
+  fmt::print("{} shows it all; the numbers are in {}\n", (folder / "index.html").string(),
+             (folder / "scores.json").string());
+  if (o.baseline.empty()) return {};
+  const auto check = check_baseline(baseline, scores, o.baseline);
+  if (!check) return check.error();
+  for (const std::string& sentence : check->worse) fmt::print(stderr, "worse: {}\n", sentence);
+  if (check->missing > 0)
+    fmt::print(stderr, "umbrage: warning: {} scores of {} were not measured this time\n", check->missing, o.baseline);
+  if (!check->worse.empty())
+    return Error{ErrorKind::kInternal, fmt::format("{} scores got worse than in {}", check->worse.size(), o.baseline)};
+  fmt::print("no score is worse than in {}: {} records compared\n", o.baseline, check->compared);
+  return {};
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
+  CLI::App* command = app.add_subcommand("compare", "measure each technique against ray-traced truth");
+  auto options = std::make_shared<CompareOptions>();
+  add_scene_options(*command, *options);
+  const auto comparison = "Comparison";
+  command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
+      ->group(comparison);
+  command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
+      ->group(comparison);
+  command->add_option("--resolution", options->sizes, "width,height; may be given several times [960,540 and 480,270]")
+      ->take_all()
+      ->expected(1)
+      ->group(comparison);
+  command->add_option("--cameras", options->cameras, "at most so many views of each scene [2]")->group(comparison);
+  command->add_option("--samples", options->samples, "rays per pixel of the truth, an even number [256]")
+      ->group(comparison);
+  command->add_option("--runs", options->runs, "runs behind each time [3]")->group(comparison);
+  command->add_option("--baseline", options->baseline, "an earlier scores.json: fail where a score is worse than there")
+      ->group(comparison);
+  add_technique_options(*command, *options);
+  add_device_options(*command, *options);
+  command->callback([options, &run] { run = [options] { return run_compare(*options); }; });
+}
+
+}  // namespace umbrage::cli

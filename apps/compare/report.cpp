@@ -1,0 +1,211 @@
+#include "apps/compare/report.h"
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "core/check.h"
+#include "effects/effects.h"
+#include "io/image_file.h"
+
+namespace umbrage {
+namespace {
+
+/// page.html, made a string by the build.
+constexpr std::string_view kPage =
+#include "compare_page.inc"
+    ;
+constexpr std::string_view kDataMark = "/*UMBRAGE-DATA*/";
+
+nlohmann::json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
+    for (int k = 0; k < 4; ++k) out += i + std::size_t(k) <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63u] : '=';
+  }
+  return out;
+}
+
+Result<std::string> data_url(const Plane& plane) {
+  Image image(plane.width, plane.height);
+  image.add("grey") = plane;
+  const auto bytes = encode_png(image, {.small = true});
+  if (!bytes) return bytes.error();
+  return "data:image/png;base64," + base64(*bytes);
+}
+
+/// Classes as greys: 60, 120, 180, 240 of 255 in the order of PixelClass, 0 for the background.
+Plane class_picture(const ClassMap& classes) {
+  constexpr float kStep = 60.0f / 255.0f;
+  Plane plane(classes.width, classes.height);
+  for (int y = 0; y < plane.height; ++y)
+    for (int x = 0; x < plane.width; ++x) {
+      const PixelClass c = classes.classes[std::size_t(y) * plane.width + x];
+      plane.at(x, y) = c == PixelClass::kBackground ? 0.0f : kStep * float(int(c) + 1);
+    }
+  return plane;
+}
+
+nlohmann::json truth_json(const Comparison& comparison) {
+  return {{"radius", comparison.radius},
+          {"samples", comparison.samples},
+          {"falloff", comparison.falloff},
+          {"normal", comparison.normal}};
+}
+
+/// What makes two records the same measurement.
+std::string key_of(const nlohmann::json& record) {
+  std::string key;
+  for (const char* field : {"scene", "camera", "technique", "setting"})
+    key += record.at(field).get<std::string>() + '\n';
+  return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
+}
+
+/// How much a score may grow before it counts as worse: what rounding on another SIMD target changes, and no more.
+struct Tolerance {
+  const char* field;
+  double absolute, relative;
+};
+constexpr Tolerance kTolerances[] = {
+    {"rmse", 5e-4, 0.01}, {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01}, {"bias", 5e-4, 0.01}, {"ssim", 1e-3, 0.0}};
+
+/// A score such that less is better.
+double badness(const nlohmann::json& record, std::string_view field) {
+  const double value = record.at(field).get<double>();
+  if (field == "ssim") return 1.0 - value;
+  return std::abs(value);
+}
+
+}  // namespace
+
+nlohmann::json scores_json(const Comparison& comparison) {
+  nlohmann::json records = nlohmann::json::array();
+  for (const Score& score : comparison.scores) {
+    nlohmann::json record = {{"scene", score.scene},     {"camera", score.camera}, {"technique", score.technique},
+                             {"setting", score.setting}, {"device", score.device}, {"width", score.width},
+                             {"height", score.height},   {"ms", score.ms}};
+    const auto add = [&](const Scores& scores, const std::string& suffix) {
+      const bool any = scores.pixels > 0 || suffix.empty();
+      const auto put = [&](const char* name, double value) {
+        record[name + suffix] = any ? number_or_null(value) : nlohmann::json(nullptr);
+      };
+      put("rmse", scores.rmse);
+      put("bias", scores.bias);
+      put("psnr", scores.psnr);
+      put("ssim", scores.ssim);
+      put("p99", scores.p99);
+      put("flip", scores.flip);
+      record["pixels" + suffix] = scores.pixels;
+    };
+    add(score.card.covered, "");
+    for (int c = 0; c < kPixelClasses; ++c) add(score.card.by_class[c], fmt::format("_{}", kPixelClassNames[c]));
+    record["format"] = kScoresFormat;
+    record.update(truth_json(comparison));
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device) {
+  nlohmann::json data = {{"version", UMBRAGE_VERSION},        {"command", command},
+                         {"device", device.description()},    {"truth", truth_json(comparison)},
+                         {"scores", scores_json(comparison)}, {"techniques", nlohmann::json::array()},
+                         {"views", nlohmann::json::array()}};
+  data["truth"]["noise"] = comparison.noise;
+  data["truth"]["mean"] = comparison.mean;
+  for (const Effect* effect : every_effect())
+    if (effect->kind == EffectKind::kOcclusion)
+      data["techniques"].push_back({{"name", effect->name}, {"summary", effect->summary}});
+  for (const ComparedView& view : comparison.views) {
+    const auto truth = data_url(view.truth), classes = data_url(class_picture(view.classes));
+    if (!truth) return truth.error();
+    if (!classes) return classes.error();
+    nlohmann::json record = {{"scene", view.scene},       {"camera", view.camera},
+                             {"width", view.truth.width}, {"height", view.truth.height},
+                             {"radius", view.radius},     {"truth", *truth},
+                             {"classes", *classes},       {"images", nlohmann::json::array()}};
+    for (const ComparedView::Technique& technique : view.techniques) {
+      const auto ao = data_url(technique.ao);
+      if (!ao) return ao.error();
+      record["images"].push_back({{"technique", technique.name}, {"setting", technique.setting}, {"ao", *ao}});
+    }
+    data["views"].push_back(std::move(record));
+  }
+  // Names come from the command line: they may hold what ends a script, or bytes that are no UTF-8.
+  std::string text = data.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  for (std::size_t at = text.find("</"); at != std::string::npos; at = text.find("</", at + 3))
+    text.insert(at + 1, "\\");
+  for (std::size_t at = text.find("<!--"); at != std::string::npos; at = text.find("<!--", at + 5))
+    text.replace(at, 4, "\\u003c!--");
+  std::string page(kPage);
+  const std::size_t mark = page.find(kDataMark);
+  if (mark == std::string::npos) fail_check("the page has no place for its data");
+  return page.replace(mark, kDataMark.size(), text);
+}
+
+Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return file_error("{}: the baseline cannot be read", file.string());
+  std::ostringstream text;
+  text << stream.rdbuf();
+  nlohmann::json baseline = nlohmann::json::parse(text.str(), nullptr, false);
+  const auto no_scores = [&] {
+    return file_error("{}: this is no list of scores, as compare writes into scores.json", file.string());
+  };
+  if (!baseline.is_array() || baseline.empty()) return no_scores();
+  for (const nlohmann::json& record : baseline) {
+    if (!record.is_object() || !record.contains("format")) return no_scores();
+    if (record["format"] != kScoresFormat)
+      return file_error(
+          "{}: its scores are of format {}, which another version measured; this one measures format {}: make it anew",
+          file.string(), record["format"].dump(), kScoresFormat);
+    for (const char* field : {"scene", "camera", "technique", "setting", "radius", "falloff", "normal"})
+      if (!record.contains(field) || !record[field].is_string()) return no_scores();
+    for (const char* field : {"width", "height", "samples", "rmse", "bias", "ssim", "p99", "flip"})
+      if (!record.contains(field) || !record[field].is_number()) return no_scores();
+  }
+  return baseline;
+}
+
+Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohmann::json& scores,
+                                     const std::string& name) {
+  std::map<std::string, const nlohmann::json*> now;
+  for (const nlohmann::json& record : scores) now[key_of(record)] = &record;
+  BaselineCheck check;
+  for (const nlohmann::json& before : baseline) {
+    const auto found = now.find(key_of(before));
+    if (found == now.end()) {
+      ++check.missing;
+      continue;
+    }
+    const nlohmann::json& after = *found->second;
+    for (const char* field : {"radius", "samples", "falloff", "normal"})
+      if (before.at(field) != after.at(field))
+        return file_error("{}: it was measured against another truth: {} {}, now {}", name, field,
+                          before.at(field).dump(), after.at(field).dump());
+    ++check.compared;
+    for (const auto& [field, absolute, relative] : kTolerances) {
+      const double bad_before = badness(before, field), bad_now = badness(after, field);
+      if (!(bad_now > bad_before + absolute + relative * bad_before)) continue;
+      check.worse.push_back(fmt::format(
+          "{}, camera {}, {}x{}, {} {}: {} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
+          after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
+          after.at("technique").get<std::string>(), after.at("setting").get<std::string>(), field,
+          before.at(field).get<double>(), after.at(field).get<double>()));
+    }
+  }
+  if (check.compared == 0)
+    return file_error("{}: none of its {} scores is of a scene, camera, size and technique that were compared now",
+                      name, check.missing);
+  return check;
+}
+
+}  // namespace umbrage

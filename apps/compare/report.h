@@ -1,0 +1,38 @@
+// Report: a comparison as flat JSON records, as one HTML page that opens offline, and held against an earlier one.
+#pragma once
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/compare/compare.h"
+
+namespace umbrage {
+
+/// Number of the records' meaning: it grows when the truth or a metric is defined anew, and scores no longer compare.
+inline constexpr int kScoresFormat = 1;
+
+/// One record per score: scene, camera, technique, setting, device, width, height, ms, rmse, bias, psnr (null where it
+/// is infinite), ssim, p99, flip, the same for each class of pixel as rmse_open ... (null where a class has no pixels),
+/// and what the truth was: format, radius, samples, falloff, normal.
+nlohmann::json scores_json(const Comparison& comparison);
+
+/// The page, whole: scores, pictures, script. `command` is shown in its head.
+Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device);
+
+/// What became of an earlier run's scores.
+struct BaselineCheck {
+  std::vector<std::string> worse;  ///< a sentence for each score that got worse
+  int compared = 0, missing = 0;   ///< records of the baseline that were measured again, and that were not
+};
+
+/// Reads what scores_json made. Errors: kFile for a file that is no list of scores, or of another format.
+Result<nlohmann::json> read_baseline(const std::filesystem::path& file);
+
+/// Holds scores against those of a baseline, which `name` is called in errors. A score got worse where rmse, flip, p99,
+/// 1 - ssim or |bias| grew by more than its tolerance, which covers what another SIMD target's rounding changes. Times
+/// do not count. Errors: kFile where the baseline was measured against another truth, or none of it was measured again.
+Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohmann::json& scores,
+                                     const std::string& name);
+
+}  // namespace umbrage
