@@ -55,7 +55,9 @@ struct Surfel {
 /// Reads the surfels of one row.
 class SurfelRows {
  public:
-  explicit SurfelRows(const GBuffer& gbuffer) : camera_(gbuffer.info.camera), depth_(gbuffer.layers[0].plane("depth")) {
+  explicit SurfelRows(const GBuffer& gbuffer) : depth_(gbuffer.layers[0].plane("depth")) {
+    // Planes come with the guard band or, as devices hand them out, without.
+    camera_ = depth_.width == gbuffer.info.width ? gbuffer.info.camera : inner_camera(gbuffer.info);
     constexpr std::array<const char*, 3> kNames = {"normal.x", "normal.y", "normal.z"};
     for (int i = 0; i < 3; ++i) normal_[i] = gbuffer.layers[0].find(kNames[i]);
     step_x_ = (double(camera_.right) - camera_.left) / depth_.width;
@@ -83,7 +85,7 @@ class SurfelRows {
     return {true, depth, spread * std::max(step_x_, step_y_), point, usable ? normal / length : to_viewer};
   }
 
-  const Camera& camera_;
+  Camera camera_;
   const Plane& depth_;
   std::array<const Plane*, 3> normal_{};
   double step_x_, step_y_;
