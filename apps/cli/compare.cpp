@@ -1,6 +1,8 @@
 // umbrage compare: each technique against ray-traced truth: numbers, error maps, an HTML page.
 #include "apps/compare/compare.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 
 #include "apps/cli/commands.h"
@@ -48,13 +50,18 @@ std::string command_of(const CompareOptions& o) {
   return text + fmt::format(" --cameras {} --samples {} --runs {} -o {}", o.cameras, o.samples, o.runs, o.output);
 }
 
-/// Makes the folder, unless it is there, and says whether files can be made in it.
-Result<void> prepare_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder, error)) return file_error("{}: the report's folder cannot be made", folder.string());
-  for (const char* file : {"index.html", "scores.json"})
-    if (auto writable = check_writable(folder / file); !writable) return writable;
+/// Whether the report can be written, before any work; makes nothing.
+Result<void> check_folder(const fs::path& folder) {
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) {
+    for (const char* file : {"index.html", "scores.json"})
+      if (auto writable = check_writable(folder / file); !writable) return writable;
+    return {};
+  }
+  fs::path parent = fs::absolute(folder, ignored);
+  while (!fs::exists(parent, ignored) && parent != parent.parent_path()) parent = parent.parent_path();
+  if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
+    return file_error("{}: the report's folder cannot be made", folder.string());
   return {};
 }
 
@@ -122,7 +129,7 @@ Result<void> run_compare(const CompareOptions& o) {
   auto device = device_of(o);
   if (!device) return device.error();
   const fs::path folder(o.output);
-  if (auto prepared = prepare_folder(folder); !prepared) return prepared;
+  if (auto writable = check_folder(folder); !writable) return writable;
 
   ProgressLine line;
   settings.progress = [&](const std::string& what) {
@@ -137,7 +144,10 @@ Result<void> run_compare(const CompareOptions& o) {
   const nlohmann::json scores = scores_json(*comparison);
   const auto page = report_page(*comparison, command_of(o), **device);
   if (!page) return page.error();
-  if (auto written = write_text(folder / "scores.json", scores.dump(1) + "\n"); !written) return written;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return file_error("{}: the report's folder cannot be made: {}", folder.string(), error.message());
+  if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
   line.show("");
 

@@ -114,6 +114,13 @@ nlohmann::json scores_json(const Comparison& comparison) {
   return records;
 }
 
+std::string scores_text(const nlohmann::json& scores) {
+  std::string text = "[";
+  for (const nlohmann::json& record : scores)
+    text += (text.size() > 1 ? ",\n " : "\n ") + record.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return text + "\n]\n";
+}
+
 Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device) {
   nlohmann::json data = {{"version", UMBRAGE_VERSION},        {"command", command},
                          {"device", device.description()},    {"truth", truth_json(comparison)},

@@ -17,6 +17,9 @@ inline constexpr int kScoresFormat = 1;
 /// and what the truth was: format, radius, samples, falloff, normal.
 nlohmann::json scores_json(const Comparison& comparison);
 
+/// The text of scores.json: the records, one per line.
+std::string scores_text(const nlohmann::json& scores);
+
 /// The page, whole: scores, pictures, script. `command` is shown in its head.
 Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device);
 

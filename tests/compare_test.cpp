@@ -1,0 +1,302 @@
+// `umbrage compare`: scores, page, baseline, bad input; and rung 4, the recorded scores of every technique.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "apps/compare/compare.h"
+#include "apps/compare/report.h"
+#include "reference/reference.h"
+#include "run_program.h"
+#include "scene/builtin.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+// ---- rung 4
+// --------------------------------------------------------------------------------------------------------------------
+
+// The scores that tests/scores.json holds were made, and are made anew where a technique became better, by
+//   umbrage compare $(models) --ao all --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
+// with the models below; scores.json is then copied.
+std::vector<std::string> recorded_models() {
+  std::vector<std::string> models;
+  for (const BuiltinScene& scene : builtin_scenes()) models.push_back(fmt::format("scene:{}?detail=20000", scene.name));
+  models.push_back("/usr/share/glmark2/models/bunny.obj");
+  return models;
+}
+
+const fs::path kRecorded = fs::path(UMBRAGE_SOURCE) / "tests/scores.json";
+
+TEST(RecordedScores, NoTechniqueGotWorse) {
+  const auto baseline = read_baseline(kRecorded);
+  ASSERT_TRUE(baseline) << baseline.error().message;
+  auto device = make_device("cpu", 0);
+  ASSERT_TRUE(device);
+  CompareSettings settings;
+  settings.models = recorded_models();
+  settings.sizes = {{240, 135}};
+  settings.cameras = 1;
+  settings.samples = 64;
+  settings.runs = 1;
+  settings.pictures = false;
+  const auto comparison = compare(**device, settings);
+  ASSERT_TRUE(comparison) << comparison.error().message;
+  const auto check = check_baseline(*baseline, scores_json(*comparison), kRecorded.string());
+  ASSERT_TRUE(check) << check.error().message;
+  for (const std::string& sentence : check->worse) ADD_FAILURE() << sentence;
+  EXPECT_EQ(check->missing, 0) << "scores are recorded of what is no longer there";
+  EXPECT_EQ(check->compared, int(comparison->scores.size()))
+      << "a technique, variant or scene has no recorded score: record them as the top of this file says";
+}
+
+// ---- scores and baseline
+// -------------------------------------------------------------------------------------------------------
+
+/// A comparison of one small picture.
+const Comparison& small_comparison() {
+  static const Comparison comparison = [] {
+    auto device = make_device("cpu", 0);
+    CompareSettings settings;
+    settings.models = {"scene:solids?detail=7000"};
+    settings.sizes = {{96, 64}, {48, 32}};
+    settings.cameras = 2;
+    settings.samples = 16;
+    settings.runs = 1;
+    auto made = compare(**device, settings);
+    EXPECT_TRUE(made) << made.error().message;
+    return *made;
+  }();
+  return comparison;
+}
+
+TEST(Compare, EveryTechniqueInEveryVariantAtEverySizeAndCamera) {
+  const Comparison& comparison = small_comparison();
+  std::size_t variants = 0;
+  for (const Effect* effect : every_effect())
+    if (effect->kind == EffectKind::kOcclusion) {
+      EXPECT_FALSE(effect->variants.empty()) << effect->name;
+      EXPECT_EQ(std::count(effect->variants.begin(), effect->variants.end(), ""), 1) << effect->name;
+      variants += effect->variants.size();
+    }
+  EXPECT_EQ(comparison.scores.size(), variants * 2 * 2);
+  ASSERT_EQ(comparison.views.size(), 2u);
+  for (const ComparedView& view : comparison.views) {
+    EXPECT_EQ(view.techniques.size(), variants);
+    EXPECT_EQ(view.truth.width, 96);
+    EXPECT_EQ(view.classes.width, 96);
+  }
+  EXPECT_NE(comparison.views[0].camera, comparison.views[1].camera);
+}
+
+TEST(Compare, MoreRaysComeCloserToTheTruth) {
+  std::map<std::string, double> rmse;
+  for (const Score& score : small_comparison().scores)
+    if (score.technique == "reference" && score.width == 96 && score.camera == "1")
+      rmse[score.setting] = score.card.covered.rmse;
+  EXPECT_GT(rmse["samples=1"], 1.5 * rmse["samples=4"]);
+  EXPECT_GT(rmse["samples=4"], 1.5 * rmse["samples=16"]);
+  EXPECT_GT(rmse["samples=16"], rmse[""]);
+  EXPECT_GT(rmse[""], 0.0) << "the technique's rays must not be the truth's own";
+}
+
+TEST(Compare, TheTruthKnowsItsNoise) {
+  // 64 rays against 16: their difference is the root of the sum of both variances, and the truth's part is its noise.
+  const Comparison& comparison = small_comparison();
+  EXPECT_GT(comparison.noise, 0.005);
+  EXPECT_LT(comparison.noise, 0.1);
+  for (const Score& score : comparison.scores)
+    if (score.technique == "reference" && score.setting.empty()) {
+      EXPECT_LT(score.card.covered.rmse, 2.0 * comparison.noise);
+      EXPECT_GT(score.card.covered.rmse, 0.7 * comparison.noise);
+    }
+}
+
+TEST(Compare, RecordsHoldWhatTheyPromise) {
+  const nlohmann::json scores = scores_json(small_comparison());
+  ASSERT_EQ(scores.size(), small_comparison().scores.size());
+  for (const nlohmann::json& record : scores) {
+    for (const char* text : {"scene", "camera", "technique", "setting", "device", "radius", "falloff", "normal"})
+      EXPECT_TRUE(record.at(text).is_string()) << text;
+    for (const char* number : {"width", "height", "ms", "rmse", "bias", "psnr", "ssim", "p99", "flip", "format"})
+      EXPECT_TRUE(record.at(number).is_number()) << number;
+    EXPECT_NEAR(record.at("psnr").get<double>(), -20.0 * std::log10(record.at("rmse").get<double>()), 1e-6);
+    long pixels = 0;
+    for (const std::string_view name : kPixelClassNames)
+      pixels += record.at(fmt::format("pixels_{}", name)).get<long>();
+    EXPECT_EQ(record.at("pixels").get<long>(), pixels);
+  }
+  const nlohmann::json read_again = nlohmann::json::parse(scores_text(scores));
+  EXPECT_EQ(read_again, scores);
+}
+
+TEST(Compare, BaselineNoticesEachScoreThatGotWorse) {
+  const nlohmann::json scores = scores_json(small_comparison());
+  auto same = check_baseline(scores, scores, "b");
+  ASSERT_TRUE(same);
+  EXPECT_TRUE(same->worse.empty());
+  EXPECT_EQ(same->compared, int(scores.size()));
+  EXPECT_EQ(same->missing, 0);
+  for (const auto& [field, change] : {std::pair{"rmse", 0.02}, {"flip", 0.02}, {"p99", 0.02}, {"ssim", -0.02}}) {
+    nlohmann::json worse = scores, better = scores;
+    worse[3][field] = worse[3][field].get<double>() + change;
+    better[3][field] = better[3][field].get<double>() - change;
+    const auto found = check_baseline(scores, worse, "b");
+    ASSERT_TRUE(found);
+    ASSERT_EQ(found->worse.size(), 1u) << field;
+    EXPECT_NE(found->worse[0].find(field), std::string::npos) << found->worse[0];
+    EXPECT_NE(found->worse[0].find("scene:solids"), std::string::npos);
+    EXPECT_TRUE(check_baseline(scores, better, "b")->worse.empty()) << field;
+  }
+  nlohmann::json darker = scores;
+  darker[0]["bias"] = -0.5;
+  EXPECT_EQ(check_baseline(scores, darker, "b")->worse.size(), 1u);
+}
+
+TEST(Compare, BaselineOfSomethingElseIsAnError) {
+  const nlohmann::json scores = scores_json(small_comparison());
+  nlohmann::json other_truth = scores;
+  for (auto& record : other_truth) record["samples"] = 512;
+  const auto wrong = check_baseline(other_truth, scores, "old.json");
+  ASSERT_FALSE(wrong);
+  EXPECT_EQ(wrong.error().kind, ErrorKind::kFile);
+  EXPECT_NE(wrong.error().message.find("512"), std::string::npos) << wrong.error().message;
+  nlohmann::json other_scene = scores;
+  for (auto& record : other_scene) record["scene"] = "scene:moon";
+  EXPECT_FALSE(check_baseline(other_scene, scores, "old.json"));
+  nlohmann::json one_more = scores;
+  one_more.push_back(other_scene[0]);
+  EXPECT_EQ(check_baseline(one_more, scores, "old.json")->missing, 1);
+}
+
+TEST(Compare, TheProgressCanEndTheWork) {
+  auto device = make_device("cpu", 0);
+  CompareSettings settings;
+  settings.models = {"scene:solids?detail=7000"};
+  settings.sizes = {{64, 64}};
+  int told = 0;
+  settings.progress = [&](const std::string&) { return ++told < 5; };
+  const auto ended = compare(**device, settings);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().kind, ErrorKind::kInterrupted);
+}
+
+TEST(Compare, GuardBandIsCutOffBeforeScoring) {
+  auto device = make_device("cpu", 0);
+  CompareSettings settings;
+  settings.models = {"scene:solids?detail=7000"};
+  settings.sizes = {{64, 48}};
+  settings.cameras = 1;
+  settings.samples = 16;
+  settings.runs = 1;
+  const auto without = compare(**device, settings);
+  settings.draw.guard_percent = 25.0f;
+  const auto with = compare(**device, settings);
+  ASSERT_TRUE(without && with);
+  EXPECT_EQ(with->views[0].truth.width, 64);
+  EXPECT_EQ(with->views[0].truth.height, 48);
+  // The same surfaces are counted, and the window of a technique reaches into the band.
+  EXPECT_EQ(with->scores[0].card.covered.pixels, without->scores[0].card.covered.pixels);
+  EXPECT_NEAR(with->mean, without->mean, 0.02);
+}
+
+TEST(Compare, PageHoldsItsDataAndNothingElseFromOutside) {
+  auto device = make_device("cpu", 0);
+  const auto page = report_page(small_comparison(), "umbrage compare </script><!-- \xff", **device);
+  ASSERT_TRUE(page);
+  EXPECT_EQ(page->find("/*UMBRAGE-DATA*/"), std::string::npos);
+  std::string text = *page;
+  const std::string svg = "http://www.w3.org/";  // names of namespaces, never fetched
+  for (std::size_t at = text.find(svg); at != std::string::npos; at = text.find(svg)) text.erase(at, svg.size());
+  for (const char* outside : {"http://", "https://", "src=\"//", "@import", "url(http"})
+    EXPECT_EQ(text.find(outside), std::string::npos) << outside;
+  const std::string_view opening = "<script type=\"application/json\" id=\"data\">";
+  const std::size_t start = page->find(opening) + opening.size(), end = page->find("</script>", start);
+  const nlohmann::json data = nlohmann::json::parse(page->substr(start, end - start), nullptr, false);
+  ASSERT_FALSE(data.is_discarded());
+  EXPECT_EQ(data.at("scores").size(), small_comparison().scores.size());
+  EXPECT_EQ(data.at("views").size(), 2u);
+  EXPECT_NE(data.at("command").get<std::string>().find("</script><!--"), std::string::npos);
+  const std::string url = data.at("views")[0].at("truth");
+  EXPECT_EQ(url.rfind("data:image/png;base64,iVBORw0KGgo", 0), 0u) << url.substr(0, 40);
+}
+
+// ---- the command
+// ---------------------------------------------------------------------------------------------------------------
+
+class CompareCli : public test::ProgramTest {};
+
+const std::string kQuick = "compare tri.obj --resolution 48,48 --samples 4 --runs 1 --cameras 1";
+
+TEST_F(CompareCli, WritesPageAndScores) {
+  const auto outcome = good(kQuick + " -o deep/report");
+  EXPECT_NE(outcome.out.find("unsharp"), std::string::npos);
+  EXPECT_NE(outcome.out.find("truth: mean"), std::string::npos);
+  const auto scores = nlohmann::json::parse(test::text_of(folder_ / "deep/report/scores.json"));
+  EXPECT_GT(scores.size(), 5u);
+  EXPECT_NE(test::text_of(folder_ / "deep/report/index.html").find("<!doctype html>"), std::string::npos);
+}
+
+TEST_F(CompareCli, BaselineDecidesTheExitCode) {
+  good(kQuick + " -o one");
+  const auto again = good(kQuick + " -o two --baseline one/scores.json");
+  EXPECT_NE(again.out.find("no score is worse"), std::string::npos) << again.out;
+  auto scores = nlohmann::json::parse(test::text_of(folder_ / "one/scores.json"));
+  scores[0]["rmse"] = scores[0]["rmse"].get<double>() - 0.01;
+  write("better.json", scores.dump());
+  const auto worse = run(kQuick + " -o two --baseline better.json");
+  EXPECT_EQ(worse.code, 1);
+  EXPECT_NE(worse.err.find("worse: tri.obj, camera 1, 48x48"), std::string::npos) << worse.err;
+}
+
+TEST_F(CompareCli, BadInputGetsASentence) {
+  bad(kQuick + " --ao unsharpp -o r", 2, {"unsharpp", "unsharp"});
+  bad(kQuick + " --ao none -o r", 2, {"none"});
+  bad(test::Words{"compare", "tri.obj", "--ao", "", "-o", "r"}, 2, {"technique"});
+  for (const char* radius : {"0", "-1", "0%", "nan", "big", "900", "201%"})
+    bad(test::words_of(kQuick + " -o r --ao-radius=" + radius), 2, {"--ao-radius", radius});
+  for (const char* samples : {"0", "-2", "3", "5000"})
+    bad(test::words_of("compare tri.obj -o r --samples=" + std::string(samples)), 2, {"--samples", samples});
+  bad("compare tri.obj -o r --set reference.samples=0", 2, {"reference.samples", "'0'"});
+  bad("compare tri.obj -o r --set reference.radius=0%", 2, {"reference.radius", "above 0"});
+  bad("compare tri.obj -o r --cameras 0", 2, {"--cameras"});
+  bad("compare tri.obj -o r --runs 0", 2, {"--runs"});
+  bad("compare tri.obj -o r --resolution 0,5", 2, {"--resolution"});
+  bad("compare tri.obj tri.obj -o r", 2, {"tri.obj", "twice"});
+  bad("compare missing.obj -o r", 3, {"missing.obj"});
+  bad("compare scene:attrium -o r", 2, {"attrium", "atrium"});
+  bad(kQuick + " -o tri.obj", 3, {"tri.obj"});
+  bad(kQuick + " -o tri.obj/sub", 3, {"tri.obj/sub"});
+  bad(kQuick + " -o /proc/report", 3, {"/proc/report"});
+  bad(test::Words{"compare", "tri.obj", "-o", ""}, 3, {"folder"});
+}
+
+TEST_F(CompareCli, BadBaselineGetsASentence) {
+  good(kQuick + " -o one");
+  auto scores = nlohmann::json::parse(test::text_of(folder_ / "one/scores.json"));
+  write("nothing.json", "");
+  write("object.json", "{}");
+  write("words.json", "[1, 2]");
+  auto lacking = scores;
+  lacking[0].erase("flip");
+  write("lacking.json", lacking.dump());
+  auto newer = scores;
+  for (auto& record : newer) record["format"] = 99;
+  write("newer.json", newer.dump());
+  for (const char* file : {"nothing.json", "object.json", "words.json", "lacking.json"})
+    bad(kQuick + " -o r --baseline " + file, 3, {file, "no list of scores"});
+  bad(kQuick + " -o r --baseline newer.json", 3, {"newer.json", "99", "another version"});
+  bad(kQuick + " -o r --baseline missing.json", 3, {"missing.json"});
+  // Found only when the truth is known: the report stands, the comparison with the baseline does not.
+  const auto other =
+      run("compare tri.obj --resolution 48,48 --samples 8 --runs 1 --cameras 1 -o r --baseline one/scores.json");
+  EXPECT_EQ(other.code, 3);
+  EXPECT_NE(other.err.find("another truth"), std::string::npos) << other.err;
+}
+
+}  // namespace
+}  // namespace umbrage
