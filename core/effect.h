@@ -48,6 +48,8 @@ struct Effect {
   /// one, nothing set, is always among them.
   std::vector<std::string_view> variants;
   std::vector<Pass> passes;
+  /// How often the passes run, all of them in order, each time; null: once.
+  int (*rounds)(const ParameterBytes& params) = nullptr;
 };
 
 /// What a radius is in scene units: a share is of the scene's radius. `owner` is named in errors ("--ao-radius").

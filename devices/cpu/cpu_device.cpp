@@ -105,8 +105,10 @@ class CpuDevice final : public Device {
     Image& image = planes_of(frame);
     std::vector<std::byte> constants(effect.constants_size);
     effect.constants(params, frame.info, constants.data());
-    for (const Pass& pass : effect.passes)
-      if (Result<void> done = run_pass(effect, pass, constants, frame.info, image); !done) return done;
+    const int rounds = effect.rounds ? effect.rounds(params) : 1;
+    for (int round = 0; round < rounds; ++round)
+      for (const Pass& pass : effect.passes)
+        if (Result<void> done = run_pass(effect, pass, constants, frame.info, image); !done) return done;
     return {};
   }
 
