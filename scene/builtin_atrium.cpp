@@ -834,9 +834,14 @@ Scene make_atrium(int triangles) {
   scene.materials = std::move(palette.materials);
   scene.textures = std::move(palette.textures);
   // A high sun from behind the camera's right shoulder: it lights the left side, the far end and part of the floor.
-  scene.lights = {
-      {.direction = glm::normalize(vec3(0.41f, 0.84f, 0.36f)), .color = {1.12f, 1.00f, 0.80f}, .casts_shadow = true},
-      {.direction = glm::normalize(vec3(-0.7f, 0.35f, 0.4f)), .color = {0.10f, 0.085f, 0.07f}}};
+  // The other light stands for what lit walls send across, and is as wide as they are.
+  scene.lights = {{.direction = glm::normalize(vec3(0.41f, 0.84f, 0.36f)),
+                   .color = {1.12f, 1.00f, 0.80f},
+                   .angle_deg = kSunAngleDeg,
+                   .casts_shadow = true},
+                  {.direction = glm::normalize(vec3(-0.7f, 0.35f, 0.4f)),
+                   .color = {0.10f, 0.085f, 0.07f},
+                   .angle_deg = kFillAngleDeg}};
   scene.ambient = {0.28f, 0.31f, 0.36f};
   scene.views = {{.eye = {1.3f, 2.4f, 10.6f}, .target = {-0.35f, 3.7f, -6.0f}, .angle_deg = 60.0f}};
   return scene;

@@ -5,6 +5,11 @@
 
 namespace umbrage {
 
+/// What the sun spans in the sky, seen from the earth.
+inline constexpr float kSunAngleDeg = 0.53f;
+/// What a light spans that stands for a bright part of the sky or a lit wall: wide enough to have no edge of shadow.
+inline constexpr float kFillAngleDeg = 40.0f;
+
 Scene make_atrium(int triangles);
 Scene make_room(int triangles);
 Scene make_terrain(int triangles);

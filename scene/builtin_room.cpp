@@ -632,13 +632,19 @@ Scene make_room(int triangles) {
   scene.materials = std::move(palette.materials);
   scene.textures = std::move(palette.textures);
   // The sun through the window; then light that the window and the lamp send round corners, without shadows.
-  scene.lights = {
-      {.direction = glm::normalize(vec3(-0.80f, 0.47f, 0.07f)), .color = {1.60f, 1.38f, 1.08f}, .casts_shadow = true},
-      {.direction = glm::normalize(vec3(-0.80f, 0.45f, 0.40f)), .color = {0.24f, 0.25f, 0.27f}},
-      {.kind = LightKind::kPoint,
-       .position = kFloorLamp + vec3(0.0f, 1.55f, 0.2f),
-       .color = {0.13f, 0.095f, 0.05f},
-       .reach = 1.2f}};
+  constexpr float kBulb = 0.06f;  // radius of a round bulb, metres
+  scene.lights = {{.direction = glm::normalize(vec3(-0.80f, 0.47f, 0.07f)),
+                   .color = {1.60f, 1.38f, 1.08f},
+                   .angle_deg = kSunAngleDeg,
+                   .casts_shadow = true},
+                  {.direction = glm::normalize(vec3(-0.80f, 0.45f, 0.40f)),
+                   .color = {0.24f, 0.25f, 0.27f},
+                   .angle_deg = kFillAngleDeg},
+                  {.kind = LightKind::kPoint,
+                   .position = kFloorLamp + vec3(0.0f, 1.55f, 0.2f),
+                   .color = {0.13f, 0.095f, 0.05f},
+                   .reach = 1.2f,
+                   .radius = kBulb}};
   scene.ambient = {0.54f, 0.52f, 0.50f};
   scene.views = {{.eye = {3.15f, 1.62f, 2.45f}, .target = {-0.95f, 0.92f, -1.15f}, .angle_deg = 52.0f}};
   return scene;

@@ -441,9 +441,14 @@ Scene make_terrain(int triangles) {
   const Field field = shown_field(worn, n + 1);
   add_land(scene, m, field);
   add_cover(scene, m, field, std::max(triangles - 2 * n * n, 0));
-  scene.lights = {
-      {.direction = glm::normalize(vec3(-0.72f, 0.52f, 0.30f)), .color = {1.12f, 1.02f, 0.86f}, .casts_shadow = true},
-      {.direction = glm::normalize(vec3(0.5f, 0.6f, 0.5f)), .color = {0.08f, 0.09f, 0.12f}}};
+  // The sun, and the bright part of the sky across from it.
+  scene.lights = {{.direction = glm::normalize(vec3(-0.72f, 0.52f, 0.30f)),
+                   .color = {1.12f, 1.02f, 0.86f},
+                   .angle_deg = kSunAngleDeg,
+                   .casts_shadow = true},
+                  {.direction = glm::normalize(vec3(0.5f, 0.6f, 0.5f)),
+                   .color = {0.08f, 0.09f, 0.12f},
+                   .angle_deg = kFillAngleDeg}};
   scene.ambient = {0.34f, 0.40f, 0.50f};
   scene.views = {{.eye = {110.0f, 300.0f, 620.0f}, .target = {-10.0f, 50.0f, -60.0f}, .angle_deg = 40.0f}};
   return scene;

@@ -229,12 +229,14 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
 
 std::vector<Light> default_lights(const Scene&, const Camera& camera) {
   constexpr float kLeftDeg = 35.0f, kUpDeg = 40.0f;
-  constexpr float kKey = 0.7f;  // with the default ambient light of 0.3, white turned to the light is just white
+  constexpr float kKey = 0.7f;      // with the default ambient light of 0.3, white turned to the light is just white
+  constexpr float kDiscDeg = 4.0f;  // a lamp of 35 cm at 5 m: shadows begin sharp and end soft
   const float left = glm::radians(kLeftDeg), up = glm::radians(kUpDeg);
   const glm::vec3 in_view(-std::cos(up) * std::sin(left), std::sin(up), std::cos(up) * std::cos(left));
   Light key;
   key.direction = glm::normalize(glm::transpose(glm::mat3(camera.view_from_world)) * in_view);
   key.color = glm::vec3(kKey);
+  key.angle_deg = kDiscDeg;
   key.casts_shadow = true;
   return {key};
 }

@@ -21,6 +21,7 @@ struct Framing {
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height);
 
 /// The lights of a scene that brings none: a white key light from above and to the left of the camera, with a shadow.
+/// Its disc spans four degrees, so that ray-traced shadows are a little soft.
 std::vector<Light> default_lights(const Scene& scene, const Camera& camera);
 
 }  // namespace umbrage

@@ -104,6 +104,11 @@ TEST_P(BuiltinScenes, HasALightAndAViewOfSomething) {
   for (const Light& light : scene.lights)
     if (light.kind == LightKind::kDirectional) {
       EXPECT_NEAR(glm::length(light.direction), 1.0f, 1e-4f);
+      EXPECT_GT(light.angle_deg, 0.0f) << "a light without size has shadows that no light has";
+      EXPECT_LT(light.angle_deg, 90.0f);
+    } else if (light.kind == LightKind::kPoint) {
+      EXPECT_GT(light.radius, 0.0f);
+      EXPECT_LT(light.radius, 0.1f * light.reach);
     }
 }
 

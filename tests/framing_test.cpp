@@ -244,6 +244,7 @@ TEST(Framing, KeyLightComesFromAboveLeftOfTheCamera) {
     ASSERT_EQ(lights.size(), 1u);
     EXPECT_EQ(lights[0].kind, LightKind::kDirectional);
     EXPECT_TRUE(lights[0].casts_shadow);
+    EXPECT_EQ(lights[0].angle_deg, 4.0f);
     const glm::vec3 view = glm::mat3(camera.view_from_world) * lights[0].direction;
     EXPECT_NEAR(glm::length(view), 1.0f, 1e-5f);
     EXPECT_LT(view.x, -0.3f);
