@@ -47,6 +47,9 @@ struct Effect {
   /// Settings that differ in cost or quality, worth timing and comparing: "parameter=value parameter=value". The empty
   /// one, nothing set, is always among them.
   std::vector<std::string_view> variants;
+  /// What one flipped sample or band is worth in the outputs, of kernels that count or threshold: machines whose last
+  /// bits differ may flip a few. 0: smooth.
+  double quantum = 0.0;
   std::vector<Pass> passes;
   /// How often the passes run, all of them in order, each time; null: once.
   int (*rounds)(const ParameterBytes& params) = nullptr;
