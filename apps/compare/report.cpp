@@ -126,8 +126,9 @@ Result<std::string> report_page(const Comparison& comparison, const std::string&
                          {"device", device.description()},    {"truth", truth_json(comparison)},
                          {"scores", scores_json(comparison)}, {"techniques", nlohmann::json::array()},
                          {"views", nlohmann::json::array()}};
-  data["truth"]["noise"] = comparison.noise;
-  data["truth"]["mean"] = comparison.mean;
+  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
+  data["truth"]["noise"] = rounded(comparison.noise);
+  data["truth"]["mean"] = rounded(comparison.mean);
   for (const Effect* effect : every_effect())
     if (effect->kind == EffectKind::kOcclusion)
       data["techniques"].push_back({{"name", effect->name}, {"summary", effect->summary}});
