@@ -2,6 +2,7 @@
 // scrambling, by hash [Owen 1997, Burley 2020]: any number of them is spread evenly, every power of two of them is
 // stratified in all elementary boxes, and each pixel's are independent of every other's.
 #pragma once
+#include <bit>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <vector>
@@ -35,14 +36,15 @@ inline std::uint32_t scrambled_low_to_high(std::uint32_t v, std::uint32_t seed) 
   return v;
 }
 
-/// Two Sobol' coordinates of the points 0 to count - 1, their bits reversed for scrambling.
+/// Two Sobol' coordinates of the first points, as many as the least power of two that holds the count wanted; their
+/// bits reversed for scrambling.
 struct SampleTable {
   std::vector<std::uint32_t> first, second;
 };
 
 inline SampleTable sample_table(int count) {
   SampleTable table;
-  for (std::uint32_t i = 0; i < std::uint32_t(count); ++i) {
+  for (std::uint32_t i = 0; i < std::bit_ceil(std::uint32_t(count)); ++i) {
     table.first.push_back(i);  // the first coordinate is i with its bits reversed
     std::uint32_t second = 0;
     for (std::uint32_t bits = i, row = 0x80000000u; bits != 0; bits >>= 1, row ^= row >> 1)
@@ -52,12 +54,20 @@ inline SampleTable sample_table(int count) {
   return table;
 }
 
-/// Point i of the set that `seed` names, in [0, 1) squared.
+/// Point i of the set that `seed` names, inside the unit square: neither 0 nor 1.
 inline glm::vec2 sample_point(const SampleTable& table, int i, std::uint32_t seed) {
-  constexpr float kStep = 0x1p-24f;  // floats hold 24 bits: 1 itself is never reached
+  constexpr float kStep = 0x1p-23f;  // floats hold 24 bits: 23 to name a step, one for its middle
   const std::uint32_t x = reversed(scrambled_low_to_high(table.first[i], hash(seed, 1u)));
   const std::uint32_t y = reversed(scrambled_low_to_high(table.second[i], hash(seed, 2u)));
-  return {float(x >> 8) * kStep, float(y >> 8) * kStep};
+  return {(float(x >> 9) + 0.5f) * kStep, (float(y >> 9) + 0.5f) * kStep};
+}
+
+/// The i-th point's number in another order, in which runs of a power of two are the same runs [Burley 2020]. Where one
+/// ray takes points of two sets, one of them must be shuffled: scrambling alone leaves both in the same halves,
+/// quarters and so on together, and their integral would not converge.
+inline int shuffled(const SampleTable& table, int i, std::uint32_t seed) {
+  const std::uint32_t mixed = reversed(scrambled_low_to_high(reversed(std::uint32_t(i)), hash(seed, 3u)));
+  return int(mixed & std::uint32_t(table.first.size() - 1));
 }
 
 }  // namespace umbrage

@@ -46,19 +46,21 @@ glm::vec3 cosine_direction(glm::vec2 sample) {
     radius = b;
     angle = kPi / 2.0f - kPi / 4.0f * (a / b);
   }
-  const float x = radius * std::cos(angle), y = radius * std::sin(angle);
-  return {x, y, std::sqrt(std::max(0.0f, 1.0f - x * x - y * y))};
+  // No sample lies on the disc's rim, so that every direction rises: (1 - r) (1 + r) keeps that, 1 - x x - y y may not.
+  return {radius * std::cos(angle), radius * std::sin(angle), std::sqrt((1.0f - radius) * (1.0f + radius))};
 }
 
-/// A direction about +z within a cone, uniform in solid angle.
-glm::vec3 cone_direction(glm::vec2 sample, float cos_cone) {
-  const float z = 1.0f - sample.x * (1.0f - cos_cone);
-  const float across = std::sqrt(std::max(0.0f, 1.0f - z * z)), angle = 2.0f * kPi * sample.y;
-  return {across * std::cos(angle), across * std::sin(angle), z};
+/// A direction about +z within a cone, uniform in solid angle. The cone is given by 1 minus the cosine of its half
+/// angle, which floats hold for the narrowest cone too.
+glm::vec3 cone_direction(glm::vec2 sample, float cone_height) {
+  const float below = sample.x * cone_height;
+  const float across = std::sqrt(below * (2.0f - below)), angle = 2.0f * kPi * sample.y;
+  return {across * std::cos(angle), across * std::sin(angle), 1.0f - below};
 }
 
-std::uint32_t pixel_seed(int x, int y, std::uint32_t seed) {
-  return hash(hash(std::uint32_t(x), seed), std::uint32_t(y));
+/// Pixels are counted without the guard band, which changes nothing inside it.
+std::uint32_t pixel_seed(const PictureInfo& info, int x, int y, std::uint32_t seed) {
+  return hash(hash(std::uint32_t(x - info.guard), seed), std::uint32_t(y - info.guard));
 }
 
 RTCIntersectContext make_context(RTCIntersectContextFlags flags) {
@@ -111,9 +113,11 @@ Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info
             for (int y = y0; y < std::min(y0 + kTile, info.height - info.guard); ++y)
               for (int x = x0; x < std::min(x0 + kTile, info.width - info.guard); ++x)
                 if (Surface surface; primary_surface(traced, rays, x, y, surface)) trace(x, y, surface, rays);
-            const double share = double(++done) / (rows * columns);
-            if (const std::unique_lock lock(telling, std::try_to_lock); lock.owns_lock() && !control.progress(share))
-              ended = true;
+            // Nobody waits to tell but the last. What is told is read under the lock, so that it never falls.
+            const bool last = ++done == rows * columns;
+            std::unique_lock lock(telling, std::try_to_lock);
+            if (last && !lock.owns_lock()) lock.lock();
+            if (lock.owns_lock() && !ended && !control.progress(double(done) / (rows * columns))) ended = true;
           }
         },
         tbb::simple_partitioner());
@@ -184,11 +188,12 @@ struct alignas(64) Packet {
 /// A light in unit space.
 struct TracedLight {
   bool point = false;
+  bool from_eye = false;  ///< of parallel light: it starts at the plane of the eye
   glm::vec3 where{0.0f};  ///< direction to it, unit, or its centre
   glm::vec3 color{0.0f};
   float reach_squared = 0.0f;  ///< 0: no falloff
   float radius = 0.0f;         ///< of a point light's ball
-  float cos_cone = 1.0f;       ///< of the half angle that a directional light spans
+  float cone_height = 0.0f;    ///< 1 minus the cosine of the half angle that a directional light spans
 };
 
 std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
@@ -200,6 +205,7 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
     out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
     if (head) {
       out.where = out.point ? rays.eye : rays.world_from_view[2];
+      out.from_eye = !out.point;
     } else if (out.point) {
       out.where = rays.eye + rays.world_from_view * (light.position * traced.scale);
       out.reach_squared = light.reach * light.reach * traced.scale * traced.scale;
@@ -207,7 +213,8 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
     } else {
       out.where = glm::normalize(rays.world_from_view * light.direction);
       const float angle_deg = sun_angle_deg > 0.0f ? sun_angle_deg : light.angle_deg;
-      out.cos_cone = std::cos(glm::radians(0.5f * angle_deg));
+      const float sine = std::sin(glm::radians(0.25f * angle_deg));
+      out.cone_height = 2.0f * sine * sine;
     }
     lights.push_back(out);
   }
@@ -215,17 +222,23 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
 }
 
 /// One sample of a light from a place: the direction to it, unit, how far it is, and the radiance of a white surface
-/// that faces it.
+/// that faces this direction.
 struct LightSample {
   glm::vec3 direction;
   float distance;
   glm::vec3 color;
 };
 
-LightSample sample_light(const TracedLight& light, glm::vec3 from, glm::vec2 sample) {
+/// What makes a white surface that faces the cone's axis as bright as one that faces a point of the same colour: 1 over
+/// the mean cosine of the cone's directions to its axis.
+float cone_gain(float cone_height) { return 1.0f / (1.0f - 0.5f * cone_height); }
+
+LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::vec3 from, glm::vec2 sample) {
   if (!light.point) {
-    const glm::vec3 direction = basis_around(light.where) * cone_direction(sample, light.cos_cone);
-    return {direction, std::numeric_limits<float>::infinity(), light.color};
+    const glm::vec3 direction = basis_around(light.where) * cone_direction(sample, light.cone_height);
+    const float distance =
+        light.from_eye ? glm::dot(rays.eye - from, light.where) : std::numeric_limits<float>::infinity();
+    return {direction, distance, light.color * cone_gain(light.cone_height)};
   }
   const glm::vec3 to_center = light.where - from;
   const float squared = std::max(glm::dot(to_center, to_center), 1e-20f), distance = std::sqrt(squared);
@@ -234,11 +247,11 @@ LightSample sample_light(const TracedLight& light, glm::vec3 from, glm::vec2 sam
   if (!(light.radius > 0.0f)) return {toward, distance, color};
   // The cone that the ball fills, seen from outside; what lies inside the ball has it all around.
   const float sine_squared = std::min(1.0f, light.radius * light.radius / squared);
-  const float cos_cone = std::sqrt(1.0f - sine_squared);
-  const glm::vec3 local = cone_direction(sample, cos_cone);
+  const float cone_height = sine_squared / (1.0f + std::sqrt(1.0f - sine_squared));
+  const glm::vec3 local = cone_direction(sample, cone_height);
   const float to_ball = distance * local.z -
                         std::sqrt(std::max(0.0f, light.radius * light.radius - squared * (1.0f - local.z * local.z)));
-  return {basis_around(toward) * local, std::max(to_ball, 0.0f), color};
+  return {basis_around(toward) * local, std::max(to_ball, 0.0f), color * cone_gain(cone_height)};
 }
 
 /// Albedo of a surface that no pixel sees: the finest texels.
@@ -274,7 +287,7 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
   const glm::vec3 start = start_above(surface, rays.eye);
   for (std::size_t l = 0; l < lights.size(); ++l) {
     const TracedLight& light = lights[l];
-    const bool hard = light.point ? !(light.radius > 0.0f) : light.cos_cone >= 1.0f;
+    const bool hard = light.point ? !(light.radius > 0.0f) : !(light.cone_height > 0.0f);
     const int count = hard ? 1 : samples;  // all samples of a point are one
     int arrived = 0;
     for (int first = 0; first < count; first += kPacket) {
@@ -282,7 +295,8 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
       Packet packet;
       std::array<LightSample, kPacket> sample;
       for (int k = 0; k < n; ++k) {
-        sample[k] = sample_light(light, start, sample_point(table, first + k, hash(seed, kFirstLight + unsigned(l))));
+        sample[k] = sample_light(light, rays, surface.position,
+                                 sample_point(table, first + k, hash(seed, kFirstLight + unsigned(l))));
         if (glm::dot(sample[k].direction, surface.geometric) > 0.0f)
           packet.add(k, start, sample[k].direction, sample[k].distance);
       }
@@ -331,13 +345,13 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
       std::array<glm::vec3, kPacket> reflected;
       for (int k = 0; k < n; ++k) {
         if (!packet.hit(k)) continue;
-        const glm::vec3 from = start_above(hits[k], surface.position);
-        const LightSample sample =
-            sample_light(lights[l], from, sample_point(table, first + k, hash(hash(seed, kBounceLight), unsigned(l))));
+        const std::uint32_t light_seed = hash(hash(seed, kBounceLight), unsigned(l));
+        const LightSample sample = sample_light(
+            lights[l], rays, hits[k].position, sample_point(table, shuffled(table, first + k, light_seed), light_seed));
         const float lambert = glm::dot(hits[k].normal, sample.direction);
         if (!(lambert > 0.0f) || !(glm::dot(hits[k].geometric, sample.direction) > 0.0f)) continue;
         reflected[k] = albedo[k] * sample.color * lambert;
-        to_light.add(k, from, sample.direction, sample.distance);
+        to_light.add(k, start_above(hits[k], surface.position), sample.direction, sample.distance);
       }
       to_light.find_blocked(traced);
       for (int k = 0; k < n; ++k)
@@ -365,7 +379,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
         const glm::vec3 start = start_above(surface, rays.eye);
         const glm::vec3 normal = settings.normal == HemisphereNormal::kTriangle ? surface.geometric : surface.normal;
         const glm::mat3 basis = basis_around(normal);
-        const std::uint32_t seed = hash(pixel_seed(x, y, settings.seed), kHemisphere);
+        const std::uint32_t seed = hash(pixel_seed(info, x, y, settings.seed), kHemisphere);
         float open = 0.0f;
         glm::vec3 bent(0.0f);
         for (int first = 0; first < settings.samples; first += kPacket) {
@@ -414,7 +428,7 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
   const bool orthographic = info.camera.projection == Projection::kOrthographic;
   const auto done =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
-        const std::uint32_t seed = pixel_seed(x, y, settings.seed);
+        const std::uint32_t seed = pixel_seed(info, x, y, settings.seed);
         const glm::vec3 to_eye = orthographic ? rays.world_from_view[2] : glm::normalize(rays.eye - surface.position);
         const glm::vec3 albedo = pixel_albedo(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
         const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);

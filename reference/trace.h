@@ -43,7 +43,8 @@ struct LightSettings {
 
 struct TraceControl {
   int threads = 0;  ///< 0: all that the process may use. The result does not depend on it
-  /// Told the share that is done, 0 to 1, now and then from any one thread at a time; false ends the work.
+  /// Told the share that is done, now and then from any one thread at a time. It never falls and ends at 1; false ends
+  /// the work, and nothing more is told.
   std::function<bool(double)> progress = [](double) { return true; };
 };
 
@@ -58,11 +59,12 @@ Result<Image> trace_occlusion(const TracedScene& scene, const PictureInfo& info,
 /// Light: planes, of the picture's whole size, 0 without surface and in the guard band:
 ///   direct.r .g .b     what the lights send to the eye by diffuse reflection and highlight, as effects/lighting has
 ///   it,
-///                      with shadows as soft as the lights are large
+///                      with shadows as soft as the lights are large. A light's size does not change its brightness: a
+///                      surface that sees all of it gets what a point of the same colour would give
 ///   shadow             share of the key light that arrives; 1 without surface
 ///   indirect.r .g .b   (with bounce) mean radiance from the shading normal's hemisphere, cosine-weighted: what the
-///   surfaces in sight reflect
-///                      diffusely of the lights, and emit. Times the albedo it is light to the eye
+///                      surfaces in sight reflect diffusely of the lights, and emit. Times the albedo it is light to
+///                      the eye
 /// Errors: kInterrupted.
 Result<Image> trace_light(const TracedScene& scene, const PictureInfo& info, const LightSettings& settings,
                           const TraceControl& control = {});

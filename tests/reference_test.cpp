@@ -1,0 +1,1366 @@
+// Rung 2 of the reference: scenes whose occlusion and light are known in closed form or by quadrature in double. What
+// is random is held to three standard errors, and those are measured: every pixel's noise is independent of every
+// other's.
+#include "reference/reference.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include "devices/cpu/capture.h"
+#include "devices/cpu/cpu_device.h"
+#include "effects/effects.h"
+#include "reference/sampler.h"
+#include "scene/builtin.h"
+#include "scene/finish.h"
+#include "scene/shapes.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+// Of walls that stand for infinite ones. Seen from a distance of 1, what lies beyond counts for less than 1e-5.
+constexpr float kFar = 1e5f;
+
+// ---- statistics ----
+
+/// Numbers drawn independently of each other: their mean, and how far it may be from the truth.
+struct Tally {
+  double sum = 0.0, squares = 0.0;
+  long count = 0;
+
+  void add(double value) {
+    sum += value;
+    squares += value * value;
+    ++count;
+  }
+  double mean() const { return sum / double(count); }
+  double variance() const { return std::max(squares - sum * mean(), 0.0) / double(count - 1); }
+  double standard_error() const { return std::sqrt(variance() / double(count)); }
+};
+
+/// That what was added is `expected` in the mean, within three standard errors and what floats add. The error itself
+/// must be below `most_error`, or the test would prove nothing.
+void expect_mean(const Tally& tally, double expected, double most_error, std::string_view what) {
+  constexpr double kFloats = 1e-6;
+  ASSERT_GE(tally.count, 30) << what;
+  EXPECT_LT(tally.standard_error(), most_error) << what;
+  EXPECT_NEAR(tally.mean(), expected, 3.0 * tally.standard_error() + kFloats)
+      << what << ": " << (tally.mean() - expected) / tally.standard_error() << " standard errors";
+}
+
+// ---- scenes: z is up, the floor lies in z = 0 ----
+
+/// The parallelogram origin + s u + t v for s, t in [0, 1], with texture coordinates (s, t).
+Mesh parallelogram(glm::vec3 origin, glm::vec3 u, glm::vec3 v) {
+  Mesh mesh;
+  mesh.positions = {origin, origin + u, origin + u + v, origin + v};
+  mesh.normals.assign(4, glm::normalize(glm::cross(u, v)));
+  mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  mesh.indices = {0, 1, 2, 0, 2, 3};
+  return mesh;
+}
+
+/// A horizontal square of side 2 half.
+Mesh level_square(float half, float height = 0.0f) {
+  return parallelogram({-half, -half, height}, {2 * half, 0, 0}, {0, 2 * half, 0});
+}
+
+/// A wall in the plane x = where, from -height to height. It goes below the floor so that the scene's middle, where
+/// floats are finest, is the floor's.
+Mesh wall_x(float where, float height = kFar, float half_length = kFar) {
+  return parallelogram({where, -half_length, -height}, {0, 2 * half_length, 0}, {0, 0, 2 * height});
+}
+
+Mesh wall_y(float where) { return parallelogram({-kFar, where, -kFar}, {2 * kFar, 0, 0}, {0, 0, 2 * kFar}); }
+
+/// A scene ready for rays. It must not move, since the traced one points into it.
+struct Stage {
+  std::unique_ptr<Scene> scene;
+  TracedScenePtr traced;
+
+  const TracedScene& operator*() const { return *traced; }
+  PictureInfo info(const Camera& camera, int width, int height, int guard = 0) const {
+    return picture_info(*scene, camera, {.width = width, .height = height, .guard = guard});
+  }
+};
+
+Stage stage_of(Scene scene) {
+  Stage stage{std::make_unique<Scene>(std::move(scene)), {}};
+  auto traced = trace_ready(*stage.scene);
+  EXPECT_TRUE(traced);
+  stage.traced = std::move(*traced);
+  return stage;
+}
+
+/// A finished scene: mesh k is object k of material k, or of the last one.
+Scene scene_of(std::vector<Mesh> meshes, std::vector<Material> materials = {Material{}}, std::vector<Light> lights = {},
+               std::vector<Texture> textures = {}) {
+  Scene scene;
+  scene.name = "test";
+  scene.meshes = std::move(meshes);
+  scene.materials = std::move(materials);
+  scene.textures = std::move(textures);
+  scene.lights = std::move(lights);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    scene.meshes[m].object = int(m);
+    scene.meshes[m].material = int(std::min(m, scene.materials.size() - 1));
+  }
+  EXPECT_EQ(finish_scene(scene), 0u);
+  return scene;
+}
+
+/// Looks straight down on the part of the floor around (x, y) from a height.
+Camera from_above(float width, float height, glm::vec2 at = {0, 0}, float from = 10.0f) {
+  return orthographic_camera({at.x, at.y, from}, {at.x, at.y, 0}, {0, 1, 0}, height, width / height);
+}
+
+/// A pixel's ray, in double and world space: its parameter is depth.
+struct PixelRay {
+  glm::dvec3 origin, direction;
+  glm::dvec3 on_floor() const { return origin - direction * (origin.z / direction.z); }
+};
+
+PixelRay ray_of(const PictureInfo& info, int x, int y) {
+  const Camera& c = info.camera;
+  const glm::dmat4 view(c.view_from_world);
+  const glm::dmat3 turn = glm::transpose(glm::dmat3(view));
+  const glm::dvec3 eye = -(turn * glm::dvec3(view[3]));
+  const double u = c.left + (x + 0.5) / info.width * (double(c.right) - c.left);
+  const double v = c.top - (y + 0.5) / info.height * (double(c.top) - c.bottom);
+  if (c.projection == Projection::kPerspective) return {eye, turn * glm::dvec3(u, v, -1.0)};
+  return {eye + turn * glm::dvec3(u, v, 0.0), turn * glm::dvec3(0.0, 0.0, -1.0)};
+}
+
+glm::dvec3 vector_at(const Image& image, std::string_view name, std::array<const char*, 3> parts, int x, int y) {
+  glm::dvec3 v;
+  for (int c = 0; c < 3; ++c) v[c] = image.plane(fmt::format("{}.{}", name, parts[c])).at(x, y);
+  return v;
+}
+
+glm::dvec3 color_at(const Image& image, std::string_view name, int x, int y) {
+  return vector_at(image, name, {"r", "g", "b"}, x, y);
+}
+
+/// The bent normal in world space.
+glm::dvec3 bent_at(const Image& image, const PictureInfo& info, int x, int y) {
+  return glm::transpose(glm::dmat3(glm::mat3(info.camera.view_from_world))) *
+         vector_at(image, "bent_normal", {"x", "y", "z"}, x, y);
+}
+
+Image occlusion(const Stage& stage, const PictureInfo& info, const OcclusionSettings& settings) {
+  auto image = trace_occlusion(*stage, info, settings);
+  EXPECT_TRUE(image);
+  return std::move(*image);
+}
+
+Image light(const Stage& stage, const PictureInfo& info, const LightSettings& settings) {
+  auto image = trace_light(*stage, info, settings);
+  EXPECT_TRUE(image);
+  return std::move(*image);
+}
+
+void for_each_pixel(const PictureInfo& info, const std::function<void(int x, int y)>& visit) {
+  for (int y = 0; y < info.height; ++y)
+    for (int x = 0; x < info.width; ++x) visit(x, y);
+}
+
+/// How many pixels differ, and whether by more than nothing counts as different.
+long differing_pixels(const Plane& a, const Plane& b, double bound = 0.0) {
+  return std::lround(test::difference(a, b, bound).share_over * a.width * a.height);
+}
+
+void expect_equal(const Image& a, const Image& b, std::string_view what) {
+  ASSERT_EQ(a.names, b.names) << what;
+  for (std::size_t p = 0; p < a.planes.size(); ++p)
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << what << ": " << a.names[p];
+}
+
+/// Traces occlusion and compares it, over all pixels that see the floor, with what is true at that point of the floor.
+/// `sees_floor` leaves out the pixels that something else covers.
+void expect_occlusion(
+    const Stage& stage, const PictureInfo& info, const OcclusionSettings& settings,
+    const std::function<double(glm::dvec3)>& truth, std::string_view what, double most_error = 1e-3,
+    const std::function<bool(const PixelRay&)>& sees_floor = [](const PixelRay&) { return true; }) {
+  const Image image = occlusion(stage, info, settings);
+  Tally error;
+  for_each_pixel(info, [&](int x, int y) {
+    const PixelRay ray = ray_of(info, x, y);
+    if (sees_floor(ray)) error.add(image.plane("ao").at(x, y) - truth(ray.on_floor()));
+  });
+  expect_mean(error, 0.0, most_error, what);
+}
+
+// ---- truth ----
+// A direction's cosine-weighted share of the hemisphere is the area of its projection on the floor's unit disc, over
+// pi.
+
+/// The share of a disc beyond a chord at distance k from its middle.
+double segment(double k) {
+  if (k >= 1.0) return 0.0;
+  return (std::acos(k) - k * std::sqrt(1.0 - k * k)) / M_PI;
+}
+
+/// An infinite vertical wall: its direction as seen from the floor, and how far away it is.
+struct Wall {
+  double azimuth, distance;
+};
+
+/// What a point on the floor between walls and below a ceiling sees open within a radius: the share of directions, and
+/// the mean of these as a vector.
+struct Openness {
+  double share = 0.0;
+  glm::dvec3 moment{0.0};
+};
+
+Openness openness(const std::vector<Wall>& walls, double ceiling, double radius) {
+  constexpr int kAzimuths = 4000;
+  Openness open;
+  // A direction that projects to r at this azimuth meets the ceiling at ceiling / sqrt(1 - r^2).
+  const double ceiling_share = std::min(ceiling / radius, 1.0);
+  const double low = std::sqrt(1.0 - ceiling_share * ceiling_share);
+  const double from = radius > ceiling ? low : 0.0;
+  for (int k = 0; k < kAzimuths; ++k) {
+    const double azimuth = (k + 0.5) * 2.0 * M_PI / kAzimuths;
+    double to = 1.0;
+    for (const Wall& wall : walls)
+      if (const double cosine = std::cos(azimuth - wall.azimuth); cosine > 0.0)
+        to = std::min(to, wall.distance / radius / cosine);
+    if (to <= from) continue;
+    const double cubes = (to * to * to - from * from * from) / 3.0;
+    const double heights = (std::pow(1.0 - from * from, 1.5) - std::pow(1.0 - to * to, 1.5)) / 3.0;
+    open.share += (to * to - from * from) / kAzimuths;
+    open.moment += glm::dvec3(std::cos(azimuth) * cubes, std::sin(azimuth) * cubes, heights) * (2.0 / kAzimuths);
+  }
+  return open;
+}
+
+double weight_of(Falloff falloff, double share) {
+  if (share >= 1.0) return 0.0;
+  if (falloff == Falloff::kNone) return 1.0;
+  if (falloff == Falloff::kLinear) return 1.0 - share;
+  return 1.0 - share * share * (3.0 - 2.0 * share);
+}
+
+// ---- occlusion ----
+
+TEST(Reference, QuadratureAgreesWithTheClosedForms) {
+  EXPECT_NEAR(openness({{0.0, 0.4}}, 9.0, 1.0).share, 1.0 - segment(0.4), 1e-6);
+  EXPECT_NEAR(openness({}, 0.6, 1.0).share, 0.36, 1e-12);
+  EXPECT_NEAR(openness({}, 9.0, 1.0).moment.z, 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(openness({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).share, 0.25, 1e-12);
+}
+
+TEST(Reference, APlaneIsOpenToTheBit) {
+  for (const float tilt_deg : {0.0f, 37.0f, 80.0f})
+    for (const glm::vec3 middle : {glm::vec3(0.0f), glm::vec3(300.0f, -200.0f, 500.0f)}) {
+      const glm::vec3 u = glm::normalize(glm::vec3(0.8f, 0.3f, -0.2f)), v = glm::normalize(glm::cross({0.1f, 2, 1}, u));
+      const glm::vec3 front = glm::cross(u, v), a = middle - u - v;
+      const Stage stage = stage_of(scene_of({shapes::quad(a, a + 2.0f * u, a + 2.0f * (u + v), a + 2.0f * v, 30, 30)}));
+      const glm::vec3 eye =
+          middle + 6.0f * (std::cos(glm::radians(tilt_deg)) * front + std::sin(glm::radians(tilt_deg)) * u);
+      for (const Camera& camera :
+           {perspective_camera(eye, middle, v, 12.0f, 1.0f), orthographic_camera(eye, middle, v, 1.2f, 1.0f)})
+        for (const float radius : {kInfinity, 0.3f}) {
+          const PictureInfo info = stage.info(camera, 24, 24);
+          const Image image = occlusion(stage, info, {.samples = 100, .radius = radius});
+          long surfaces = 0;
+          Tally across;
+          for_each_pixel(info, [&](int x, int y) {
+            EXPECT_EQ(image.plane("ao").at(x, y), 1.0f) << tilt_deg << " deg, " << x << ',' << y;
+            const glm::dvec3 bent = bent_at(image, info, x, y);
+            if (glm::length(bent) == 0.0) return;
+            ++surfaces;
+            EXPECT_NEAR(glm::length(bent), 1.0, 1e-6);
+            EXPECT_GT(glm::dot(bent, glm::dvec3(front)), 0.99);
+            across.add(glm::dot(bent, glm::dvec3(u)));
+          });
+          EXPECT_GT(surfaces, 100);
+          expect_mean(across, 0.0, 2e-3, "bent normal across the plane");
+        }
+    }
+}
+
+TEST(Reference, BackgroundIsOpenAndHasNoNormal) {
+  const Stage stage = stage_of(scene_of({level_square(0.5f)}));
+  const PictureInfo info = stage.info(from_above(2, 2), 8, 8);
+  const Image image = occlusion(stage, info, {.samples = 4});
+  const Image lit = light(stage, info, {.samples = 4});
+  EXPECT_EQ(image.plane("ao").at(0, 0), 1.0f);
+  EXPECT_EQ(bent_at(image, info, 0, 0), glm::dvec3(0.0));
+  EXPECT_GT(bent_at(image, info, 4, 4).z, 0.5);
+  EXPECT_EQ(lit.plane("shadow").at(0, 0), 1.0f);
+  EXPECT_EQ(color_at(lit, "direct", 0, 0), glm::dvec3(0.0));
+  EXPECT_EQ(color_at(lit, "indirect", 0, 0), glm::dvec3(0.0));
+}
+
+TEST(Reference, WallOfFiniteHeight) {
+  // (1 + cos E) / 2 for a wall that stands E high in the sky.
+  constexpr double kDistance = 2.0, kHeight = 1.0;
+  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(kDistance, kHeight)}));
+  const auto truth = [&](glm::dvec3 p) {
+    const double away = kDistance - p.x;
+    return 0.5 + 0.5 * away / std::hypot(away, kHeight);
+  };
+  expect_occlusion(stage, stage.info(from_above(3, 3, {0.4f, 0}), 32, 32), {.samples = 256}, truth, "orthographic");
+  const Camera camera = perspective_camera({-3, -2, 3}, {0.6f, 0, 0}, {0, 0, 1}, 11.0f, 1.0f);
+  expect_occlusion(stage, stage.info(camera, 32, 32), {.samples = 256}, truth, "perspective");
+}
+
+TEST(Reference, WallWithinARadius) {
+  // Within R lies what projects beyond a chord at distance / R.
+  constexpr double kRadius = 1.3;
+  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
+  const auto truth = [&](glm::dvec3 p) { return 1.0 - segment((1.5 - p.x) / kRadius); };
+  const OcclusionSettings settings{.samples = 256, .radius = kRadius};
+  expect_occlusion(stage, stage.info(from_above(1.6f, 1, {0.65f, 0}), 40, 25), settings, truth, "orthographic");
+  const Camera camera = perspective_camera({-3, -2, 3}, {0.8f, 0, 0}, {0, 0, 1}, 7.0f, 1.0f);
+  expect_occlusion(stage, stage.info(camera, 32, 32), settings, truth, "perspective");
+}
+
+TEST(Reference, CornersOfInfiniteWalls) {
+  // An infinite wall closes half of the disc, two a corner's three quarters, three all but a strip's half.
+  const Mesh floor = level_square(4.0f);
+  const PictureInfo info = stage_of(scene_of({floor})).info(from_above(1, 1), 24, 24);
+  const auto expect_share = [&](std::vector<Mesh> walls, double share) {
+    walls.push_back(floor);
+    const Stage stage = stage_of(scene_of(walls));
+    expect_occlusion(
+        stage, info, {.samples = 256}, [&](glm::dvec3) { return share; }, "infinite walls");
+  };
+  expect_share({wall_x(1)}, 0.5);
+  expect_share({wall_x(1), wall_y(1)}, 0.25);
+  expect_share({wall_x(1), wall_y(1), wall_y(-2)}, 0.0);
+}
+
+TEST(Reference, CornersWithinARadius) {
+  constexpr double kRadius = 1.5;
+  for (const int walls : {1, 2, 3}) {
+    std::vector<Mesh> meshes = {level_square(4.0f), wall_x(1.0f), wall_y(0.8f), wall_x(-1.2f)};
+    meshes.resize(std::size_t(walls) + 1);
+    const auto truth = [&](glm::dvec3 p) {
+      std::vector<Wall> all = {{0.0, 1.0 - p.x}, {M_PI / 2, 0.8 - p.y}, {M_PI, p.x + 1.2}};
+      all.resize(std::size_t(walls));
+      return openness(all, 100.0, kRadius).share;
+    };
+    const Stage stage = stage_of(scene_of(meshes));
+    expect_occlusion(stage, stage.info(from_above(1.8f, 1.2f), 30, 20), {.samples = 256, .radius = kRadius}, truth,
+                     fmt::format("{} walls", walls));
+  }
+}
+
+/// A ball of radius 1 that touches the floor. Its 384 facets around make it smaller by less than 1e-4.
+Stage ball_on_floor() {
+  return stage_of(scene_of({level_square(20.0f), shapes::moved(shapes::sphere(1.0f, 384, 192), {0, 0, 1})}));
+}
+
+bool misses_ball(const PixelRay& ray) {
+  const glm::dvec3 direction = glm::normalize(ray.direction), away = glm::dvec3(0, 0, 1) - ray.origin;
+  return glm::length(away - direction * glm::dot(away, direction)) > 1.01;
+}
+
+TEST(Reference, BallOnAPlane) {
+  // It fills a cone whose sine is r / d, and its cosine-weighted share is sine^2 cos(theta). Within R lies the inner
+  // part of that cone: the way into the ball is longer the farther from the axis.
+  const Stage stage = ball_on_floor();
+  for (const float radius : {kInfinity, 1.5f}) {
+    const auto truth = [&](glm::dvec3 p) {
+      const double squared = p.x * p.x + p.y * p.y + 1.0, distance = std::sqrt(squared);
+      double sine_squared = 1.0 / squared;
+      if (radius * radius < squared - 1.0) {
+        const double cosine = std::min((radius * radius + squared - 1.0) / (2.0 * radius * distance), 1.0);
+        sine_squared = 1.0 - cosine * cosine;
+      }
+      return 1.0 - sine_squared / distance;
+    };
+    const OcclusionSettings settings{.samples = 256, .radius = radius};
+    const std::string what = fmt::format("radius {}", radius);
+    expect_occlusion(stage, stage.info(from_above(6, 6), 40, 40), settings, truth, what + ", orthographic", 1e-3,
+                     misses_ball);
+    const Camera camera = perspective_camera({7, 1, 0.8f}, {0.3f, 0, 0}, {0, 0, 1}, 10.0f, 1.0f);
+    expect_occlusion(stage, stage.info(camera, 40, 40), settings, truth, what + ", perspective", 1e-3, misses_ball);
+  }
+}
+
+TEST(Reference, FloatingSlab) {
+  // A slab with a round underside of radius r at height h, seen from a apart from its axis.
+  constexpr double kDisc = 1.0, kHeight = 0.7;
+  const Mesh slab = shapes::moved(shapes::turned_x(shapes::cylinder(kDisc, 0.4f, 512), 90.0f), {0, 0, kHeight});
+  const Stage stage = stage_of(scene_of({level_square(5.0f), slab}));
+  const auto truth = [&](glm::dvec3 p) {
+    const double a = p.x * p.x + p.y * p.y, h = kHeight * kHeight, r = kDisc * kDisc;
+    return 1.0 - 0.5 * (1.0 - (a + h - r) / std::sqrt((a + h + r) * (a + h + r) - 4.0 * a * r));
+  };
+  EXPECT_NEAR(truth({0, 0, 0}), 1.0 - kDisc * kDisc / (kDisc * kDisc + kHeight * kHeight), 1e-12);
+  // Both cameras stand below the slab, and see what its sides do not darken.
+  expect_occlusion(stage, stage.info(from_above(1.4f, 1.4f, {0.2f, 0}, 0.5f), 32, 32), {.samples = 256}, truth,
+                   "below");
+  const Camera camera = perspective_camera({0.1f, -0.2f, 0.4f}, {0.1f, -0.2f, 0}, {0, 1, 0}, 70.0f, 1.0f);
+  expect_occlusion(stage, stage.info(camera, 32, 32), {.samples = 256}, truth, "perspective");
+  // On the axis, within R: R reaches the underside up to the cosine h / R, if that is not beyond the rim.
+  const double radius = 0.9;
+  expect_occlusion(
+      stage, stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.5f), 24, 24), {.samples = 256, .radius = 0.9f},
+      [&](glm::dvec3) { return kHeight * kHeight / (radius * radius); }, "within a radius");
+}
+
+TEST(Reference, FalloffBelowACeiling) {
+  // With k = h / R: the mean of w(k / c) over the cosines c, of density 2 c.
+  const Stage stage = stage_of(scene_of({level_square(3.0f), level_square(3.0f, 0.4f)}));
+  const PictureInfo info = stage.info(from_above(0.5f, 0.5f, {0, 0}, 0.3f), 24, 24);
+  for (const float radius : {0.5f, 1.0f, 2.5f}) {
+    const double k = 0.4 / radius;
+    const double linear = (1 - k) * (1 - k), smooth = 1 + 3 * k * k - 4 * k * k * k + 6 * k * k * std::log(k);
+    const auto expect_closed = [&](Falloff falloff, double closed) {
+      expect_occlusion(
+          stage, info, {.samples = 256, .radius = radius, .falloff = falloff}, [&](glm::dvec3) { return 1.0 - closed; },
+          fmt::format("{}, radius {}", int(falloff), radius));
+    };
+    expect_closed(Falloff::kNone, 1 - k * k);
+    expect_closed(Falloff::kLinear, linear);
+    expect_closed(Falloff::kSmooth, smooth);
+  }
+}
+
+TEST(Reference, FalloffBesideAWall) {
+  constexpr double kRadius = 2.0;
+  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
+  const PictureInfo info = stage.info(from_above(1.6f, 1.6f, {0.65f, 0}), 24, 24);
+  for (const Falloff falloff : {Falloff::kLinear, Falloff::kSmooth}) {
+    std::vector<double> columns;  // the truth depends on x alone
+    for (int x = 0; x < info.width; ++x) {
+      constexpr int kSteps = 400;
+      const double k = (1.5 - ray_of(info, x, 0).on_floor().x) / kRadius;
+      double closed = 0.0;
+      // Chords of the disc at s: the wall is k / s radii away along every direction that projects to one.
+      for (int i = 0; i < kSteps; ++i) {
+        const double s = k + (1.0 - k) * (i + 0.5) / kSteps;
+        closed += weight_of(falloff, k / s) * 2.0 * std::sqrt(1.0 - s * s) / M_PI * (1.0 - k) / kSteps;
+      }
+      columns.push_back(1.0 - closed);
+    }
+    const auto truth = [&](glm::dvec3 p) { return columns[std::size_t((p.x + 0.15) / 1.6 * info.width)]; };
+    expect_occlusion(stage, info, {.samples = 256, .radius = kRadius, .falloff = falloff}, truth, "beside a wall");
+  }
+}
+
+TEST(Reference, BentNormalBesideAWall) {
+  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.0f)}));
+  const Camera tilted = perspective_camera({-4, -3, 5}, {0.2f, 0, 0}, {0, 0, 1}, 6.0f, 1.0f);
+  for (const float radius : {1.0f, 20.0f})
+    for (const Camera& camera : {from_above(1.5f, 1.5f), tilted}) {
+      const PictureInfo info = stage.info(camera, 24, 24);
+      const Image image = occlusion(stage, info, {.samples = 256, .radius = radius});
+      Tally towards, along;
+      for_each_pixel(info, [&](int x, int y) {
+        const glm::dvec3 bent = bent_at(image, info, x, y);
+        const double distance = 1.0 - ray_of(info, x, y).on_floor().x;
+        const glm::dvec3 expected = glm::normalize(openness({{0.0, distance}}, 1e9, radius).moment);
+        ASSERT_NEAR(glm::length(bent), 1.0, 1e-6);
+        ASSERT_GT(glm::dot(bent, expected), 0.99);
+        towards.add(glm::dot(bent, glm::dvec3(expected.z, 0.0, -expected.x)));
+        along.add(bent.y);
+      });
+      expect_mean(towards, 0.0, 1e-3, fmt::format("towards the wall, radius {}", radius));
+      expect_mean(along, 0.0, 1e-3, fmt::format("along the wall, radius {}", radius));
+    }
+}
+
+TEST(Reference, BentNormalOfSymmetricScenesHasNoSide) {
+  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.0f), wall_x(-1.0f), wall_y(0.5f)}));
+  const PictureInfo info = stage.info(from_above(1e-4f, 1e-4f), 32, 32);
+  const Image image = occlusion(stage, info, {.samples = 100, .radius = 3.0f});
+  Tally side;
+  for_each_pixel(info, [&](int x, int y) {
+    const glm::dvec3 bent = bent_at(image, info, x, y);
+    side.add(bent.x);
+    EXPECT_LT(bent.y, -0.2) << "it points away from the wall";
+  });
+  expect_mean(side, 0.0, 2e-3, "x");
+}
+
+TEST(Reference, WhereNothingIsOpenTheBentNormalIsTheNormal) {
+  const Stage stage = stage_of(scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}));
+  const PictureInfo info = stage.info(from_above(1.8f, 1.8f, {0, 0}, 0.5f), 16, 16);
+  const Image image = occlusion(stage, info, {.samples = 256});
+  for_each_pixel(info, [&](int x, int y) {
+    EXPECT_EQ(image.plane("ao").at(x, y), 0.0f) << "no ray leaves a closed box";
+    EXPECT_EQ(bent_at(image, info, x, y), glm::dvec3(0, 0, 1));
+  });
+}
+
+TEST(Reference, ConvexMeshesAreOpenAroundTheirTriangles) {
+  const Stage stage = stage_of(scene_of({shapes::sphere(1.0f, 12, 6)}));
+  const PictureInfo info = stage.info(perspective_camera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 28.0f, 1.0f), 48, 48);
+  const Image flat = occlusion(stage, info, {.samples = 64});
+  const Image smooth = occlusion(stage, info, {.samples = 64, .normal = HemisphereNormal::kShading});
+  long closed = 0, surfaces = 0;
+  for_each_pixel(info, [&](int x, int y) {
+    EXPECT_EQ(flat.plane("ao").at(x, y), 1.0f) << x << ',' << y;
+    surfaces += glm::length(bent_at(flat, info, x, y)) > 0.0;
+    closed += smooth.plane("ao").at(x, y) < 1.0f;
+    EXPECT_GT(smooth.plane("ao").at(x, y), 0.9f) << x << ',' << y;
+  });
+  EXPECT_GT(surfaces, 900);
+  EXPECT_GT(closed, surfaces / 4) << "facets show around interpolated normals";
+}
+
+TEST(Reference, DirectionsBelowTheTriangleAreClosed) {
+  // A plane whose shading normals lean by an angle: (1 + cos angle) / 2 of their hemisphere lies above it.
+  for (const double lean : {0.3, 0.8}) {
+    Mesh floor = level_square(2.0f);
+    floor.normals.assign(4, glm::vec3(std::sin(lean), 0.0, std::cos(lean)));
+    const Stage stage = stage_of(scene_of({floor}));
+    const PictureInfo info = stage.info(from_above(2, 2), 32, 32);
+    expect_occlusion(
+        stage, info, {.samples = 128, .normal = HemisphereNormal::kShading},
+        [&](glm::dvec3) { return 0.5 + 0.5 * std::cos(lean); }, fmt::format("leaning by {}", lean));
+    expect_occlusion(
+        stage, info, {.samples = 128}, [](glm::dvec3) { return 1.0; }, "around the triangle's normal");
+  }
+}
+
+TEST(Reference, CutAwayTexelsLetRaysThrough) {
+  // A ceiling whose left half is cut away, seen from below its middle: half of it remains.
+  Texture halves;
+  halves.name = "halves";
+  halves.width = 64;
+  halves.height = 1;
+  for (int x = 0; x < 64; ++x)
+    for (const int value : {255, 255, 255, x < 32 ? 0 : 255}) halves.rgba.push_back(std::uint8_t(value));
+  Material leaf;
+  leaf.texture = 0;
+  for (const bool masked : {true, false}) {
+    leaf.alpha_mask = masked;
+    Mesh ceiling = level_square(4.0f, 1.0f), leaf_below = level_square(0.3f, 0.5f);
+    for (glm::vec2& uv : leaf_below.uvs) uv = glm::vec2(0.25f);  // it is cut away whole
+    const Stage stage =
+        stage_of(scene_of({ceiling, leaf_below, level_square(4.0f)}, {leaf, leaf, Material{}}, {}, {halves}));
+    // The camera above the lower leaf sees the floor through it, and so do the rays. Not cut away, the leaf is what is
+    // seen, 0.5 below the ceiling.
+    const double truth = masked ? 1.0 - 0.5 * (1.0 - 1.0 / 4.0) : 1.0 / 16.0;
+    expect_occlusion(
+        stage, stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.8f), 24, 24), {.samples = 256, .radius = 2.0f},
+        [&](glm::dvec3) { return truth; }, masked ? "cut" : "whole");
+  }
+}
+
+// ---- direct light ----
+
+Light sun(glm::vec3 towards, glm::vec3 color = glm::vec3(1.0f), float angle_deg = 0.0f) {
+  return {.direction = glm::normalize(towards), .color = color, .angle_deg = angle_deg, .casts_shadow = true};
+}
+
+Light lamp(glm::vec3 where, float reach = 0.0f, glm::vec3 color = glm::vec3(1.0f), float radius = 0.0f) {
+  return {.kind = LightKind::kPoint,
+          .position = where,
+          .color = color,
+          .reach = reach,
+          .radius = radius,
+          .casts_shadow = true};
+}
+
+Material matt(glm::vec3 albedo, glm::vec3 emission = glm::vec3(0.0f)) {
+  Material material;
+  material.albedo = albedo;
+  material.emission = emission;
+  return material;
+}
+
+TEST(Reference, HardShadowsAreTheCaptures) {
+  for (const Light& key : {sun({0.9f, 0.5f, 1.0f}), lamp({1.5f, -0.5f, 4.0f})}) {
+    const Stage stage = stage_of(scene_of({level_square(8.0f), level_square(1.0f, 2.0f),
+                                           shapes::moved(shapes::sphere(1.0f, 48, 24), {-2.0f, 1.0f, 1.0f})},
+                                          {Material{}}, {key}));
+    const PictureInfo info = stage.info(perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f), 100, 100);
+    const Image drawn = capture_planes(*stage, info, {.width = 100, .height = 100});
+    const Image traced = light(stage, info, {.samples = 4, .bounce = false});
+    long dark = 0;
+    for_each_pixel(info, [&](int x, int y) { dark += drawn.plane("shadow").at(x, y) == 0.0f; });
+    EXPECT_GT(dark, 300);
+    EXPECT_LT(dark, 5000);
+    EXPECT_LE(differing_pixels(drawn.plane("shadow"), traced.plane("shadow")), 5) << "only rays along edges may differ";
+    EXPECT_EQ(traced.find("indirect.r"), nullptr);
+  }
+}
+
+TEST(Reference, DirectLightIsLambertTimesColour) {
+  const glm::vec3 albedo(0.2f, 0.5f, 0.9f), color(3.0f, 1.0f, 0.5f);
+  const glm::vec3 towards = glm::normalize(glm::vec3(0.3f, -0.2f, 0.7f));
+  const Stage stage = stage_of(scene_of({level_square(3.0f)}, {matt(albedo)}, {sun(towards, color)}));
+  const PictureInfo info = stage.info(perspective_camera({2, 1, 4}, {0, 0, 0}, {0, 0, 1}, 30.0f, 1.0f), 16, 16);
+  const Image image = light(stage, info, {.samples = 7});
+  for_each_pixel(info, [&](int x, int y) {
+    const glm::dvec3 direct = color_at(image, "direct", x, y);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(direct[c], albedo[c] * color[c] * towards.z, 1e-6);
+    EXPECT_EQ(image.plane("shadow").at(x, y), 1.0f);
+    EXPECT_EQ(color_at(image, "indirect", x, y), glm::dvec3(0.0));
+  });
+}
+
+TEST(Reference, LampsFallOffWithTheSquare) {
+  const glm::dvec3 where(0.5, 0.2, 1.5);
+  for (const float reach : {0.0f, 2.0f}) {
+    const Stage stage =
+        stage_of(scene_of({level_square(5.0f)}, {matt(glm::vec3(0.5f))}, {lamp(where, reach, {2, 1, 1})}));
+    const PictureInfo info = stage.info(from_above(8, 8), 32, 32);
+    const Image image = light(stage, info, {.samples = 2, .bounce = false});
+    for_each_pixel(info, [&](int x, int y) {
+      const glm::dvec3 away = where - ray_of(info, x, y).on_floor();
+      const double squared = glm::dot(away, away), falls = reach > 0.0f ? reach * reach / squared : 1.0;
+      const double expected = 0.5 * 2.0 * falls * away.z / std::sqrt(squared);
+      EXPECT_NEAR(image.plane("direct.r").at(x, y), expected, 1e-5 * expected);
+    });
+  }
+}
+
+/// A floor with waves in its normals alone: nothing is in the way of light, and yet every pixel faces elsewhere.
+Mesh wavy_floor() {
+  Mesh mesh = shapes::quad({-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}, 40, 40);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::vec3 p = mesh.positions[v];
+    mesh.normals[v] = glm::normalize(glm::vec3(0.5f * std::sin(3.0f * p.x), 0.5f * std::cos(4.0f * p.y), 1.0f));
+  }
+  return mesh;
+}
+
+TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
+  Material shiny = matt({0.6f, 0.3f, 0.2f});
+  shiny.specular_strength = 0.7f;
+  shiny.specular_exponent = 20.0f;
+  const std::vector<Light> lights = {sun({0.5f, 0.3f, 0.6f}, {1.0f, 0.8f, 0.6f}),
+                                     lamp({-1, 1, 2}, 1.5f, {0.3f, 0.6f, 1.0f}),
+                                     {.kind = LightKind::kHead, .color = glm::vec3(0.4f)}};
+  const Scene scene = scene_of({wavy_floor()}, {shiny}, lights);
+  const auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  const auto traced = trace_ready(scene);
+  const Effect& effect = *find_effect("lighting");
+  for (const Camera& camera : {perspective_camera({1, -3, 3}, {0, 0, 0}, {0, 0, 1}, 40.0f, 1.0f),
+                               orthographic_camera({1, -3, 3}, {0, 0, 0}, {0, 0, 1}, 3.0f, 1.0f)}) {
+    auto frame = device->capture(camera, {.width = 60, .height = 60});
+    ASSERT_TRUE(frame);
+    ASSERT_TRUE(device->run(effect, initial_parameters(effect.parameters, effect.params_size), *frame));
+    const Image expected = *device->download(*frame, {"direct.r", "direct.g", "direct.b"});
+    const auto image = trace_light(**traced, frame->info, {.samples = 1, .bounce = false});
+    ASSERT_TRUE(image);
+    for (const char* name : {"direct.r", "direct.g", "direct.b"}) {
+      EXPECT_LT(test::difference(image->plane(name), expected.plane(name), 0.0).most, 1e-4) << name;
+      EXPECT_GT(expected.plane(name).at(30, 30), 0.1f);
+    }
+  }
+}
+
+TEST(Reference, WhatTheEyesOwnLightShowsIsLit) {
+  // An orthographic eye in the middle of a room: nothing behind it throws a shadow forward.
+  const Stage stage =
+      stage_of(scene_of({shapes::box({-1, -1, 0}, {1, 1, 1})}, {matt(glm::vec3(0.5f))}, {{.kind = LightKind::kHead}}));
+  for (const Camera& camera :
+       {from_above(1.8f, 1.8f, {0, 0}, 0.5f), perspective_camera({0, 0, 0.5f}, {0, 0, 0}, {0, 1, 0}, 60.0f, 1.0f)}) {
+    const PictureInfo info = stage.info(camera, 16, 16);
+    const Image image = light(stage, info, {.samples = 16});
+    for_each_pixel(info, [&](int x, int y) {
+      EXPECT_EQ(image.plane("shadow").at(x, y), 1.0f);
+      EXPECT_GT(image.plane("direct.g").at(x, y), 0.3f);
+    });
+  }
+}
+
+TEST(Reference, LargeLightsShineAsBrightlyAsPoints) {
+  // Above the horizon and with nothing in the way, a disc or ball of one radiance lights as if it were at its middle.
+  const glm::dvec3 where(0.4, 0.3, 1.5);
+  const glm::vec3 towards = glm::normalize(glm::vec3(0.5f, -0.2f, 0.8f));
+  const Mesh floor = level_square(3.0f);
+  const PictureInfo info = stage_of(scene_of({floor})).info(from_above(2, 2), 32, 32);
+  for (const float angle_deg : {0.5f, 20.0f, 80.0f}) {
+    const Stage stage =
+        stage_of(scene_of({floor}, {matt(glm::vec3(1.0f))}, {sun(towards, glm::vec3(1.0f), angle_deg)}));
+    PictureInfo here = info;
+    here.lights = stage.info(info.camera, 32, 32).lights;
+    const Image image = light(stage, here, {.samples = 64, .bounce = false});
+    Tally error;
+    for_each_pixel(info, [&](int x, int y) { error.add(image.plane("direct.g").at(x, y) - towards.z); });
+    expect_mean(error, 0.0, 1e-3, fmt::format("sun of {} degrees", angle_deg));
+  }
+  for (const float radius : {0.1f, 1.2f})
+    for (const float reach : {0.0f, 1.0f}) {
+      const Stage stage =
+          stage_of(scene_of({floor}, {matt(glm::vec3(1.0f))}, {lamp(where, reach, glm::vec3(1.0f), radius)}));
+      PictureInfo here = info;
+      here.lights = stage.info(info.camera, 32, 32).lights;
+      const Image image = light(stage, here, {.samples = 64, .bounce = false});
+      Tally error;
+      for_each_pixel(info, [&](int x, int y) {
+        const glm::dvec3 away = where - ray_of(info, x, y).on_floor();
+        const double squared = glm::dot(away, away);
+        const double expected = (reach > 0.0f ? reach * reach / squared : 1.0) * away.z / std::sqrt(squared);
+        error.add(image.plane("direct.g").at(x, y) - expected);
+      });
+      expect_mean(error, 0.0, 1e-3, fmt::format("ball of radius {}, reach {}", radius, reach));
+    }
+}
+
+TEST(Reference, PenumbraOfAnEdge) {
+  // A half plane at height h below a sun in the zenith: from x = -h tan(angle / 2) to h tan(angle / 2) the disc comes
+  // out.
+  constexpr double kHeight = 1.0;
+  for (const float angle_deg : {0.05f, 0.53f, 30.0f}) {
+    const double half = glm::radians(0.5 * angle_deg), width = kHeight * std::tan(half);
+    // No larger than the picture needs: where an edge lies is rounded as the ends of its triangle are.
+    const float reach = float(4.0 * width);
+    const Mesh edge = parallelogram({-reach, -reach, kHeight}, {reach, 0, 0}, {0, 2 * reach, 0});
+    const Stage stage = stage_of(
+        scene_of({level_square(reach), edge}, {matt(glm::vec3(1.0f))}, {sun({0, 0, 1}, glm::vec3(1.0f), angle_deg)}));
+    const PictureInfo info = stage.info(from_above(float(2.6 * width), float(1.3 * width), {0, 0}, 0.5f), 40, 20);
+    const Image image = light(stage, info, {.samples = 144, .bounce = false});
+    std::array<Tally, 4> errors;  // by where on the ramp
+    for_each_pixel(info, [&](int x, int y) {
+      constexpr int kSteps = 200;
+      const double at = ray_of(info, x, y).on_floor().x / kHeight;
+      const float shadow = image.plane("shadow").at(x, y);
+      if (at < -1.01 * std::tan(half)) {
+        EXPECT_EQ(shadow, 0.0f) << at;
+      } else if (at > 1.01 * std::tan(half)) {
+        EXPECT_EQ(shadow, 1.0f) << at;
+      } else {
+        // Rings of the disc, of equal solid angle: the edge cuts each along a chord.
+        double visible = 0.0;
+        for (int k = 0; k < kSteps; ++k) {
+          const double sine = std::sin(0.5 * half);
+          const double below = 2.0 * sine * sine * (k + 0.5) / kSteps, z = 1.0 - below;
+          const double ring = std::sqrt(below * (2.0 - below)) / z;
+          visible += std::acos(std::clamp(-at / ring, -1.0, 1.0)) / M_PI / kSteps;
+        }
+        const int zone = std::clamp(int((at / std::tan(half) + 1.0) * 2.0), 0, 3);
+        errors[std::size_t(zone)].add(shadow - visible);
+      }
+    });
+    for (int zone = 0; zone < 4; ++zone)
+      expect_mean(errors[std::size_t(zone)], 0.0, 3e-3, fmt::format("sun of {} degrees, zone {}", angle_deg, zone));
+  }
+}
+
+TEST(Reference, TheSunsAngleCanBeSet) {
+  const Mesh edge = parallelogram({-50, -50, 1}, {50, 0, 0}, {0, 100, 0});
+  const auto traced_with = [&](float lights_own, float setting) {
+    const Stage stage = stage_of(
+        scene_of({level_square(50.0f), edge}, {matt(glm::vec3(1.0f))}, {sun({0, 0, 1}, glm::vec3(1.0f), lights_own)}));
+    return light(stage, stage.info(from_above(1, 0.5f, {0, 0}, 0.5f), 32, 16),
+                 {.samples = 9, .sun_angle_deg = setting});
+  };
+  const Image ten = traced_with(10.0f, 0.0f);
+  expect_equal(ten, traced_with(0.0f, 10.0f), "set in place of 0");
+  expect_equal(ten, traced_with(3.0f, 10.0f), "set in place of 3");
+  EXPECT_GT(differing_pixels(ten.plane("shadow"), traced_with(3.0f, 0.0f).plane("shadow")), 20);
+}
+
+TEST(Reference, BallsThrowSoftShadows) {
+  // Where the edge of a half plane cuts the ball through its middle, half of it is seen. What stands behind the ball
+  // throws no shadow.
+  const Mesh edge = parallelogram({-50, -50, 1}, {50, 0, 0}, {0, 100, 0});
+  const Stage stage = stage_of(scene_of({level_square(50.0f), edge, level_square(20.0f, 5.0f)}, {matt(glm::vec3(1.0f))},
+                                        {lamp({0, 0, 3}, 0.0f, glm::vec3(1.0f), 0.8f)}));
+  const PictureInfo info = stage.info(from_above(1e-3f, 1e-3f, {0, 0}, 0.5f), 24, 24);
+  const Image image = light(stage, info, {.samples = 100, .bounce = false});
+  Tally half;
+  for_each_pixel(info, [&](int x, int y) { half.add(image.plane("shadow").at(x, y)); });
+  expect_mean(half, 0.5, 1e-3, "half a ball");
+  const PictureInfo lit = stage.info(from_above(1, 1, {3, 0}, 0.5f), 8, 8);
+  const Image whole = light(stage, lit, {.samples = 50, .bounce = false});
+  for_each_pixel(lit, [&](int x, int y) { EXPECT_EQ(whole.plane("shadow").at(x, y), 1.0f); });
+}
+
+// ---- the bounce ----
+
+TEST(Reference, WallOfConstantRadiance) {
+  // It gives its radiance times the share of the hemisphere that it fills: (1 - cos E) / 2.
+  const glm::dvec3 radiance(2.0, 1.0, 0.25);
+  for (const double height : {1.0, 20.0}) {
+    const Stage stage = stage_of(
+        scene_of({level_square(4.0f), wall_x(2.0f, float(height))}, {Material{}, matt(glm::vec3(0.8f), radiance)}));
+    const PictureInfo info = stage.info(from_above(3, 3, {0.4f, 0}), 32, 32);
+    const Image image = light(stage, info, {.samples = 128});
+    std::array<Tally, 3> errors;
+    for_each_pixel(info, [&](int x, int y) {
+      const double away = 2.0 - ray_of(info, x, y).on_floor().x;
+      const double share = 0.5 - 0.5 * away / std::hypot(away, height);
+      const glm::dvec3 indirect = color_at(image, "indirect", x, y);
+      for (int c = 0; c < 3; ++c) errors[std::size_t(c)].add(indirect[c] - radiance[c] * share);
+    });
+    for (int c = 0; c < 3; ++c)
+      expect_mean(errors[std::size_t(c)], 0.0, 2e-3, fmt::format("height {}, channel {}", height, c));
+  }
+}
+
+TEST(Reference, FurnaceGivesItsRadianceEverywhere) {
+  const Stage stage = stage_of(scene_of({shapes::box({-1, -1, -1}, {1, 1, 1}), shapes::sphere(0.4f, 24, 12)},
+                                        {matt(glm::vec3(0.9f), glm::vec3(0.7f))}));
+  const PictureInfo info =
+      stage.info(perspective_camera({0.9f, 0.8f, 0.7f}, {0, 0, 0}, {0, 0, 1}, 100.0f, 1.0f), 32, 32);
+  for (const int samples : {1, 7, 64}) {
+    const Image image = light(stage, info, {.samples = samples});
+    long off = 0;  // interpolated normals of the sphere: what lies below its triangles gives nothing
+    for_each_pixel(info, [&](int x, int y) { off += std::fabs(image.plane("indirect.g").at(x, y) - 0.7f) > 1e-6f; });
+    const Image ball = capture_planes(*stage, info, {.width = 32, .height = 32});
+    long on_ball = 0;
+    for_each_pixel(info, [&](int x, int y) { on_ball += ball.plane("object_id").at(x, y) == 1.0f; });
+    EXPECT_GT(on_ball, 30);
+    EXPECT_LE(off, on_ball) << samples << " samples";
+  }
+}
+
+TEST(Reference, SunlitFloorLightsAWall) {
+  // Half of what a wall sees is the floor: albedo x colour x cosine / 2, whether the sun is a point or a disc. A sun
+  // before the wall, so that the wall hides no part of it.
+  const glm::vec3 albedo(0.9f, 0.5f, 0.1f), towards = glm::normalize(glm::vec3(0.6f, 0.2f, 1.0f));
+  const Mesh floor = parallelogram({0, -kFar, 0}, {kFar, 0, 0}, {0, 2 * kFar, 0});
+  const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
+  // Looks along -x, from before the wall.
+  const Camera camera = orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.6f, 1.0f);
+  for (const float angle_deg : {0.0f, 20.0f}) {
+    const Stage stage = stage_of(
+        scene_of({wall, floor}, {matt(glm::vec3(0.8f)), matt(albedo)}, {sun(towards, glm::vec3(2.0f), angle_deg)}));
+    const PictureInfo info = stage.info(camera, 32, 32);
+    const Image image = light(stage, info, {.samples = 128});
+    std::array<Tally, 3> errors;
+    for_each_pixel(info, [&](int x, int y) {
+      const glm::dvec3 indirect = color_at(image, "indirect", x, y);
+      for (int c = 0; c < 3; ++c) errors[std::size_t(c)].add(indirect[c] - albedo[c] * 2.0 * towards.z * 0.5);
+    });
+    for (int c = 0; c < 3; ++c)
+      expect_mean(errors[std::size_t(c)], 0.0, 2e-3, fmt::format("sun of {} degrees, channel {}", angle_deg, c));
+  }
+}
+
+TEST(Reference, FloorsInTheDarkGiveNothing) {
+  const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
+  const Stage stage = stage_of(scene_of({wall, level_square(8.0f), level_square(20.0f, 3.0f)}, {Material{}},
+                                        {sun({0.1f, 0.2f, 1.0f}), lamp({1, 0, 9})}));
+  const Camera camera = orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.6f, 1.0f);
+  const PictureInfo info = stage.info(camera, 16, 16);
+  const Image image = light(stage, info, {.samples = 64});
+  for_each_pixel(info, [&](int x, int y) {
+    EXPECT_EQ(color_at(image, "indirect", x, y), glm::dvec3(0.0));
+    EXPECT_EQ(color_at(image, "direct", x, y), glm::dvec3(0.0));
+    EXPECT_EQ(image.plane("shadow").at(x, y), 0.0f);
+  });
+}
+
+TEST(Reference, TexturesColourTheBounce) {
+  Texture grey;
+  grey.name = "grey";
+  grey.width = grey.height = 1;
+  grey.rgba = {188, 255, 0, 255};
+  Material textured = matt({1.0f, 0.5f, 1.0f});
+  textured.texture = 0;
+  const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 3});
+  const Mesh floor = parallelogram({0, -kFar, 0}, {kFar, 0, 0}, {0, 2 * kFar, 0});
+  const Stage stage = stage_of(scene_of({wall, floor}, {Material{}, textured}, {sun({1, 0, 1})}, {grey}));
+  const Camera camera = orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.6f, 1.0f);
+  const PictureInfo info = stage.info(camera, 24, 24);
+  const Image image = light(stage, info, {.samples = 64});
+  const double red = std::pow((188.0 / 255.0 + 0.055) / 1.055, 2.4);
+  Tally share;
+  for_each_pixel(info, [&](int x, int y) {
+    const glm::dvec3 indirect = color_at(image, "indirect", x, y);
+    share.add(indirect.r);
+    EXPECT_NEAR(indirect.r / red, indirect.g / 0.5, 1e-5);
+    EXPECT_EQ(indirect.b, 0.0);
+  });
+  expect_mean(share, red * std::sqrt(0.5) / 2.0, 1e-3, "red");
+}
+
+// ---- samples ----
+
+TEST(Sampler, EveryElementaryBoxHoldsOnePoint) {
+  for (int power = 0; power <= 12; ++power) {
+    const int count = 1 << power;
+    const SampleTable table = sample_table(count);
+    for (const unsigned seed : {0u, 1u, 77u, 0xdeadbeefu})
+      for (int across = 0; across <= power; ++across) {
+        std::vector<int> boxes(std::size_t(count), 0);
+        for (int i = 0; i < count; ++i) {
+          const glm::vec2 p = sample_point(table, i, seed);
+          ++boxes[(std::size_t(p.x * float(1 << across)) << (power - across)) +
+                  std::size_t(p.y * float(1 << (power - across)))];
+        }
+        EXPECT_EQ(std::count(boxes.begin(), boxes.end(), 1), count) << count << " points, 2^" << across << " columns";
+      }
+  }
+}
+
+TEST(Sampler, PointsLieInsideTheSquare) {
+  // A point on its rim would be a direction along the surface, which is neither open nor closed.
+  const SampleTable table = sample_table(kMostSamples);
+  float low = 1.0f, high = 0.0f;
+  for (unsigned seed = 0; seed < 4000; ++seed)
+    for (int i = 0; i < kMostSamples; i += 2) {
+      const glm::vec2 p = sample_point(table, i, seed);
+      low = std::min({low, p.x, p.y});
+      high = std::max({high, p.x, p.y});
+    }
+  EXPECT_GT(low, 0.0f);
+  EXPECT_LT(low, 1e-6f);
+  EXPECT_LT(high, 1.0f);
+  EXPECT_GT(high, 1.0f - 1e-6f);
+}
+
+TEST(Sampler, EveryPointIsAnywhereWithEqualChance) {
+  const SampleTable table = sample_table(16);
+  for (const int i : {0, 5, 15}) {
+    Tally x, y, product;
+    for (unsigned seed = 0; seed < 20000; ++seed) {
+      const glm::vec2 p = sample_point(table, i, hash(seed, 9u));
+      x.add(p.x);
+      y.add(p.y);
+      product.add((p.x - 0.5) * (p.y - 0.5));
+    }
+    expect_mean(x, 0.5, 3e-3, "x");
+    expect_mean(y, 0.5, 3e-3, "y");
+    expect_mean(product, 0.0, 1e-3, "x y");
+    EXPECT_NEAR(x.variance(), 1.0 / 12.0, 2e-3);
+  }
+}
+
+TEST(Sampler, ShufflingMakesTwoSetsIndependent) {
+  const int count = 256;
+  const SampleTable table = sample_table(count);
+  for (const unsigned seed : {3u, 4u, 5u, 6u}) {
+    std::set<int> numbers, boxes, unshuffled;
+    for (int i = 0; i < count; ++i) {
+      const int other = shuffled(table, i, seed);
+      ASSERT_GE(other, 0);
+      ASSERT_LT(other, count);
+      numbers.insert(other);
+      const auto box = [&](int j) {
+        return int(sample_point(table, i, 100u + seed).x * 8.0f) * 8 +
+               int(sample_point(table, j, 200u + seed).x * 8.0f);
+      };
+      boxes.insert(box(other));
+      unshuffled.insert(box(i));
+    }
+    EXPECT_EQ(int(numbers.size()), count) << "a permutation";
+    EXPECT_GE(boxes.size(), 56u) << "of 64 that two sets' first coordinates span";
+    EXPECT_EQ(unshuffled.size(), 8u) << "which scrambling alone leaves empty";
+  }
+}
+
+/// A plane's variance over seeds, the mean over its pixels and its standard error. Pixels and seeds are independent.
+struct Spread {
+  double variance = 0.0, mean = 0.0, standard_error = 0.0;
+};
+
+Spread spread_of(int seeds, const std::function<Plane(std::uint32_t seed)>& trace) {
+  std::vector<Tally> pixels;
+  for (int seed = 0; seed < seeds; ++seed) {
+    const Plane plane = trace(std::uint32_t(seed));
+    pixels.resize(std::size_t(plane.width * plane.height));
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) pixels[std::size_t(y * plane.width + x)].add(plane.at(x, y));
+  }
+  Spread spread;
+  for (const Tally& pixel : pixels) {
+    spread.variance += pixel.variance() / double(pixels.size());
+    spread.mean += pixel.mean() / double(pixels.size());
+  }
+  spread.standard_error = std::sqrt(spread.variance / double(seeds) / double(pixels.size()));
+  return spread;
+}
+
+void expect_same_mean(const Spread& a, const Spread& b, std::string_view what) {
+  EXPECT_LE(std::fabs(a.mean - b.mean), 3.0 * std::hypot(a.standard_error, b.standard_error) + 1e-6)
+      << what << ": " << a.mean << " and " << b.mean;
+}
+
+Scene small_solids() {
+  auto scene = make_builtin_scene("scene:solids?detail=7000");
+  EXPECT_TRUE(scene);
+  return std::move(*scene);
+}
+
+Camera solids_camera(const Scene& scene, float scale = 1.0f) {
+  const View& view = scene.views[0];
+  return perspective_camera(view.eye * scale, view.target * scale, {0, 1, 0}, view.angle_deg, 1.0f);
+}
+
+/// By how much the variance may fall at least when samples double: by half, and what measuring it adds.
+constexpr double kLeastGain = 0.55;
+
+TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
+  const Stage stage = stage_of(small_solids());
+  const PictureInfo info = stage.info(solids_camera(*stage.scene), 64, 64);
+  const float radius = 0.2f * info.scene_radius;
+  const auto spread = [&](int samples, int seeds) {
+    return spread_of(seeds, [&](std::uint32_t seed) {
+      return occlusion(stage, info, {.samples = samples, .radius = radius, .seed = seed}).plane("ao");
+    });
+  };
+  const Spread first = spread(16, 8);
+  EXPECT_GT(first.variance, 1e-4);
+  EXPECT_LT(first.mean, 0.95);
+  EXPECT_LT(first.standard_error, 1e-3);
+  Spread last = first;
+  for (const int samples : {32, 64, 128}) {
+    const Spread next = spread(samples, 8);
+    EXPECT_LE(next.variance / last.variance, kLeastGain) << samples << " samples";
+    expect_same_mean(next, first, fmt::format("{} samples", samples));
+    last = next;
+  }
+  // Counts that are no powers of two, and one ray alone, are right in the mean too.
+  for (const int samples : {1, 3, 7, 100})
+    expect_same_mean(spread(samples, 6), last, fmt::format("{} samples", samples));
+  EXPECT_GT(spread(1, 6).variance, 8.0 * first.variance);
+}
+
+void expect_light_converges(const Stage& stage, const PictureInfo& info, const char* name, bool bounce) {
+  const auto spread = [&](int samples) {
+    return spread_of(8, [&](std::uint32_t seed) {
+      return light(stage, info, {.samples = samples, .bounce = bounce, .seed = seed}).plane(name);
+    });
+  };
+  const Spread first = spread(16);
+  EXPECT_GT(first.variance, 1e-5) << name;
+  Spread last = first;
+  for (const int samples : {32, 64, 128, 256}) {
+    const Spread next = spread(samples);
+    EXPECT_LE(next.variance / last.variance, kLeastGain) << name << ", " << samples << " samples";
+    expect_same_mean(next, first, fmt::format("{}, {} samples", name, samples));
+    last = next;
+  }
+  expect_same_mean(spread(7), last, name);
+}
+
+TEST(Reference, DoublingSamplesHalvesTheVarianceOfLight) {
+  // A slatted roof under a wide sun.
+  std::vector<Mesh> meshes = {parallelogram({0, -4, 0}, {8, 0, 0}, {0, 8, 0}),
+                              parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 2})};
+  for (int k = 0; k < 8; ++k) meshes.push_back(parallelogram({0.6f * k, -4, 2}, {0.3f, 0, 0}, {0, 8, 0}));
+  const Stage stage = stage_of(scene_of(meshes, {Material{}}, {sun({0.3f, 0, 1}, glm::vec3(1.0f), 40.0f)}));
+  // Before the wall, below the roof, above the floor: both are in sight.
+  const PictureInfo info = stage.info(perspective_camera({3, 0, 1.2f}, {0, 0, 0.4f}, {0, 0, 1}, 50.0f, 1.0f), 24, 24);
+  expect_light_converges(stage, info, "direct.g", false);
+  expect_light_converges(stage, info, "shadow", false);
+  expect_light_converges(stage, info, "indirect.g", true);
+}
+
+TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
+  // A fin above the floor, seen from a low wall behind it: the floor's left half sees the sun's left half alone, so
+  // that what arrives depends on both of a sample's choices together, which way the ray goes and where on the sun.
+  const Mesh wall = parallelogram({0, -3, 0}, {0, 6, 0}, {0, 0, 0.9f}), floor = level_square(8.0f);
+  const Mesh fin = parallelogram({-8, 0, 1}, {16, 0, 0}, {0, 0, 40});
+  const Stage stage = stage_of(scene_of({wall, floor, fin}, {Material{}}, {sun({0, 0, 1}, glm::vec3(1.0f), 80.0f)}));
+  const PictureInfo info = stage.info(orthographic_camera({1, 0, 0.5f}, {0, 0, 0.5f}, {0, 0, 1}, 0.4f, 1.0f), 20, 20);
+  expect_light_converges(stage, info, "indirect.g", true);
+}
+
+TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
+  const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
+  const PictureInfo info = stage.info(from_above(0.8f, 0.8f, {0.9f, 0}), 8, 8);
+  for (const auto& [samples, most] : {std::pair{64, 0.06}, {kMostSamples, 3e-3}}) {
+    const Image image = occlusion(stage, info, {.samples = samples, .radius = 1.3f});
+    for_each_pixel(info, [&](int x, int y) {
+      EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - ray_of(info, x, y).on_floor().x) / 1.3), most);
+    });
+  }
+}
+
+// ---- what must not matter ----
+
+TEST(Reference, ThreadsAndRunsDoNotMatter) {
+  Scene scene = small_solids();
+  scene.lights = {sun({0.4f, 1, 0.3f}, glm::vec3(1.0f), 10.0f), lamp({1, 3, 2}, 2.0f, glm::vec3(1.0f), 0.3f)};
+  const Stage stage = stage_of(std::move(scene));
+  const PictureInfo info = stage.info(solids_camera(*stage.scene), 72, 50);
+  ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
+  auto& params = as<ReferenceParams>(bytes);
+  params.samples = 10;
+  params.light = 2;
+  const auto trace = [&](int threads) { return *trace_reference(*stage, info, bytes, {.threads = threads}); };
+  const Image one = trace(1);
+  EXPECT_EQ(one.planes.size(), 11u);
+  for (const int threads : {1, 2, 0, 64}) expect_equal(one, trace(threads), fmt::format("{} threads", threads));
+  params.seed = 1;
+  const Image other = trace(0);
+  for (const char* name : {"ao", "bent_normal.x", "direct.g", "indirect.g"})
+    EXPECT_GT(differing_pixels(one.plane(name), other.plane(name)), 300) << name;
+}
+
+Scene scaled_scene(Scene scene, float scale) {
+  for (Mesh& mesh : scene.meshes)
+    for (glm::vec3& p : mesh.positions) p *= scale;
+  finish_scene(scene);
+  return scene;
+}
+
+TEST(Reference, ScaleDoesNotMatter) {
+  const Scene solids = small_solids();
+  const auto trace = [&](float scale) {
+    const Stage stage = stage_of(scaled_scene(solids, scale));
+    const PictureInfo info = stage.info(solids_camera(solids, scale), 48, 48);
+    return occlusion(stage, info, {.samples = 16, .radius = 0.25f * info.scene_radius});
+  };
+  const Image one = trace(1.0f);
+  for (const float power : {0x1p-10f, 0x1p10f}) expect_equal(one, trace(power), "a power of two");
+  for (const float scale : {1e-3f, 1e3f}) {
+    const Image image = trace(scale);
+    Tally change;
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 48; ++x) change.add(image.plane("ao").at(x, y) - one.plane("ao").at(x, y));
+    expect_mean(change, 0.0, 1e-3, "scaled");
+    EXPECT_LT(differing_pixels(one.plane("ao"), image.plane("ao")), 48 * 48 / 20);
+  }
+}
+
+TEST(Reference, FarPerspectiveIsOrthographic) {
+  const Stage stage = ball_on_floor();
+  constexpr float kDistance = 100.0f;
+  const float angle_deg = float(2.0 * std::atan(3.0 / kDistance) * 180.0 / M_PI);
+  const PictureInfo near = stage.info(from_above(6, 6), 40, 40);
+  const PictureInfo far =
+      stage.info(perspective_camera({0, 0, kDistance}, {0, 0, 0}, {0, 1, 0}, angle_deg, 1.0f), 40, 40);
+  const Image a = occlusion(stage, near, {.samples = 256, .radius = 2.0f});
+  const Image b = occlusion(stage, far, {.samples = 256, .radius = 2.0f, .seed = 1});
+  Tally change;
+  for_each_pixel(near, [&](int x, int y) {
+    if (misses_ball(ray_of(near, x, y)) && misses_ball(ray_of(far, x, y)))
+      change.add(b.plane("ao").at(x, y) - a.plane("ao").at(x, y));
+  });
+  expect_mean(change, 0.0, 1e-3, "perspective less orthographic");
+}
+
+TEST(Reference, TheGuardBandIsLeftOut) {
+  constexpr int kGuard = 9;
+  Scene scene = small_solids();
+  scene.lights = {sun({0.4f, 1, 0.3f}, glm::vec3(1.0f), 10.0f)};
+  const Stage stage = stage_of(std::move(scene));
+  const Camera camera = solids_camera(*stage.scene);
+  const PictureInfo bare = stage.info(camera, 50, 40), wide = stage.info(camera, 50, 40, kGuard);
+  const Image occluded = occlusion(stage, wide, {.samples = 16, .radius = 1.0f});
+  const Image lit = light(stage, wide, {.samples = 4});
+  ASSERT_EQ(occluded.width, 50 + 2 * kGuard);
+  ASSERT_EQ(occluded.plane("ao").height, 40 + 2 * kGuard);
+  for_each_pixel(wide, [&](int x, int y) {
+    if (x >= kGuard && y >= kGuard && x < 50 + kGuard && y < 40 + kGuard) return;
+    EXPECT_EQ(occluded.plane("ao").at(x, y), 1.0f);
+    EXPECT_EQ(bent_at(occluded, wide, x, y), glm::dvec3(0.0));
+    EXPECT_EQ(color_at(lit, "direct", x, y), glm::dvec3(0.0));
+    EXPECT_EQ(color_at(lit, "indirect", x, y), glm::dvec3(0.0));
+    EXPECT_EQ(lit.plane("shadow").at(x, y), 1.0f);
+  });
+  // Inside, the band changes the last bits of positions, and through them a ray here and there.
+  const Plane inside = cropped(occluded.plane("ao"), kGuard);
+  EXPECT_LT(differing_pixels(occlusion(stage, bare, {.samples = 16, .radius = 1.0f}).plane("ao"), inside), 40);
+  EXPECT_LT(differing_pixels(light(stage, bare, {.samples = 4}).plane("shadow"), cropped(lit.plane("shadow"), kGuard)),
+            40);
+}
+
+TEST(Reference, SmallAndOddSizes) {
+  const Stage stage = stage_of(small_solids());
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {17, 33}}) {
+    const PictureInfo info = stage.info(solids_camera(*stage.scene), width, height, 1);
+    const Image image = occlusion(stage, info, {.samples = 5, .radius = 1.0f});
+    EXPECT_EQ(image.width, width + 2);
+    for_each_pixel(info, [&](int x, int y) {
+      EXPECT_GE(image.plane("ao").at(x, y), 0.0f);
+      EXPECT_LE(image.plane("ao").at(x, y), 1.0f);
+    });
+  }
+}
+
+// ---- progress ----
+
+TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
+  const Stage stage = stage_of(small_solids());
+  const PictureInfo info = stage.info(solids_camera(*stage.scene), 100, 70);
+  ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
+  as<ReferenceParams>(bytes).samples = 2;
+  for (const int light : {0, 1, 2})
+    for (const int threads : {1, 0}) {
+      as<ReferenceParams>(bytes).light = light;
+      std::vector<double> told;
+      std::atomic<int> inside = 0;
+      const auto progress = [&](double done) {
+        EXPECT_EQ(++inside, 1) << "two threads at once";
+        told.push_back(done);
+        // Long enough for others to come by meanwhile, the last among them.
+        if (threads == 0) std::this_thread::sleep_for(std::chrono::microseconds(200));
+        --inside;
+        return true;
+      };
+      ASSERT_TRUE(trace_reference(*stage, info, bytes, {threads, progress}));
+      ASSERT_GT(told.size(), 3u);
+      EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << threads << " threads, light " << light;
+      EXPECT_GT(told.front(), 0.0);
+      EXPECT_EQ(told.back(), 1.0);
+      if (threads == 1) {
+        const std::size_t tiles = 7 * 5;
+        EXPECT_EQ(told.size(), light == 0 ? tiles : 2 * tiles);
+        EXPECT_EQ(std::adjacent_find(told.begin(), told.end()), told.end()) << "each tile adds";
+      }
+    }
+}
+
+TEST(Reference, ProgressCanEndTheWork) {
+  const Stage stage = stage_of(small_solids());
+  const PictureInfo info = stage.info(solids_camera(*stage.scene), 100, 100);
+  ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
+  as<ReferenceParams>(bytes).samples = 1;
+  as<ReferenceParams>(bytes).light = 2;
+  for (const double end_at : {0.0, 0.1, 0.6})
+    for (const int threads : {1, 0}) {
+      int told_after = 0;
+      bool ended = false;
+      const auto progress = [&](double done) {
+        told_after += ended;
+        ended = ended || done >= end_at;
+        return !ended;
+      };
+      const auto image = trace_reference(*stage, info, bytes, {threads, progress});
+      ASSERT_FALSE(image) << end_at;
+      EXPECT_EQ(image.error().kind, ErrorKind::kInterrupted);
+      EXPECT_EQ(told_after, 0) << "nothing is told any more";
+    }
+}
+
+// ---- parameters ----
+
+TEST(Reference, PlanesFollowTheLightParameter) {
+  const Stage stage = stage_of(scene_of({level_square(1.0f)}));
+  const PictureInfo info = stage.info(from_above(1, 1), 4, 4);
+  ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
+  const auto& outputs = reference_effect().passes[0].outputs;
+  const std::vector<std::string> all(outputs.begin(), outputs.end());
+  for (const auto& [light, planes] : {std::pair{0, 4}, {1, 8}, {2, 11}}) {
+    as<ReferenceParams>(bytes).light = light;
+    const auto image = trace_reference(*stage, info, bytes);
+    ASSERT_TRUE(image);
+    EXPECT_EQ(image->names, std::vector<std::string>(all.begin(), all.begin() + planes));
+  }
+  EXPECT_EQ(all.size(), 11u);
+}
+
+TEST(Reference, ParametersReachTheTrace) {
+  // Below a ceiling at 0.4 every choice gives another number: see FalloffBelowACeiling.
+  Mesh floor = level_square(1.0f);
+  floor.normals.assign(4, glm::normalize(glm::vec3(0.5f, 0, 1)));
+  const Stage stage = stage_of(scene_of({floor, level_square(1.0f, 0.4f)}));
+  const PictureInfo info = stage.info(from_above(1, 1, {0, 0}, 0.3f), 8, 8);
+  const auto mean = [&](const std::vector<std::pair<std::string_view, std::string_view>>& settings) {
+    ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
+    for (const auto& [name, value] : settings)
+      EXPECT_TRUE(set_parameter("reference", *find_parameter(reference_effect(), name), value, bytes));
+    const auto image = trace_reference(*stage, info, bytes);
+    EXPECT_TRUE(image);
+    double sum = 0.0;
+    for_each_pixel(info, [&](int x, int y) { sum += image->plane("ao").at(x, y) / 64.0; });
+    return sum;
+  };
+  EXPECT_EQ(mean({}), 1.0) << "10 % do not reach the ceiling";
+  EXPECT_NEAR(mean({{"radius", "0.8"}}), 0.25, 0.01);
+  EXPECT_NEAR(mean({{"radius", "0.8"}, {"falloff", "linear"}}), 0.75, 0.01);
+  EXPECT_NEAR(mean({{"radius", "0.8"}, {"falloff", "smooth"}}), 1.0 - (1.25 + 1.5 * std::log(0.5)), 0.01);
+  EXPECT_NEAR(mean({{"radius", "0.1"}, {"normal", "shading"}}), 0.5 + 0.5 * std::sqrt(0.8), 0.01);
+  const std::string share = fmt::format("{}%", 0.8 / info.scene_radius * 100.0);
+  EXPECT_NEAR(mean({{"radius", share}}), mean({{"radius", "0.8"}}), 1e-3);
+}
+
+TEST(Reference, RefusesValuesThatItCannotUse) {
+  ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
+  const auto expect_refused = [&](std::string_view name, std::string_view value, std::string_view range) {
+    const auto done = set_parameter("reference", *find_parameter(reference_effect(), name), value, bytes);
+    ASSERT_FALSE(done) << name << '=' << value;
+    EXPECT_EQ(done.error().kind, ErrorKind::kUsage);
+    for (const std::string& part : {fmt::format("reference.{}", name), fmt::format("'{}'", value), std::string(range)})
+      EXPECT_NE(done.error().message.find(part), std::string::npos) << done.error().message;
+  };
+  for (const char* value : {"0", "4097", "-1", "1.5", "many", "nan"}) expect_refused("samples", value, "1 to 4096");
+  for (const char* value : {"0", "0%", "-1", "-5%", "1001%", "nan", "inf", "wide"})
+    expect_refused("radius", value, "a number above 0 in scene units or a share up to 1000%");
+  for (const char* value : {"-1", "91"}) expect_refused("sun_angle", value, "0 to 90 deg");
+  expect_refused("falloff", "smoth", "did you mean 'smooth'");
+  for (const char* value : {"1", "4096"})
+    EXPECT_TRUE(set_parameter("reference", *find_parameter(reference_effect(), "samples"), value, bytes)) << value;
+}
+
+TEST(Reference, RadiusFitsTheScene) {
+  PictureInfo info;
+  info.scene_radius = 4.0f;
+  EXPECT_EQ(*radius_in_scene("x", {0.5f, 0}, info), 0.5f);
+  EXPECT_EQ(*radius_in_scene("x", {25.0f, 1}, info), 1.0f);
+  EXPECT_EQ(*radius_in_scene("x", {200.0f, 1}, info), 8.0f) << "the whole scene";
+  EXPECT_EQ(*radius_in_scene("x", {8.0f, 0}, info), 8.0f);
+  const auto expect_refused = [&](Length radius, std::string_view value, std::string_view reason) {
+    const auto length = radius_in_scene("--ao-radius", radius, info);
+    ASSERT_FALSE(length) << value;
+    EXPECT_EQ(length.error().kind, ErrorKind::kUsage);
+    for (const std::string_view part : {std::string_view("--ao-radius"), value, reason})
+      EXPECT_NE(length.error().message.find(part), std::string::npos) << length.error().message;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  expect_refused({0.0f, 0}, "'0'", "above 0");
+  expect_refused({0.0f, 1}, "'0%'", "above 0");
+  expect_refused({-1.0f, 0}, "'-1'", "above 0");
+  expect_refused({nan, 0}, "nan", "above 0");
+  expect_refused({8.1f, 0}, "'8.1'", "8 across (200%)");
+  expect_refused({201.0f, 1}, "'201%'", "larger than the scene");
+  expect_refused({kInfinity, 0}, "'inf'", "larger than the scene");
+
+  const Stage stage = stage_of(scene_of({level_square(1.0f)}));
+  ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
+  as<ReferenceParams>(bytes).radius = {300.0f, 1};
+  const auto image = trace_reference(*stage, stage.info(from_above(1, 1), 4, 4), bytes);
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(image.error().message.find("reference.radius"), std::string::npos) << image.error().message;
+  reference_effect().set_radius(0.7f, info, bytes);
+  EXPECT_EQ(*radius_in_scene("x", as<ReferenceParams>(bytes).radius, info), 0.7f);
+}
+
+TEST(Reference, TableCoversEveryFieldAndIsExplained) {
+  const Effect& effect = reference_effect();
+  EXPECT_EQ(effect.kind, EffectKind::kOcclusion);
+  std::set<std::size_t> bytes;
+  for (const Parameter& row : effect.parameters) {
+    for (std::size_t k = 0; k < parameter_size(row.type); ++k)
+      EXPECT_TRUE(bytes.insert(row.offset + k).second) << row.name << " overlaps another row";
+    ParameterBytes values = initial_parameters(effect.parameters, effect.params_size);
+    EXPECT_TRUE(set_parameter(effect.name, row, parameter_text(row, values), values)) << row.name;
+    EXPECT_FALSE(row.help.empty()) << row.name;
+  }
+  EXPECT_EQ(bytes.size(), sizeof(ReferenceParams)) << "there are fields without a row";
+  EXPECT_EQ(effect.params_size, sizeof(ReferenceParams));
+
+  const std::filesystem::path folder = std::filesystem::path(UMBRAGE_SOURCE) / "reference";
+  std::stringstream readme;
+  readme << std::ifstream(folder / "README.md").rdbuf();
+  const auto expect_named = [&](std::string_view name) {
+    EXPECT_NE(readme.str().find(fmt::format("`{}`", name)), std::string::npos) << "README.md does not explain " << name;
+  };
+  for (const Parameter& row : effect.parameters) expect_named(row.name);
+  for (const std::string_view output : effect.passes[0].outputs) expect_named(output.substr(0, output.find('.')));
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.ends_with(".h") && !name.ends_with(".cpp")) continue;
+    EXPECT_NE(readme.str().find(fmt::format("`{}.", entry.path().stem().string())), std::string::npos)
+        << "README.md does not name " << name;
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
