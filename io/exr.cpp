@@ -1,12 +1,12 @@
 // OpenEXR images through the OpenEXR 3.1 library, float or half. Rests on "Technical Introduction to OpenEXR" (channel
 // and layer names, windows, parts) and on ImfStandardAttributes.h (what the camera attributes mean).
 //
-// Names. Plane <-> channel: color.r <-> R (g, b, a alike), depth <-> depth.Z, normal.x <-> normal.X (endings r, g, b,
-// a, x, y, z alike); other names are the same in the file. In a file of several parts the channels of the first part
-// and names with a dot are taken as they are, the others behind their part's name: Z of the part Depth is Depth.z.
-// Windows. An image is as large as the display window. Where the data window does not reach, planes are 0 and depth is
-// +infinity; what lies outside the display window is dropped.
-// Values. Integer channels become floats, exact up to 2^24. Deep and subsampled channels are refused.
+// Names. Plane <-> channel: color.r <-> R (g, b, a alike), depth <-> depth.Z and layer1.depth <-> layer1.depth.Z,
+// normal.x <-> normal.X (endings r, g, b, a, x, y, z alike); other names are the same in the file. In a file of several
+// parts the channels of the first part and names with a dot are taken as they are, the others behind their part's name:
+// Z of the part Depth is Depth.z. Windows. An image is as large as the display window. Where the data window does not
+// reach, planes are 0 and depth is +infinity; what lies outside the display window is dropped. Values. Integer channels
+// become floats, exact up to 2^24. Deep and subsampled channels are refused.
 //
 // Compression is chosen for speed at a usual size. Processor time of one core of an AMD EPYC (Zen 4), OpenEXR 3.1.5,
 // 1024 x 1024, 12 planes (shaded colour, depth, normal, albedo, noisy occlusion, id), median of 5:
@@ -49,6 +49,7 @@ constexpr int kZipLevel = 1;
 constexpr int kThreads = 2;
 
 constexpr std::string_view kColor = "color.";
+constexpr std::string_view kDepth = "depth", kDepthEnding = ".Z";
 constexpr std::string_view kSmallLetters = "rgbaxyz", kCapitals = "RGBAXYZ";
 
 /// The letter after the last dot where that is all there is, or 0.
@@ -58,8 +59,8 @@ char last_letter(std::string_view name) { return name.size() > 2 && name[name.si
 std::string_view last_word(std::string_view name) { return name.substr(name.rfind('.') + 1); }
 
 std::string channel_of(std::string_view plane) {
-  if (plane == "depth") return "depth.Z";
   std::string channel(plane);
+  if (last_word(plane) == kDepth) return channel.append(kDepthEnding);
   const auto at = kSmallLetters.find(last_letter(plane));
   if (at == std::string_view::npos) return channel;
   channel.back() = kCapitals[at];
@@ -68,7 +69,10 @@ std::string channel_of(std::string_view plane) {
 }
 
 std::string plane_of(std::string_view channel) {
-  if (channel == "depth.Z") return "depth";
+  if (channel.ends_with(kDepthEnding)) {
+    const std::string_view before = channel.substr(0, channel.size() - kDepthEnding.size());
+    if (last_word(before) == kDepth) return std::string(before);
+  }
   if (channel.size() == 1 && kCapitals.substr(0, 4).find(channel[0]) != std::string_view::npos)
     return std::string(kColor) + kSmallLetters[kCapitals.find(channel[0])];
   std::string plane(channel);
@@ -200,8 +204,9 @@ Result<void> write(const fs::path& file, const Image& image, const WriteSettings
   });
 }
 
-/// Whether a channel is depth: Z without X beside it.
+/// Whether a channel is depth: one of that name, or Z without X beside it.
 bool is_depth(std::string_view channel, const Imf::ChannelList& channels) {
+  if (last_word(channel) == kDepth) return true;
   if (last_word(channel) != "Z") return false;
   std::string beside(channel);
   beside.back() = 'X';

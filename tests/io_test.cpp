@@ -485,10 +485,24 @@ TEST_F(ExrFile, HalfIsNearAndSparesDepthAndIds) {
 }
 
 TEST_F(ExrFile, ChannelNames) {
-  const std::pair<const char*, const char*> names[] = {
-      {"color.r", "R"},           {"color.g", "G"},           {"color.b", "B"}, {"color.a", "A"},
-      {"depth", "depth.Z"},       {"normal.x", "normal.X"},   {"ao", "ao"},     {"albedo.b", "albedo.B"},
-      {"object_id", "object_id"}, {"a.color.r", "a.color.R"}, {"uv.u", "uv.u"}, {"color.x", "color.X"}};
+  const std::pair<const char*, const char*> names[] = {{"color.r", "R"},
+                                                       {"color.g", "G"},
+                                                       {"color.b", "B"},
+                                                       {"color.a", "A"},
+                                                       {"depth", "depth.Z"},
+                                                       {"normal.x", "normal.X"},
+                                                       {"ao", "ao"},
+                                                       {"albedo.b", "albedo.B"},
+                                                       {"object_id", "object_id"},
+                                                       {"a.color.r", "a.color.R"},
+                                                       {"uv.u", "uv.u"},
+                                                       {"color.x", "color.X"},
+                                                       {"layer1.depth", "layer1.depth.Z"},
+                                                       {"layer15.depth", "layer15.depth.Z"},
+                                                       {"layer1.normal.z", "layer1.normal.Z"},
+                                                       {"layer2.albedo.r", "layer2.albedo.R"},
+                                                       {"layer1.object_id", "layer1.object_id"},
+                                                       {"unsharp_depth", "unsharp_depth"}};
   Image image(2, 1);
   for (auto [plane, channel] : names) image.planes.push_back(Plane(2, 1, 0.5f)), image.names.push_back(plane);
   ASSERT_TRUE(write_image(*this / "x.exr", image));
@@ -664,6 +678,28 @@ TEST_F(ExrFile, SmallDataWindowIsPadded) {
     EXPECT_EQ(image.plane("Z").at(x, y), kInfinity);
     EXPECT_EQ(image.plane("depth").at(x, y), kInfinity);
   }
+}
+
+TEST_F(ExrFile, LayersOfDepthAreInfiniteOutside) {
+  put_exr(*this / "x.exr", box(0, 0, 3, 3),
+          Channels(box(1, 1, 2, 2), {{"layer1.depth.Z", 1},
+                                     {"layer2.depth", 2},
+                                     {"layer1.normal.X", 3},
+                                     {"layer1.normal.Y", 4},
+                                     {"layer1.normal.Z", 5},
+                                     {"linear_depth", 6}}));
+  const Image image = read_or_fail(*this / "x.exr");
+  for (const char* name : {"layer1.depth", "layer2.depth"}) EXPECT_EQ(image.plane(name).at(0, 0), kInfinity) << name;
+  for (const char* name : {"layer1.normal.z", "linear_depth"}) EXPECT_EQ(image.plane(name).at(0, 0), 0.0f) << name;
+  EXPECT_EQ(image.plane("layer1.depth").at(2, 1), 1 + 2 + 100);
+  EXPECT_EQ(image.plane("layer2.depth").at(1, 2), 2 + 1 + 200);
+}
+
+TEST_F(ExrFile, FormsOfALayersDepthStayApart) {
+  put_exr(*this / "x.exr", box(0, 0, 1, 1), Channels(box(0, 0, 1, 1), {{"layer1.depth", 1}, {"layer1.depth.Z", 2}}));
+  const Image image = read_or_fail(*this / "x.exr");
+  ASSERT_EQ(image.names, (std::vector<std::string>{"layer1.depth", "layer1.depth.Z"}));
+  for (int p = 0; p < 2; ++p) EXPECT_EQ(image.planes[p].at(0, 0), float(p + 1));
 }
 
 TEST_F(ExrFile, LargeDataWindowIsCut) {
