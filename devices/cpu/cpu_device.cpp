@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include "core/check.h"
@@ -16,7 +17,15 @@
 namespace umbrage {
 namespace {
 
-Image& planes_of(const Frame& frame) { return *static_cast<Image*>(frame.storage.get()); }
+/// What a frame stores. A plane that a pass asked for and nobody made has one value everywhere; all such names of one
+/// value share a plane, since filling a plane for each costs more than the passes that read them.
+struct Planes {
+  Image image;
+  std::vector<std::string> neutral;  ///< names that have been asked for, in that order; `image` may have got one since
+  std::map<float, Plane> constants;
+};
+
+Planes& planes_of(const Frame& frame) { return *static_cast<Planes*>(frame.storage.get()); }
 
 FrameConstants frame_constants(const PictureInfo& info, int stride) {
   const Camera& camera = info.camera;
@@ -37,8 +46,15 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "shininess") return 1.0f;
   if (plane == "shadow") return 1.0f;
   if (plane == "ao") return 1.0f;
-  if (plane.starts_with("direct.") || plane.starts_with("ambient.")) return 0.0f;
+  if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.")) return 0.0f;
   return std::nullopt;
+}
+
+/// The plane of that name, made or neutral, or null.
+const Plane* find_plane(const Planes& planes, std::string_view name) {
+  if (const Plane* made = planes.image.find(name)) return made;
+  const bool neutral = std::find(planes.neutral.begin(), planes.neutral.end(), name) != planes.neutral.end();
+  return neutral ? &planes.constants.at(*neutral_value(name)) : nullptr;
 }
 
 /// As many as asked for, but no more than the machine has.
@@ -71,23 +87,23 @@ class CpuDevice final : public Device {
     if (!traced_) fail_check("capture before prepare");
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
-    frame.storage =
-        std::make_shared<Image>(arena_.execute([&] { return capture_planes(*traced_, frame.info, settings); }));
+    frame.storage = std::make_shared<Planes>(
+        Planes{arena_.execute([&] { return capture_planes(*traced_, frame.info, settings); })});
     return frame;
   }
 
   Result<Frame> upload(const GBuffer& gbuffer) override {
     Frame frame;
     frame.info = gbuffer.info;
-    auto image = std::make_shared<Image>(gbuffer.info.width, gbuffer.info.height);
+    auto planes = std::make_shared<Planes>(Planes{Image(gbuffer.info.width, gbuffer.info.height)});
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
       for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p) {
         const std::string& name = gbuffer.layers[layer].names[p];
         check_equal(gbuffer.layers[layer].planes[p].width, gbuffer.info.width, name);
         check_equal(gbuffer.layers[layer].planes[p].height, gbuffer.info.height, name);
-        image->add(layer_plane(int(layer), name)) = gbuffer.layers[layer].planes[p];
+        planes->image.add(layer_plane(int(layer), name)) = gbuffer.layers[layer].planes[p];
       }
-    frame.storage = std::move(image);
+    frame.storage = std::move(planes);
     return frame;
   }
 
@@ -95,28 +111,33 @@ class CpuDevice final : public Device {
     for (std::size_t p = 0; p < planes.planes.size(); ++p) {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
       check_equal(planes.planes[p].height, frame.info.height, planes.names[p]);
-      planes_of(frame).add(planes.names[p]) = planes.planes[p];
+      planes_of(frame).image.add(planes.names[p]) = planes.planes[p];
     }
     return {};
   }
 
   Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) override {
     check_equal(params.size(), effect.params_size, effect.name);
-    Image& image = planes_of(frame);
     std::vector<std::byte> constants(effect.constants_size);
     effect.constants(params, frame.info, constants.data());
     const int rounds = effect.rounds ? effect.rounds(params) : 1;
     for (int round = 0; round < rounds; ++round)
       for (const Pass& pass : effect.passes)
-        if (Result<void> done = run_pass(effect, pass, constants, frame.info, image); !done) return done;
+        if (Result<void> done = run_pass(effect, pass, constants, frame.info, planes_of(frame)); !done) return done;
     return {};
   }
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
-    const Image& image = planes_of(frame);
+    const Planes& planes = planes_of(frame);
+    std::vector<std::string> wanted = names;
+    if (names.empty()) {
+      wanted = planes.image.names;
+      for (const std::string& name : planes.neutral)
+        if (!planes.image.find(name)) wanted.push_back(name);
+    }
     Image out(frame.info.inner_width(), frame.info.inner_height());
-    for (const std::string& name : names.empty() ? image.names : names) {
-      const Plane* plane = image.find(name);
+    for (const std::string& name : wanted) {
+      const Plane* plane = find_plane(planes, name);
       if (!plane) return usage_error("the picture has no plane '{}'", name);
       out.names.push_back(name);
       out.planes.push_back(cropped(*plane, frame.info.guard));
@@ -126,20 +147,22 @@ class CpuDevice final : public Device {
 
  private:
   Result<void> run_pass(const Effect& effect, const Pass& pass, const std::vector<std::byte>& constants,
-                        const PictureInfo& info, Image& image) {
-    image.planes.reserve(image.planes.size() + pass.inputs.size() + pass.outputs.size());
+                        const PictureInfo& info, Planes& planes) {
     for (std::string_view input : pass.inputs) {
-      if (image.find(input)) continue;
+      if (find_plane(planes, input)) continue;
       const auto value = neutral_value(input);
       if (!value) return usage_error("{} needs the plane '{}', which this picture does not have", effect.name, input);
-      image.add(input) = Plane(info.width, info.height, *value);
+      if (!planes.constants.count(*value)) planes.constants.emplace(*value, Plane(info.width, info.height, *value));
+      planes.neutral.emplace_back(input);
     }
-    for (std::string_view output : pass.outputs) image.add(output);
-    std::vector<KernelPlane> planes;
-    for (const auto* names : {&pass.inputs, &pass.outputs})
-      for (std::string_view name : *names) planes.push_back({name, image.plane(name).data()});
-    const int stride = image.plane(pass.outputs[0]).stride;
-    const KernelFrame kernel_frame{frame_constants(info, stride), constants.data(), planes};
+    for (std::string_view output : pass.outputs) planes.image.add(output);
+    std::vector<KernelPlane> kernel_planes;
+    // A kernel stores to its outputs alone, which are nobody else's.
+    for (std::string_view name : pass.inputs)
+      kernel_planes.push_back({name, const_cast<float*>(find_plane(planes, name)->data())});
+    for (std::string_view name : pass.outputs) kernel_planes.push_back({name, planes.image.plane(name).data()});
+    const int stride = planes.image.plane(pass.outputs[0]).stride;
+    const KernelFrame kernel_frame{frame_constants(info, stride), constants.data(), kernel_planes};
     const CpuKernel kernel = settings_.scalar ? pass.scalar : settings_.tuned && pass.tuned ? pass.tuned : pass.lanes;
 
     const int tile_width = std::min(pass.tile_width, stride);

@@ -52,7 +52,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
 const Effect& effect_composite() {
   static const Effect effect = {
       .name = "composite",
-      .summary = "joins direct light, ambient light and occlusion",
+      .summary = "joins direct, ambient and bounced light with occlusion",
       .source = "Luft 2006",
       .kind = EffectKind::kShading,
       .parameters = kTable,
@@ -60,7 +60,8 @@ const Effect& effect_composite() {
       .constants_size = sizeof(CompositeConstants),
       .constants = fill_constants,
       .passes = {{.name = "composite",
-                  .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "ao"},
+                  .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
+                             "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
                   .outputs = {"lit.r", "lit.g", "lit.b"},
                   .scalar = run_scalar_composite,
                   .lanes = run_lanes_composite,

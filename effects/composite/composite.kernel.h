@@ -1,11 +1,16 @@
-// Joins light and occlusion. Modes:
-//   ambient    direct + ambient ao: occlusion keeps out what comes from everywhere, and nothing else
-//   subtract   direct + ambient - (1 - ao), with ao above 1 brightening [Chamberlin 2011, listing: color - shade]
-//   multiply   (direct + ambient) ao
-//   modulate   brightness, chroma and contrast of the light follow dD = ao - 1 [Luft 2006, from the literature]
+// Joins light and occlusion. What bounced = albedo indirect adds is light that surfaces in sight sent: whoever made it
+// knows what stands in its way, and occlusion does not darken it again. Modes:
+//   ambient    direct + bounced + ambient ao: occlusion keeps out what comes from everywhere, and nothing else
+//   subtract   direct + bounced + ambient - (1 - ao), with ao above 1 brightening [Chamberlin 2011, listing: color -
+//              shade]
+//   multiply   (direct + ambient) ao + bounced
+//   modulate   brightness, chroma and contrast of direct + bounced + ambient follow dD = ao - 1 [Luft 2006, from the
+//              literature]
 //   occlusion  ao alone, as grey
 IN_COLOR(direct)
 IN_COLOR(ambient)
+IN_COLOR(indirect)
+IN_COLOR(albedo)
 IN_REAL(ao)
 OUT_COLOR(lit)
 
@@ -13,21 +18,24 @@ FN Vec3 gray(Real v) { return Vec3(v, v, v); }
 
 FN void composite_pixel(Int px, Int py) {
   Real ao = near_ao(0, 0);
-  Vec3 direct = near_direct(0, 0);
-  Vec3 ambient = near_ambient(0, 0);
-  Vec3 light = direct + ambient;
-  if (C.mode == 0) light = direct + ambient * ao;
-  if (C.mode == 1) light = light + gray(ao - 1.0f);
-  if (C.mode == 2) light = light * ao;
-  if (C.mode == 3) {
-    Real d = ao - 1.0f;
-    Real luminance = dot(light, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f)));  // Rec.709
-    Real less_chroma = max(mad(d, Real(C.chroma), Real(1.0f)), Real(0.0f));
-    light = gray(luminance) + (light - gray(luminance)) * less_chroma;
-    // Contrast about middle grey, and the mask itself added.
-    light = gray(Real(0.5f)) + (light - gray(Real(0.5f))) * max(mad(d, Real(C.contrast), Real(1.0f)), Real(0.0f));
-    light = light + gray(d * Real(C.darkness));
+  Vec3 lit = gray(ao);
+  if (C.mode != 4) {
+    Vec3 direct = near_direct(0, 0);
+    Vec3 ambient = near_ambient(0, 0);
+    Vec3 bounced = near_albedo(0, 0) * near_indirect(0, 0);
+    lit = direct + ambient + bounced;
+    if (C.mode == 0) lit = direct + bounced + ambient * ao;
+    if (C.mode == 1) lit = lit + gray(ao - 1.0f);
+    if (C.mode == 2) lit = (direct + ambient) * ao + bounced;
+    if (C.mode == 3) {
+      Real d = ao - 1.0f;
+      Real luminance = dot(lit, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f)));  // Rec.709
+      Real less_chroma = max(mad(d, Real(C.chroma), Real(1.0f)), Real(0.0f));
+      lit = gray(luminance) + (lit - gray(luminance)) * less_chroma;
+      // Contrast about middle grey, and the mask itself added.
+      lit = gray(Real(0.5f)) + (lit - gray(Real(0.5f))) * max(mad(d, Real(C.contrast), Real(1.0f)), Real(0.0f));
+      lit = lit + gray(d * Real(C.darkness));
+    }
   }
-  if (C.mode == 4) light = gray(ao);
-  store_lit(finite_or_zero(light));
+  store_lit(finite_or_zero(lit));
 }

@@ -15,6 +15,8 @@ using test::Settings;
 
 constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
 constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
+constexpr const char* kIndirect[] = {"indirect.r", "indirect.g", "indirect.b"};
+constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
 constexpr const char* kLit[] = {"lit.r", "lit.g", "lit.b"};
 
 /// Light and occlusion of all sizes; occlusion from -0.5 to 2, as unsharp masks have it.
@@ -31,6 +33,8 @@ GBuffer light_and_occlusion() {
   for (int c = 0; c < 3; ++c) {
     fill(kDirect[c], 0.0, 3.0, 1 + c);
     fill(kAmbient[c], 0.0, 0.5, 11 + c);
+    fill(kIndirect[c], 0.0, 1.5, 31 + c);
+    fill(kAlbedo[c], 0.0, 1.0, 41 + c);
   }
   fill("ao", -0.5, 2.0, 21);
   return g;
@@ -40,11 +44,24 @@ struct Modulation {
   double darkness = 1.0, chroma = 0.0, contrast = 0.0;
 };
 
-glm::dvec3 joined(const std::string& mode, glm::dvec3 direct, glm::dvec3 ambient, double ao, const Modulation& m) {
-  const glm::dvec3 light = direct + ambient;
-  if (mode == "ambient") return direct + ambient * ao;
+/// The light at a pixel, in double.
+struct Arriving {
+  glm::dvec3 direct, ambient, bounced;
+  Arriving(const Image& image, int x, int y) {
+    for (int c = 0; c < 3; ++c) {
+      direct[c] = image.plane(kDirect[c]).at(x, y);
+      ambient[c] = image.plane(kAmbient[c]).at(x, y);
+      bounced[c] = double(image.plane(kAlbedo[c]).at(x, y)) * image.plane(kIndirect[c]).at(x, y);
+    }
+  }
+};
+
+glm::dvec3 joined(const std::string& mode, const Arriving& arriving, double ao, const Modulation& m) {
+  const auto& [direct, ambient, bounced] = arriving;
+  const glm::dvec3 light = direct + ambient + bounced;
+  if (mode == "ambient") return direct + bounced + ambient * ao;
   if (mode == "subtract") return light - (1.0 - ao);
-  if (mode == "multiply") return light * ao;
+  if (mode == "multiply") return (direct + ambient) * ao + bounced;
   if (mode == "occlusion") return glm::dvec3(ao);
   const double d = ao - 1.0;
   const double luminance = 0.2126 * light.r + 0.7152 * light.g + 0.0722 * light.b;
@@ -64,12 +81,7 @@ void compare(const std::string& mode, const Modulation& m) {
     double worst = 0.0;
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) {
-        glm::dvec3 direct, ambient;
-        for (int c = 0; c < 3; ++c) {
-          direct[c] = g.layers[0].plane(kDirect[c]).at(x, y);
-          ambient[c] = g.layers[0].plane(kAmbient[c]).at(x, y);
-        }
-        const glm::dvec3 expected = joined(mode, direct, ambient, g.layers[0].plane("ao").at(x, y), m);
+        const glm::dvec3 expected = joined(mode, Arriving(g.layers[0], x, y), g.layers[0].plane("ao").at(x, y), m);
         for (int c = 0; c < 3; ++c) worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
       }
     EXPECT_LE(worst, 2e-6 * scale) << mode;
@@ -92,17 +104,44 @@ TEST(Composite, OpenSurfacesKeepTheirLight) {
   GBuffer g = light_and_occlusion();
   g.layers[0].plane("ao") = Plane(g.info.width, g.info.height, 1.0f);
   for (const char* mode : {"ambient", "subtract", "multiply", "modulate"})
-    test::on_every_target(
-        "composite", g, {{"mode", mode}, {"chroma", "2"}, {"contrast", "3"}}, [&](const Image& image) {
-          double worst = 0.0;
-          for (int y = 0; y < image.height; ++y)
-            for (int x = 0; x < image.width; ++x)
-              for (int c = 0; c < 3; ++c)
-                worst = std::max(
-                    worst, std::fabs(double(image.plane(kLit[c]).at(x, y)) - g.layers[0].plane(kDirect[c]).at(x, y) -
-                                     g.layers[0].plane(kAmbient[c]).at(x, y)));
-          EXPECT_LE(worst, 2e-6) << mode;
-        });
+    test::on_every_target("composite", g, {{"mode", mode}, {"chroma", "2"}, {"contrast", "3"}},
+                          [&](const Image& image) {
+                            double worst = 0.0;
+                            for (int y = 0; y < image.height; ++y)
+                              for (int x = 0; x < image.width; ++x) {
+                                const Arriving light(g.layers[0], x, y);
+                                for (int c = 0; c < 3; ++c)
+                                  worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - light.direct[c] -
+                                                                    light.ambient[c] - light.bounced[c]));
+                              }
+                            EXPECT_LE(worst, 3e-6) << mode;
+                          });
+}
+
+TEST(Composite, BouncedLightIsAlbedoTimesIndirect) {
+  // Nothing else shines, and everything is closed.
+  GBuffer g = light_and_occlusion();
+  const int width = g.info.width, height = g.info.height;
+  g.layers[0].plane("ao") = Plane(width, height, 0.0f);
+  for (int c = 0; c < 3; ++c)
+    for (const auto* names : {kDirect, kAmbient}) g.layers[0].plane(names[c]) = Plane(width, height, 0.0f);
+  const auto share = [&](const char* mode, double bounced, double offset) {
+    test::on_every_target("composite", g, {{"mode", mode}}, [&](const Image& image) {
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(image.plane(kLit[c]).at(5, 7), bounced * Arriving(g.layers[0], 5, 7).bounced[c] + offset, 1e-6)
+            << mode;
+    });
+  };
+  share("ambient", 1.0, 0.0);
+  share("multiply", 1.0, 0.0);
+  share("subtract", 1.0, -1.0);
+  share("modulate", 1.0, -1.0);
+  share("occlusion", 0.0, 0.0);
+  // A bare G-buffer's albedo is the neutral one.
+  Image bare(width, height);
+  for (int c = 0; c < 3; ++c) bare.add(kIndirect[c]) = Plane(width, height, 0.5f);
+  test::on_every_target("composite", {.info = g.info, .layers = {bare}}, {},
+                        [](const Image& image) { EXPECT_NEAR(image.plane("lit.g").at(3, 3), 0.8 * 0.5, 1e-6); });
 }
 
 TEST(Composite, WhereAllIsClosedEachModeDoesItsPart) {
@@ -139,12 +178,16 @@ TEST(Composite, NumbersThatAreNoneAreBlack) {
   g.layers[0].plane("ao").at(0, 0) = std::nanf("");
   g.layers[0].plane("direct.r").at(1, 0) = std::numeric_limits<float>::infinity();
   g.layers[0].plane("ambient.g").at(2, 0) = -std::nanf("");
+  g.layers[0].plane("indirect.b").at(3, 0) = std::numeric_limits<float>::infinity();
+  g.layers[0].plane("albedo.b").at(4, 0) = std::nanf("");
   for (const char* mode : {"ambient", "subtract", "multiply", "modulate", "occlusion"})
     test::on_every_target("composite", g, {{"mode", mode}}, [&](const Image& image) {
       for (int c = 0; c < 3; ++c) EXPECT_EQ(image.plane(kLit[c]).at(0, 0), 0.0f) << mode;
       if (mode != std::string_view("occlusion")) {
         EXPECT_EQ(image.plane("lit.r").at(1, 0), 0.0f) << mode;
         EXPECT_EQ(image.plane("lit.g").at(2, 0), 0.0f) << mode;
+        EXPECT_EQ(image.plane("lit.b").at(3, 0), 0.0f) << mode;
+        EXPECT_EQ(image.plane("lit.b").at(4, 0), 0.0f) << mode;
       }
       for (int x = 0; x < image.width; ++x) EXPECT_TRUE(std::isfinite(image.plane("lit.b").at(x, 0))) << mode;
     });
