@@ -73,6 +73,20 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
     name##_plane_1[k] = v.y;                                                      \
     name##_plane_2[k] = v.z;                                                      \
   }
+#define INOUT_COLOR(name)                                                 \
+  layout(scalar) buffer name##_r_block { float name##_plane_0[]; };       \
+  layout(scalar) buffer name##_g_block { float name##_plane_1[]; };       \
+  layout(scalar) buffer name##_b_block { float name##_plane_2[]; };       \
+  vec3 own_##name() {                                                     \
+    int k = here.y * F.stride + here.x;                                   \
+    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]); \
+  }                                                                       \
+  void store_##name(vec3 v) {                                             \
+    int k = here.y * F.stride + here.x;                                   \
+    name##_plane_0[k] = v.x;                                              \
+    name##_plane_1[k] = v.y;                                              \
+    name##_plane_2[k] = v.z;                                              \
+  }
 #define OUT_VECTOR(name) OUT_TRIPLE(name, x, y, z)
 #define OUT_COLOR(name) OUT_TRIPLE(name, r, g, b)
 

@@ -37,6 +37,12 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
     view.store(name##_plane_1, v.y);               \
     view.store(name##_plane_2, v.z);               \
   }
+// A colour that the pass changes in place: a pixel reads its own alone.
+#define INOUT_COLOR(name)                                                                                           \
+  OUT_COLOR(name)                                                                                                   \
+  FN Vec3 own_##name() const {                                                                                      \
+    return Vec3{view.near(name##_plane_0, 0, 0), view.near(name##_plane_1, 0, 0), view.near(name##_plane_2, 0, 0)}; \
+  }
 #define OUT_VECTOR(name) OUT_TRIPLE(name, "x", "y", "z")
 #define OUT_COLOR(name) OUT_TRIPLE(name, "r", "g", "b")
 #include "machine/common.kernel.h"

@@ -1,0 +1,166 @@
+#include "effects/outline/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(outline_find)
+UMBRAGE_DECLARE_KERNEL(outline_refine)
+UMBRAGE_DECLARE_KERNEL(outline)
+void run_tuned_outline(const KernelFrame&, const Tile&);  // outline.tuned.cpp
+
+namespace {
+
+constexpr std::uint32_t kFindSpirv[] = {
+#include "spirv/outline_find.inc"
+};
+constexpr std::uint32_t kRefineSpirv[] = {
+#include "spirv/outline_refine.inc"
+};
+constexpr std::uint32_t kOutlineSpirv[] = {
+#include "spirv/outline.inc"
+};
+
+// Automatic planes of the paper's window depth, as `unsharp` has them: the farthest corner at 90 % of the range, and
+// the ratio of 2 to 15 between near and far.
+constexpr float kFarShare = 0.9f;
+constexpr float kNearToFar = 2.0f / 15.0f;
+
+const std::vector<Parameter> kTable = {
+    {.name = "mode",
+     .help = "lines that hold up at any size and angle, or the paper's rule of eight neighbours",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(OutlineParams, mode),
+     .choices = {"robust", "paper"}},
+    {.name = "width",
+     .help = "robust: width of the line, in pixels or as a share of the picture's height",
+     .type = ParameterType::kLength,
+     .offset = offsetof(OutlineParams, width),
+     .initial = 2.0,
+     .least = 0.5,
+     .most = kOutlineWidest,
+     .unit = "px"},
+    {.name = "r", .help = "red of the line, linear", .offset = offsetof(OutlineParams, r), .most = 1.0},
+    {.name = "g", .help = "green of the line", .offset = offsetof(OutlineParams, g), .most = 1.0},
+    {.name = "b", .help = "blue of the line", .offset = offsetof(OutlineParams, b), .most = 1.0},
+    {.name = "opacity",
+     .help = "how much of what lies under the line it hides",
+     .offset = offsetof(OutlineParams, opacity),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "depth",
+     .help = "robust: a surface that lies so many pixel sizes behind its neighbour's plane is another one",
+     .offset = offsetof(OutlineParams, depth),
+     .initial = 3.0,
+     .least = 0.5,
+     .most = 1000.0,
+     .unit = "px"},
+    {.name = "crease",
+     .help = "robust: faces that meet at this angle or more have an edge",
+     .offset = offsetof(OutlineParams, crease_deg),
+     .initial = 30.0,
+     .least = 1.0,
+     .most = 180.0,
+     .unit = "deg"},
+    {.name = "convex",
+     .help = "robust: draw edges that stand out, such as a box's",
+     .type = ParameterType::kBool,
+     .offset = offsetof(OutlineParams, convex),
+     .initial = 1.0},
+    {.name = "concave",
+     .help = "robust: draw edges that lie in, such as a room's corners",
+     .type = ParameterType::kBool,
+     .offset = offsetof(OutlineParams, concave),
+     .initial = 1.0},
+    {.name = "ids",
+     .help = "robust: what parts surfaces that touch: nothing, other objects, other materials, or either",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(OutlineParams, ids),
+     .initial = kOutlineObjects,
+     .choices = {"none", "objects", "materials", "both"}},
+    {.name = "paper_depth",
+     .help = "paper: threshold of window depth, times 1 less the depth",
+     .offset = offsetof(OutlineParams, paper_depth),
+     .initial = 0.05,
+     .most = 1.0},
+    {.name = "paper_normal",
+     .help = "paper: threshold of the normals' dot product",
+     .offset = offsetof(OutlineParams, paper_normal),
+     .initial = 0.95,
+     .least = -1.0,
+     .most = 1.0},
+};
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  const auto& params = as<OutlineParams>(bytes);
+  auto& c = *static_cast<OutlineConstants*>(out);
+  const float width =
+      params.width.relative ? params.width.value / 100.0f * float(info.inner_height()) : params.width.value;
+  const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
+  const float far_depth = std::max(info.depth_max / kFarShare, 1e-30f);
+  c = {.mode = params.mode,
+       .width_px = std::clamp(width, 0.0f, kOutlineWidest),
+       .r = params.r,
+       .g = params.g,
+       .b = params.b,
+       .opacity = params.opacity,
+       .depth = params.depth,
+       .crease_chord = 4.0f * std::sin(0.5f * crease) * std::sin(0.5f * crease),
+       .convex = params.convex,
+       .concave = params.concave,
+       .objects = params.ids & kOutlineObjects ? 1 : 0,
+       .materials = params.ids & kOutlineMaterials ? 1 : 0,
+       .paper_depth = params.paper_depth,
+       .paper_normal = params.paper_normal,
+       .near_depth = far_depth * kNearToFar,
+       .far_depth = far_depth};
+  constexpr float kAntialiasing = 0.5f, kHalfPiece = 0.5f;
+  c.reach_across = int(std::ceil(c.width_px + kAntialiasing));
+  c.reach_along = int(std::ceil(c.width_px + kAntialiasing + kHalfPiece));
+}
+
+}  // namespace
+
+const Effect& effect_outline() {
+  static const Effect effect = {
+      .name = "outline",
+      .summary = "lines where objects end, overlap or have edges",
+      .source = "Lajzer and Nottingham",
+      .kind = EffectKind::kShading,
+      .parameters = kTable,
+      .params_size = sizeof(OutlineParams),
+      .constants_size = sizeof(OutlineConstants),
+      .constants = fill_constants,
+      .variants = {"", "width=4", "width=8", "mode=paper"},
+      .quantum = 1.0,
+      .passes = {{.name = "outline_find",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
+                  .outputs = {"outline_right", "outline_below"},
+                  .scalar = run_scalar_outline_find,
+                  .lanes = run_lanes_outline_find,
+                  .spirv = kFindSpirv},
+                 {.name = "outline_refine",
+                  .inputs = {"outline_right", "outline_below"},
+                  .outputs = {"outline_steep", "outline_steep_slope", "outline_flat", "outline_flat_slope"},
+                  .scalar = run_scalar_outline_refine,
+                  .lanes = run_lanes_outline_refine,
+                  .spirv = kRefineSpirv},
+                 {.name = "outline",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep", "outline_steep_slope",
+                             "outline_flat", "outline_flat_slope", "lit.r", "lit.g", "lit.b"},
+                  .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
+                  .scalar = run_scalar_outline,
+                  .lanes = run_lanes_outline,
+                  .tuned = run_tuned_outline,
+                  .spirv = kOutlineSpirv}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage
