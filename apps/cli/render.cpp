@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
@@ -46,16 +47,26 @@ std::vector<std::string> split(const std::string& text) {
   return words;
 }
 
+/// The layers that a picture must have for a pass, where they are all that it lacks, or 0.
+int layers_for(std::string_view pass, std::span<const std::string> names) {
+  for (int layer = 1; layer < kMostLayers; ++layer) {
+    const std::string start = layer_plane(layer, "");
+    if (!pass.starts_with(start)) continue;
+    return std::find(names.begin(), names.end(), pass.substr(start.size())) != names.end() ? layer + 1 : 0;
+  }
+  return 0;
+}
+
 /// Checks the words of --passes against what the look will make, before any work.
 Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
   if (!o.passes || *o.passes == "all") return {};
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
+  const std::vector<std::string> captured = {"depth",     "normal", "albedo",    "specular",
+                                             "shininess", "shadow", "object_id", "material_id"};
   std::vector<std::string> names;
   for (int layer = 0; layer < draw.layers; ++layer)
-    for (const char* name :
-         {"depth", "normal", "albedo", "specular", "shininess", "shadow", "object_id", "material_id"})
-      names.push_back(layer_plane(layer, name));
+    for (const std::string& name : captured) names.push_back(layer_plane(layer, name));
   const auto all = every_effect();
   for (std::string_view effect : recipe->look->effects) {
     if (effect == "occlusion") effect = recipe->occlusion;
@@ -72,8 +83,11 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
   names.push_back("all");
   const std::vector<std::string> words = split(*o.passes);
   for (const std::string& word : words) {
-    if (std::find(names.begin(), names.end(), word) == names.end())
+    if (std::find(names.begin(), names.end(), word) == names.end()) {
+      if (const int layers = layers_for(word, captured); layers > 0)
+        return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, draw.layers, layers);
       return usage_error("there is no pass '{}'{}", word, suggestion(word, names));
+    }
     if (std::count(words.begin(), words.end(), word) > 1) return usage_error("--passes names '{}' twice", word);
   }
   if (words.size() > 1 && std::find(words.begin(), words.end(), "all") != words.end())
@@ -161,6 +175,7 @@ Result<void> render(const RenderOptions& o) {
   auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
   if (const auto recipe = make_recipe(*draw_with); !recipe) return recipe.error();
+  if (const auto capture_with = capture_settings(*draw_with, true); !capture_with) return capture_with.error();
   if (auto fine = check_passes(o, *draw_with); !fine) return fine;
   const std::string_view extension = (*format)->extension;
   if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
