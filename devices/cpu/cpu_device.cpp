@@ -46,6 +46,7 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "shininess") return 1.0f;
   if (plane == "shadow") return 1.0f;
   if (plane == "ao") return 1.0f;
+  if (plane == "outline" || plane == "object_id" || plane == "material_id") return 0.0f;
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.")) return 0.0f;
   return std::nullopt;
 }

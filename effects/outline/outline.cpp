@@ -13,7 +13,6 @@ namespace umbrage {
 UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
 UMBRAGE_DECLARE_KERNEL(outline)
-void run_tuned_outline(const KernelFrame&, const Tile&);  // outline.tuned.cpp
 
 namespace {
 
@@ -121,8 +120,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
        .near_depth = far_depth * kNearToFar,
        .far_depth = far_depth};
   constexpr float kAntialiasing = 0.5f, kHalfPiece = 0.5f;
-  c.reach_across = int(std::ceil(c.width_px + kAntialiasing));
-  c.reach_along = int(std::ceil(c.width_px + kAntialiasing + kHalfPiece));
+  c.reach = int(std::ceil(c.width_px + kAntialiasing + kHalfPiece));
 }
 
 }  // namespace
@@ -147,17 +145,17 @@ const Effect& effect_outline() {
                   .spirv = kFindSpirv},
                  {.name = "outline_refine",
                   .inputs = {"outline_right", "outline_below"},
-                  .outputs = {"outline_steep", "outline_steep_slope", "outline_flat", "outline_flat_slope"},
+                  .outputs = {"outline_steep", "outline_steep_slope", "outline_flat", "outline_flat_slope",
+                              "outline_busy"},
                   .scalar = run_scalar_outline_refine,
                   .lanes = run_lanes_outline_refine,
                   .spirv = kRefineSpirv},
                  {.name = "outline",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep", "outline_steep_slope",
-                             "outline_flat", "outline_flat_slope", "lit.r", "lit.g", "lit.b"},
+                             "outline_flat", "outline_flat_slope", "outline_busy", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,
-                  .tuned = run_tuned_outline,
                   .spirv = kOutlineSpirv}},
   };
   return effect;

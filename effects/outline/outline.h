@@ -26,7 +26,7 @@ const float kOutlineWidest = 16.0f;  // pixels
 struct OutlineConstants {
   int mode;
   float width_px;
-  int reach_across, reach_along;  // pixels from a crossing to the farthest pixel that its line touches
+  int reach;  // pixels from a crossing to the farthest pixel that its line touches
   float r, g, b, opacity;
   float depth;
   float crease_chord;  // squared distance of unit normals that differ by the crease angle

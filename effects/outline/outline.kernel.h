@@ -14,6 +14,7 @@ IN_REAL(outline_steep)
 IN_REAL(outline_steep_slope)
 IN_REAL(outline_flat)
 IN_REAL(outline_flat_slope)
+IN_REAL(outline_busy)
 INOUT_COLOR(lit)
 OUT_REAL(outline)
 
@@ -36,26 +37,27 @@ FN Real nearness_of(Real depth) {
   return select(surface, Real(1.0f) / depth, Real(0.0f));
 }
 
-// What a piece of line covers of this pixel. (across, along): where the crossing lies, in pixels from this one, across
-// the line's main direction and along it. v and slope: as outline_refine has them. near1, near2: nearness of the two
-// pixels that it lies between. predicted: this pixel's plane's nearness at the crossing.
-FN Real cover(Real v, Real slope, Real across, Real along, Real near1, Real near2, Real predicted) {
-  Real whole = floor(v);
-  Real side = (whole - 65.0f) * (1.0f / 64.0f);
+// What a piece of line covers of this pixel. (across, along): where the crossing's first pixel lies, from this one, across
+// the line's main direction and along it. v and slope: as outline_refine has them. depth1, depth2: of the two pixels that
+// it lies between. predicted: this pixel's plane's nearness at the crossing.
+FN Real cover(Real v, Real slope, Real across, Real along, Real depth1, Real depth2, Real predicted) {
+  Real side = mad(floor(v), Real(1.0f / 64.0f), Real(-65.0f / 64.0f));
   across = across + place_of(v);
-  Real stretch = sqrt(mad(slope, slope, Real(1.0f)));
-  Real off = (across - along * slope) / stretch;      // towards the first pixel's side
-  Real past = abs(along + across * slope) / stretch;  // along the line
-  past = max(past - stretch * 0.5f, Real(0.0f));
+  Real squared = mad(slope, slope, Real(1.0f));
+  Real shrink = rsqrt(squared);
+  Real off = (across - along * slope) * shrink;     // towards the first pixel's side
+  Real past = abs(mad(across, slope, along)) * shrink;  // along the line
+  past = max(past - squared * shrink * 0.5f, Real(0.0f));
   off = select(side < 0.0f, -off, off);
-  Real nearer = select(side < 0.0f, near2, near1);
+  Real nearer = select(side < 0.0f, depth2, depth1);
   side = abs(side);
-  Real distance = sqrt(mad(off, off, past * past));
-  Real wide = Real(C.width_px * 0.5f) * (side + 1.0f);  // onto the nearer side
-  Real narrow = Real(C.width_px) - wide;                // onto the other
-  Real allowed = Real(C.depth) * Real(F.ray_scale_x) * (abs(across) + abs(along) + 1.0f);
-  if (F.orthographic == 0) allowed = allowed * nearer;
-  Bool behind = predicted < nearer - allowed;
+  Real apart = mad(off, off, past * past);
+  Real distance = apart * rsqrt(max(apart, Real(1e-20f)));
+  Real wide = mad(side, Real(C.width_px * 0.5f), Real(C.width_px * 0.5f));  // onto the nearer side
+  Real narrow = Real(C.width_px) - wide;                                     // onto the other
+  Real allowed = Real(C.depth * F.ray_scale_x) * (abs(across) + abs(along) + 1.0f);
+  Bool behind = predicted < -nearer - allowed;
+  if (F.orthographic == 0) behind = predicted * nearer < Real(1.0f) - allowed;
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
   return select(v > 0.0f, select(off > 0.0f && !behind, inner, outer), Real(0.0f));
@@ -82,28 +84,25 @@ FN Real robust_cover(Int px, Int py) {
   }
   sx = select(surface, finite_or_zero(sx), Real(0.0f));
   sy = select(surface, finite_or_zero(sy), Real(0.0f));
-  // A crossing lies from half a pixel before to one and a half after the pixel that holds it.
-  for (int j = -C.reach_along; j <= C.reach_along; ++j)
-    for (int i = -C.reach_along; i <= C.reach_along; ++i) {
+  for (int j = -C.reach; j <= C.reach; ++j) {
+    if (!some(near_outline_busy(0, j) > 0.0f)) continue;
+    Real fj = Real(float(j));
+    for (int i = -C.reach; i <= C.reach; ++i) {
       Real fi = Real(float(i));
-      Real fj = Real(float(j));
-      if (i >= -C.reach_across && i <= C.reach_across) {
-        Real v = near_outline_steep(i, j);
-        if (some(v > 0.0f)) {
-          Real predicted = own + mad(sx, fi + place_of(v), sy * fj);
-          covered = max(covered, cover(v, near_outline_steep_slope(i, j), fi, fj, nearness_of(near_depth(i, j)),
-                                       nearness_of(near_depth(i + 1, j)), predicted));
-        }
+      Real v = near_outline_steep(i, j);
+      if (some(v > 0.0f)) {
+        Real predicted = own + mad(sx, fi + place_of(v), sy * fj);
+        covered = max(covered, cover(v, near_outline_steep_slope(i, j), fi, fj, near_depth(i, j), near_depth(i + 1, j),
+                                     predicted));
       }
-      if (j >= -C.reach_across && j <= C.reach_across) {
-        Real v = near_outline_flat(i, j);
-        if (some(v > 0.0f)) {
-          Real predicted = own + mad(sy, fj + place_of(v), sx * fi);
-          covered = max(covered, cover(v, near_outline_flat_slope(i, j), fj, fi, nearness_of(near_depth(i, j)),
-                                       nearness_of(near_depth(i, j + 1)), predicted));
-        }
+      v = near_outline_flat(i, j);
+      if (some(v > 0.0f)) {
+        Real predicted = own + mad(sy, fj + place_of(v), sx * fi);
+        covered = max(covered, cover(v, near_outline_flat_slope(i, j), fj, fi, near_depth(i, j), near_depth(i, j + 1),
+                                     predicted));
       }
     }
+  }
   return covered;
 }
 

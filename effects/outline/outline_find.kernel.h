@@ -26,8 +26,7 @@ OUT_REAL(outline_below)
 CONST float kLevels = 32.0f;  // of side, to either side of the middle
 // Squared share of a crease's turn that its surroundings may turn by a step: 1/5.
 CONST float kSteady = 0.04f;
-// The same for a faint crease, 2/5, and the squared share of the angle that it needs, 3/4.
-CONST float kFaintSteady = 0.16f;
+// Squared share of the crease angle from which on a crease is faint.
 CONST float kFaintTurn = 0.5f;
 CONST float kDeep = 2.0f;  // a jump within one object is clear from so many times `depth` on
 CONST float kLeastFacing = 0.01f;  // cosine to the eye below which a plane's slope is not trusted further
@@ -42,13 +41,13 @@ FN Vec3 nearness(Int px, Int py, int i, int j) {
   Vec3 n = near_normal(i, j);
   Vec3 result = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   if (F.orthographic != 0) {
-    Real facing = max(n.z, Real(kLeastFacing));
-    result = Vec3(-depth, n.x * Real(-F.ray_scale_x) / facing, n.y * Real(-F.ray_scale_y) / facing);
+    Real slope = Real(-1.0f) / max(n.z, Real(kLeastFacing));
+    result = Vec3(-depth, n.x * Real(F.ray_scale_x) * slope, n.y * Real(F.ray_scale_y) * slope);
     result.x = select(surface, result.x, Real(-1e30f));
   } else {
     Vec3 position = view_position(px + Int(i), py + Int(j), depth);
-    Real facing = -max(-dot(n, position), depth * kLeastFacing);
-    result = Vec3(Real(1.0f) / depth, n.x * Real(F.ray_scale_x) / facing, n.y * Real(F.ray_scale_y) / facing);
+    Real slope = Real(-1.0f) / max(-dot(n, position), depth * kLeastFacing);
+    result = Vec3(Real(1.0f) / depth, n.x * Real(F.ray_scale_x) * slope, n.y * Real(F.ray_scale_y) * slope);
     result.x = select(surface, result.x, Real(0.0f));
   }
   result.y = select(surface, finite_or_zero(result.y), Real(0.0f));
@@ -108,7 +107,7 @@ FN Real edge(Int px, Int py, int i, int j, Real c0, Real c1, Real c2, Real c3, R
   Real outer = min(outer_before, outer_after);
   Bool peak = both && here >= turn_before && here > turn_after;
   Bool clear = peak && turn > Real(C.crease_chord) && outer < turn * kSteady;
-  Bool crease = peak && turn > Real(C.crease_chord) * kFaintTurn && outer < turn * kFaintSteady;
+  Bool crease = peak && turn > Real(C.crease_chord) * kFaintTurn;
   Real d1 = select(surface1, depth1, Real(1.0f));
   Real d2 = select(surface2, depth2, Real(1.0f));
   Vec3 apart = view_position(px + Int(i), py + Int(j), d2) - view_position(px, py, d1);

@@ -10,13 +10,15 @@
 // A faint crease stays where it goes on from a clear edge within the same rows.
 //
 // Planes, for crossings to the right and below: 0, or 1 + 2 level + (t + 1/2) / 2 as in outline_find; and the line's slope, in
-// pixels to the right (down) for each row down (column to the right).
+// pixels to the right (down) for each row down (column to the right). outline_busy is above 0 where a crossing of the
+// same row is near enough that its line may reach this column: outline passes over rows without.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_steep)
 OUT_REAL(outline_steep_slope)
 OUT_REAL(outline_flat)
 OUT_REAL(outline_flat_slope)
+OUT_REAL(outline_busy)
 
 CONST int kRows = 3;  // on each side: the place is then known to about a seventh of a pixel
 CONST float kSteepest = 1.5f;
@@ -105,6 +107,10 @@ FN Vec2 refined(int lying, Int px, Int py, Real signed_v, Real w0, Real w1, Real
 }
 
 FN void outline_refine_pixel(Int px, Int py) {
+  Real busy = Real(0.0f);
+  for (int i = -C.reach; i <= C.reach; ++i)
+    busy = max(busy, max(abs(near_outline_right(i, 0)), abs(near_outline_below(i, 0))));
+  store_outline_busy(busy);
   Real right = near_outline_right(0, 0);
   Real below = near_outline_below(0, 0);
   Vec2 none = Vec2(Real(0.0f), Real(0.0f));

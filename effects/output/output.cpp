@@ -72,7 +72,7 @@ const Effect& effect_output() {
       .constants_size = sizeof(OutputConstants),
       .constants = fill_constants,
       .passes = {{.name = "output",
-                  .inputs = {"lit.r", "lit.g", "lit.b", "depth"},
+                  .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline"},
                   .outputs = {"color.r", "color.g", "color.b", "color.a"},
                   .scalar = run_scalar_output,
                   .lanes = run_lanes_output,

@@ -1,6 +1,9 @@
 // Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
+//
+// Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel.
 IN_COLOR(lit)
 IN_REAL(depth)
+IN_REAL(outline)
 OUT_COLOR(color)
 OUT_ALPHA(color)
 
@@ -10,12 +13,19 @@ FN Real srgb_from_linear(Real v) {
 }
 
 FN void output_pixel(Int px, Int py) {
-  Vec3 light = near_lit(0, 0) * Real(C.gain);
+  Bool surface = is_finite(near_depth(0, 0));
+  Real line = clamp(near_outline(0, 0), Real(0.0f), Real(1.0f));
+  Real share = select(surface || line == Real(0.0f), Real(1.0f), line);
+  Vec3 light = near_lit(0, 0) * (Real(C.gain) / share);
   light = finite_or_zero(light);  // what is not a number is black
   light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
-  Bool surface = is_finite(near_depth(0, 0));
+  // The line over the background, with straight alpha.
+  Real behind = (Real(1.0f) - line) * Real(C.background_alpha);
+  Real alpha = line + behind;
+  Real scale = Real(1.0f) / select(alpha > 0.0f, alpha, Real(1.0f));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
+  background = select(line > 0.0f, light * (line * scale) + background * (behind * scale), background);
   store_color(select(surface, light, background));
-  store_color_alpha(select(surface, Real(1.0f), Real(C.background_alpha)));
+  store_color_alpha(select(surface, Real(1.0f), alpha));
 }

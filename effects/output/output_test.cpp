@@ -114,6 +114,29 @@ TEST(Output, BackgroundIsWrittenAsItIs) {
   });
 }
 
+TEST(Output, LinesLieOverTheBackground) {
+  GBuffer g = row_of({0.25f, 0.125f, 0.0f});
+  for (int x = 1; x < 3; ++x) g.layers[0].plane("depth").at(x, 0) = std::numeric_limits<float>::infinity();
+  Plane& outline = g.layers[0].add("outline");
+  outline.at(0, 0) = 0.5f;  // over a surface it is in the light already
+  outline.at(1, 0) = 0.25f;
+  outline.at(2, 0) = 0.0f;
+  Settings settings = {{"transfer", "none"}, {"background_r", "0.8"}};
+  test::on_every_target("output", g, settings, [](const Image& image) {
+    EXPECT_FLOAT_EQ(image.plane("color.r").at(0, 0), 0.25f);
+    EXPECT_FLOAT_EQ(image.plane("color.r").at(1, 0), 0.25f * 0.5f + 0.75f * 0.8f);  // the line's colour is 0.5
+    EXPECT_FLOAT_EQ(image.plane("color.r").at(2, 0), 0.8f);
+    for (int x = 0; x < 3; ++x) EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f);
+  });
+  settings.emplace_back("transparent", "on");
+  test::on_every_target("output", g, settings, [](const Image& image) {
+    EXPECT_FLOAT_EQ(image.plane("color.r").at(1, 0), 0.5f);
+    EXPECT_FLOAT_EQ(image.plane("color.a").at(1, 0), 0.25f);
+    EXPECT_EQ(image.plane("color.a").at(2, 0), 0.0f);
+    EXPECT_EQ(image.plane("color.r").at(2, 0), 0.0f);
+  });
+}
+
 TEST(Output, WhatIsNoLightIsBlack) {
   const float infinity = std::numeric_limits<float>::infinity();
   const GBuffer g = row_of({std::nanf(""), infinity, -infinity, -1.0f, -0.0f, 3e38f});
