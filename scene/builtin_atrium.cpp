@@ -843,7 +843,8 @@ Scene make_atrium(int triangles) {
                    .color = {0.10f, 0.085f, 0.07f},
                    .angle_deg = kFillAngleDeg}};
   scene.ambient = {0.28f, 0.31f, 0.36f};
-  scene.views = {{.eye = {1.3f, 2.4f, 10.6f}, .target = {-0.35f, 3.7f, -6.0f}, .angle_deg = 60.0f}};
+  scene.views = {{.eye = {1.3f, 2.4f, 10.6f}, .target = {-0.35f, 3.7f, -6.0f}, .angle_deg = 60.0f},
+                 {.eye = {-2.6f, 1.6f, 6.5f}, .target = {3.2f, 1.5f, 0.5f}, .angle_deg = 55.0f}};
   return scene;
 }
 

@@ -646,7 +646,8 @@ Scene make_room(int triangles) {
                    .reach = 1.2f,
                    .radius = kBulb}};
   scene.ambient = {0.54f, 0.52f, 0.50f};
-  scene.views = {{.eye = {3.15f, 1.62f, 2.45f}, .target = {-0.95f, 0.92f, -1.15f}, .angle_deg = 52.0f}};
+  scene.views = {{.eye = {3.15f, 1.62f, 2.45f}, .target = {-0.95f, 0.92f, -1.15f}, .angle_deg = 52.0f},
+                 {.eye = {1.6f, 1.3f, 2.0f}, .target = {-2.4f, 0.7f, 0.3f}, .angle_deg = 50.0f}};
   return scene;
 }
 

@@ -450,7 +450,8 @@ Scene make_terrain(int triangles) {
                    .color = {0.08f, 0.09f, 0.12f},
                    .angle_deg = kFillAngleDeg}};
   scene.ambient = {0.34f, 0.40f, 0.50f};
-  scene.views = {{.eye = {110.0f, 300.0f, 620.0f}, .target = {-10.0f, 50.0f, -60.0f}, .angle_deg = 40.0f}};
+  scene.views = {{.eye = {110.0f, 300.0f, 620.0f}, .target = {-10.0f, 50.0f, -60.0f}, .angle_deg = 40.0f},
+                 {.eye = {-330.0f, 150.0f, 250.0f}, .target = {80.0f, 70.0f, -120.0f}, .angle_deg = 45.0f}};
   return scene;
 }
 
