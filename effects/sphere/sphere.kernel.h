@@ -1,0 +1,154 @@
+// Occlusion by points in a sphere: the share of sample points around a pixel before which the depth buffer holds
+// something nearer. Based on [Lajzer and Nottingham], "Pass 2" and listing 1; its conclusions name the shortcuts that
+// the parameters undo one by one.
+//
+// Whether a sample counts hangs on which pixel it falls into, so positions use operations alone that round alike on
+// every machine: no rsqrt here.
+IN_REAL(depth)
+IN_VECTOR(normal)
+OUT_REAL(ao)
+
+// Differs: the listing compares with 0. Depth in float scatters by its last bits where the fixed-point depth buffer of
+// the paper had equal numbers, on a plane that faces the camera.
+CONST float kWindowRounding = 4.7683716e-7f;  // 2^-21 of the range of window depth, 8 steps of a 24-bit buffer
+CONST float kDepthRounding = 2e-6f;           // share of the depth: 16 to 32 steps of a float
+CONST float kLeastDepth = 1e-3f;              // a sample behind the eye is moved to this share of the pixel's depth
+
+// The integer hash "lowbias32", found by search [Wellons 2018].
+FN Uint scrambled(Uint v) {
+  v = (v ^ (v >> 16)) * Uint(0x7feb352du);
+  v = (v ^ (v >> 15)) * Uint(0x846ca68bu);
+  return v ^ (v >> 16);
+}
+
+FN Real minus_one_to_one(Uint v) { return mad(to_real(v >> 8), Real(1.1920929e-7f), Real(-1.0f)); }  // 2^-23
+
+// The tile of random vectors: pixel i of one holds the same vector as pixel i of the next. Not of unit length, and
+// never 0.
+FN Vec3 random_vector(Int px, Int py) {
+  Int x = px;
+  Int y = py;
+  if (C.noise_size > 0.0f) {
+    Real size = Real(C.noise_size);
+    x = to_int(to_real(px) - size * floor((to_real(px) + 0.5f) / size));
+    y = to_int(to_real(py) - size * floor((to_real(py) + 0.5f) / size));
+  }
+  Uint seed = scrambled(to_uint(x) ^ scrambled(to_uint(y) + Uint(0x9e3779b9u)));
+  Uint second = scrambled(seed + Uint(1u));
+  Uint third = scrambled(seed + Uint(2u));
+  // Half a step off 0.
+  return Vec3(minus_one_to_one(seed) + 5.9604645e-8f, minus_one_to_one(second), minus_one_to_one(third));
+}
+
+// Scaled to length 1; towards the eye where it is 0 or no number.
+FN Vec3 unit_normal(Vec3 n, Vec3 position) {
+  Real squared = dot(n, n);
+  Bool usable = squared > 1e-20f && squared < 1e20f;
+  Vec3 eye = F.orthographic != 0 ? Vec3(Real(0.0f), Real(0.0f), Real(1.0f)) : -position;
+  n = select(usable, n, eye);
+  Real length = sqrt(max(dot(n, n), Real(1e-30f)));
+  return n * (Real(1.0f) / length);
+}
+
+// What is compared: window depth, or depth itself.
+FN Real compared_depth(Real depth) {
+  if (C.linear != 0) return depth;
+  Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));  // as the frustum's planes would have cut it
+  return Real(C.window_one) - Real(C.window_inverse) / between;
+}
+
+FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
+
+// How much a sample counts, by how much nearer than the pixel its occluder is.
+FN Real range_weight(Real nearer, Real limit) {
+  if (C.range == kSphereRangeHard) return select(nearer < limit, Real(1.0f), Real(0.0f));
+  Real t = limit / max(nearer, limit);  // 1 within the limit
+  return t * t * (3.0f - (t + t));
+}
+
+// 1 less the occlusion of `hidden` out of `count` samples.
+FN Real open_share(Real hidden, Real count) {
+  Real share = hidden / max(count, Real(1.0f));
+  Real mapped = C.quadratic != 0 ? share * share : share;
+  mapped = select(hidden < Real(C.threshold) * count, Real(0.0f), mapped);
+  return max(Real(0.0f), 1.0f - mapped * Real(C.strength));
+}
+
+FN void sphere_pixel(Int px, Int py) {
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  if (!some(surface)) {
+    store_ao(Real(1.0f));
+    return;
+  }
+  depth = select(surface, depth, Real(1.0f));
+  Real x = to_real(px) + 0.5f;
+  Real y = to_real(py) + 0.5f;
+  // From the picture's centre of projection, which pixels move away from when they come nearer.
+  Real from_centre_x = x + Real(F.ray_offset_x / F.ray_scale_x);
+  Real from_centre_y = y + Real(F.ray_offset_y / F.ray_scale_y);
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  // The radius in pixels along x and y, and in scene units.
+  Real radius_x = Real(C.radius_px);
+  Real radius_y = Real(C.radius_px);
+  Real radius = Real(C.radius_px * F.ray_scale_x) * spread;
+  if (C.world_radius != 0) {
+    radius = Real(C.reach);
+    radius_x = radius / (Real(F.ray_scale_x) * spread);
+    radius_y = radius / (Real(-F.ray_scale_y) * spread);
+  }
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  if (C.hemisphere != 0 || C.reflect == kSphereReflectNormal) normal = unit_normal(near_normal(0, 0), position);
+  Vec3 mirror = normal;
+  if (C.reflect == kSphereReflectRandom) mirror = random_vector(px, py);
+  Vec3 twice_mirror = mirror * (Real(-2.0f) / max(dot(mirror, mirror), Real(1e-30f)));
+
+  Real own = compared_depth(depth);
+  Real rounding = C.linear != 0 ? depth * kDepthRounding : Real(kWindowRounding);
+  Real limit = clamp((C.linear != 0 ? radius : radius_x) * Real(C.limit), Real(1e-30f), Real(1e30f));
+  // What rises less than this above the pixel's plane does not occlude.
+  Real least_height = mad(radius, Real(C.bias), depth * kDepthRounding);
+  Real hidden = Real(0.0f);
+  Real count = Real(float(C.samples));
+  for (int i = 0; i < C.samples; ++i) {
+    Vec3 v = Vec3(Real(C.points[3 * i]), Real(C.points[3 * i + 1]), Real(C.points[3 * i + 2]));
+    if (C.reflect != kSphereReflectNone) v = v + twice_mirror * dot(mirror, v);
+    if (C.hemisphere != 0) v = v * select(dot(v, normal) < 0.0f, Real(-1.0f), Real(1.0f));
+    Real sample_depth = depth;
+    Real step_x = radius_x * v.x;
+    Real step_y = -(radius_y * v.y);  // rows are counted from the top
+    if (C.sample_z != 0) {
+      sample_depth = max(depth - radius * v.z, depth * kLeastDepth);
+      if (F.orthographic == 0) {
+        Real wider = depth / sample_depth;
+        step_x = mad(from_centre_x, wider - 1.0f, step_x * wider);
+        step_y = mad(from_centre_y, wider - 1.0f, step_y * wider);
+      }
+    }
+    // Differs: reads the nearest pixel; the paper does not say how its texture is filtered.
+    Real sample_x = floor(clamp(x + step_x, Real(-1.0f), Real(float(F.width))));
+    Real sample_y = floor(clamp(y + step_y, Real(-1.0f), Real(float(F.height))));
+    Int column = to_int(sample_x);
+    Int row = to_int(sample_y);
+    Real tap = load_depth(column, row);
+    Real tap_depth = compared_depth(tap);
+    // "if the sample is closer than the current pixel -> occlude" [listing 1]
+    Real front = C.sample_z != 0 ? compared_depth(sample_depth) : own;
+    Bool occludes = is_surface(tap) && front - tap_depth > rounding;
+    if (C.hemisphere != 0) {
+      Int inner_column = clamp(column, Int(0), Int(F.width - 1));  // where a clamped sample was read
+      Int inner_row = clamp(row, Int(0), Int(F.height - 1));
+      Vec3 to_tap = view_position(inner_column, inner_row, tap) - position;
+      occludes = occludes && dot(to_tap, normal) > least_height;
+    }
+    Real weight = C.range == kSphereRangeOff ? Real(1.0f) : range_weight(own - tap_depth, limit);
+    if (C.skip_outside != 0) {
+      Bool inside = sample_x >= 0.0f && sample_x < float(F.width) && sample_y >= 0.0f && sample_y < float(F.height);
+      occludes = occludes && inside;
+      count = count - select(inside, Real(0.0f), Real(1.0f));
+    }
+    hidden = hidden + select(occludes, weight, Real(0.0f));
+  }
+  store_ao(select(surface, open_share(hidden, count), Real(1.0f)));
+}
