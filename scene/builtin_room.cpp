@@ -632,7 +632,7 @@ Scene make_room(int triangles) {
   scene.materials = std::move(palette.materials);
   scene.textures = std::move(palette.textures);
   // The sun through the window; then light that the window and the lamp send round corners, without shadows.
-  constexpr float kBulb = 0.06f;  // radius of a round bulb, metres
+  constexpr float kGlow = 0.18f;  // metres: the lamp's shade glows as a whole, and is about as wide
   scene.lights = {{.direction = glm::normalize(vec3(-0.80f, 0.47f, 0.07f)),
                    .color = {1.60f, 1.38f, 1.08f},
                    .angle_deg = kSunAngleDeg,
@@ -644,7 +644,7 @@ Scene make_room(int triangles) {
                    .position = kFloorLamp + vec3(0.0f, 1.55f, 0.2f),
                    .color = {0.13f, 0.095f, 0.05f},
                    .reach = 1.2f,
-                   .radius = kBulb}};
+                   .radius = kGlow}};
   scene.ambient = {0.54f, 0.52f, 0.50f};
   scene.views = {{.eye = {3.15f, 1.62f, 2.45f}, .target = {-0.95f, 0.92f, -1.15f}, .angle_deg = 52.0f},
                  {.eye = {1.6f, 1.3f, 2.0f}, .target = {-2.4f, 0.7f, 0.3f}, .angle_deg = 50.0f}};

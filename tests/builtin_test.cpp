@@ -108,7 +108,7 @@ TEST_P(BuiltinScenes, HasALightAndAViewOfSomething) {
       EXPECT_LT(light.angle_deg, 90.0f);
     } else if (light.kind == LightKind::kPoint) {
       EXPECT_GT(light.radius, 0.0f);
-      EXPECT_LT(light.radius, 0.1f * light.reach);
+      EXPECT_LT(light.radius, 0.5f * light.reach);
     }
 }
 
