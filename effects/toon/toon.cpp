@@ -1,0 +1,208 @@
+#include "effects/toon/toon.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <glm/geometric.hpp>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(toon_light)
+UMBRAGE_DECLARE_KERNEL(toon)
+
+namespace {
+
+constexpr std::uint32_t kLightSpirv[] = {
+#include "spirv/toon_light.inc"
+};
+constexpr std::uint32_t kSpirv[] = {
+#include "spirv/toon.inc"
+};
+
+constexpr double kMostFactor = 100.0;
+constexpr double kPaperBands = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
+// Of an edge between bands, as change of intensity: fifty times what rounding changes it across a flat face, so that a
+// face whose light falls on an edge is evenly coloured and not speckled. Surfaces that curve visibly change it faster.
+constexpr float kLeastChange = 5e-5f;
+
+const std::vector<Parameter> kTable = {
+    {.name = "mode",
+     .help = "a given number of bands in a ramp of colours, or the paper's steps of the object's colour",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ToonParams, mode),
+     .choices = {"ramp", "paper"}},
+    {.name = "bands",
+     .help = "how many bands; in the paper's mode how many per unit of intensity",
+     .type = ParameterType::kInt,
+     .offset = offsetof(ToonParams, bands),
+     .initial = kPaperBands,
+     .least = 1.0,
+     .most = 256.0},
+    {.name = "ambient",
+     .help = "intensity of light from everywhere that occlusion darkens; the key light's is 1",
+     .offset = offsetof(ToonParams, ambient),
+     .initial = kPaperAmbient,
+     .most = kMostFactor},
+    {.name = "extra",
+     .help = "intensity of light from everywhere that nothing darkens",
+     .offset = offsetof(ToonParams, extra),
+     .initial = kPaperExtra,
+     .most = kMostFactor},
+    {.name = "rig",
+     .help = "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ToonParams, rig),
+     .choices = {"scene", "head", "key"}},
+    {.name = "shadow",
+     .help = "how dark the key light's shadow is",
+     .offset = offsetof(ToonParams, shadow),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "softness",
+     .help = "width of the edge between two bands, in bands; 0: antialiased, about a pixel (ramp)",
+     .offset = offsetof(ToonParams, softness),
+     .most = 1.0},
+    {.name = "specular",
+     .help = "factor on highlights",
+     .offset = offsetof(ToonParams, specular),
+     .initial = 1.0,
+     .most = kMostFactor},
+    {.name = "highlight_size",
+     .help = "factor on the diameter of highlights (ramp)",
+     .offset = offsetof(ToonParams, highlight_size),
+     .initial = 1.0,
+     .least = 0.01,
+     .most = 10.0},
+    {.name = "shadow_r",
+     .help = "red of the darkest band on white (ramp)",
+     .offset = offsetof(ToonParams, shadow_r),
+     .initial = 0.18,
+     .most = 1.0},
+    {.name = "shadow_g",
+     .help = "green of the darkest band on white (ramp)",
+     .offset = offsetof(ToonParams, shadow_g),
+     .initial = 0.16,
+     .most = 1.0},
+    {.name = "shadow_b",
+     .help = "blue of the darkest band on white (ramp)",
+     .offset = offsetof(ToonParams, shadow_b),
+     .initial = 0.30,
+     .most = 1.0},
+    {.name = "light_r",
+     .help = "red of the brightest band on white, and of highlights (ramp)",
+     .offset = offsetof(ToonParams, light_r),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "light_g",
+     .help = "green of the brightest band on white, and of highlights (ramp)",
+     .offset = offsetof(ToonParams, light_g),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "light_b",
+     .help = "blue of the brightest band on white, and of highlights (ramp)",
+     .offset = offsetof(ToonParams, light_b),
+     .initial = 1.0,
+     .most = 1.0},
+    {.name = "albedo",
+     .help = "the object's colour: its albedo, its albedo as a display shows it (for output.transfer=none), or white",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ToonParams, albedo),
+     .choices = {"texture", "display", "clay"}},
+};
+
+float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
+
+void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
+  std::vector<Light> lights = info.lights;
+  if (params.rig != 0) {
+    const glm::vec3 above_left = glm::normalize(glm::vec3(-0.45f, 0.65f, 0.62f));  // as `lighting` has it
+    const LightKind kind = params.rig == 1 ? LightKind::kHead : LightKind::kDirectional;
+    lights.assign(1, Light{.kind = kind, .direction = above_left});
+    c.shadow = 0.0f;  // the captured shadow is another light's
+  }
+  // The paper has one light, which does not fall off.
+  const bool paper = params.mode == kToonPaper;
+  c.light_count = std::min(int(lights.size()), paper ? 1 : kToonMostLights);
+  const float key = lights.empty() ? 0.0f : luminance(lights[0].color);
+  for (int k = 0; k < c.light_count; ++k) {
+    const Light& light = lights[k];
+    // A head light is parallel along the view axis for an orthographic camera and a point at the eye otherwise.
+    const bool head = light.kind == LightKind::kHead;
+    const bool point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
+    const glm::vec3 where =
+        head ? (point ? glm::vec3(0.0f) : glm::vec3(0.0f, 0.0f, 1.0f)) : (point ? light.position : light.direction);
+    c.kind[k] = point ? 1 : 0;
+    c.x[k] = where.x;
+    c.y[k] = where.y;
+    c.z[k] = where.z;
+    c.share[k] = k == 0 ? 1.0f : key > 0.0f ? luminance(light.color) / key : 0.0f;
+    c.reach_squared[k] = head || paper ? 0.0f : light.reach * light.reach;
+  }
+}
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  const auto& params = as<ToonParams>(bytes);
+  auto& c = *static_cast<ToonConstants*>(out);
+  c = {};
+  c.mode = params.mode;
+  c.albedo = params.albedo;
+  c.bands = float(params.bands);
+  c.ambient = params.ambient;
+  c.extra = params.extra;
+  c.shadow = params.shadow;
+  c.specular = params.specular;
+  // A surface that faces the key light, unoccluded, has the whole ramp's intensity. Neither it nor one that faces away
+  // lies on an edge between bands.
+  c.bands_per_intensity = c.bands / (1.0f + params.ambient + params.extra);
+  c.inverse_bands = 1.0f / c.bands;
+  c.least_width = std::min(kLeastChange * c.bands_per_intensity, 1.0f);
+  c.softness = params.softness;
+  c.sharpness = 1.0f / (params.highlight_size * params.highlight_size);
+  const bool flat = params.bands == 1;
+  const float steps = std::max(c.bands - 1.0f, 1.0f);
+  c.light_r = params.light_r;
+  c.light_g = params.light_g;
+  c.light_b = params.light_b;
+  c.shadow_r = flat ? params.light_r : params.shadow_r;
+  c.shadow_g = flat ? params.light_g : params.shadow_g;
+  c.shadow_b = flat ? params.light_b : params.shadow_b;
+  c.step_r = (params.light_r - c.shadow_r) / steps;
+  c.step_g = (params.light_g - c.shadow_g) / steps;
+  c.step_b = (params.light_b - c.shadow_b) / steps;
+  fill_lights(params, info, c);
+}
+
+}  // namespace
+
+const Effect& effect_toon() {
+  static const Effect effect = {
+      .name = "toon",
+      .summary = "toon bands of light, with antialiased edges, coloured shadows and round highlights",
+      .source = "Lajzer and Nottingham",
+      .kind = EffectKind::kShading,
+      .parameters = kTable,
+      .params_size = sizeof(ToonParams),
+      .constants_size = sizeof(ToonConstants),
+      .constants = fill_constants,
+      .variants = {"", "mode=paper"},
+      .quantum = 1.0 / kPaperBands,
+      .passes = {{.name = "light",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
+                  .outputs = {"toon_intensity", "toon_highlight"},
+                  .scalar = run_scalar_toon_light,
+                  .lanes = run_lanes_toon_light,
+                  .spirv = kLightSpirv},
+                 {.name = "bands",
+                  .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b",
+                             "specular"},
+                  .outputs = {"lit.r", "lit.g", "lit.b"},
+                  .scalar = run_scalar_toon,
+                  .lanes = run_lanes_toon,
+                  .spirv = kSpirv}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage

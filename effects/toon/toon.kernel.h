@@ -1,0 +1,94 @@
+// Second pass of `toon`: cuts the intensity into bands, antialiases their edges, and colours them.
+// Based on [Lajzer and Nottingham], listing 2: floor(4 i)/4 times the object's colour.
+//
+// Differs in ramp mode: a fixed number of bands, coloured from the shadow's colour to the light's. The step from band
+// to band is averaged over the range of intensity that the pixel covers, which comes from the differences to its
+// neighbours. They tell a width and nothing else: no neighbour's light or colour enters, so nothing smears over a
+// silhouette.
+IN_REAL(depth)
+IN_REAL(toon_intensity)
+IN_REAL(toon_highlight)
+IN_COLOR(albedo)
+IN_REAL(specular)
+OUT_COLOR(lit)
+
+// Neighbours whose depths differ by more, as a share of the nearer one, lie on two surfaces.
+CONST float kDepthJump = 0.1f;
+// A highlight's plane below this is outside, however blurred its edge.
+CONST float kFarOutside = -0.5f;
+
+// Whether the neighbour lies on the same surface.
+FN Bool connected(Real depth, Real other, Bool inside) {
+  return inside && abs(other - depth) <= min(depth, other) * kDepthJump;
+}
+
+// How much a value changes across a pixel along one axis, from its neighbours on the same surface. The mean of both
+// differences, but at most twice the smaller: at a crease or a shadow's edge one side belongs to another surface's
+// light.
+FN Real change(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
+  Real a = abs(before - centre);
+  Real b = abs(after - centre);
+  a = select(has_before, a, select(has_after, b, Real(0.0f)));
+  b = select(has_after, b, a);
+  return min((a + b) * 0.5f, min(a, b) * 2.0f);
+}
+
+// floor(t) averaged over [t - width/2, t + width/2], width in (0, 1].
+FN Real averaged_floor(Real t, Real width) {
+  Real high = mad(width, Real(0.5f), t);
+  Real edge = floor(high);
+  return edge - 1.0f + min((high - edge) / width, Real(1.0f));
+}
+
+FN Real display_from_linear(Real v) {
+  Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));
+  return select(v > 0.0031308f, curve, v * 12.92f);
+}
+
+FN void toon_pixel(Int px, Int py) {
+  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  Real depth = near_depth(0, 0);
+  Bool surface = is_finite(depth);
+  if (!some(surface)) {
+    store_lit(none);
+    return;
+  }
+  Vec3 albedo = Vec3(Real(1.0f), Real(1.0f), Real(1.0f));
+  if (C.albedo != kToonClay) albedo = near_albedo(0, 0);
+  if (C.albedo == kToonDisplay)
+    albedo = Vec3(display_from_linear(albedo.x), display_from_linear(albedo.y), display_from_linear(albedo.z));
+  Real intensity = near_toon_intensity(0, 0);
+  if (C.mode == kToonPaper) {
+    Vec3 lit = albedo * (max(floor(intensity * C.bands), Real(0.0f)) * Real(C.inverse_bands));
+    store_lit(select(surface, finite_or_zero(lit), none));
+    return;
+  }
+  Bool left = connected(depth, near_depth(-1, 0), near_inside(-1, 0));
+  Bool right = connected(depth, near_depth(1, 0), near_inside(1, 0));
+  Bool up = connected(depth, near_depth(0, -1), near_inside(0, -1));
+  Bool down = connected(depth, near_depth(0, 1), near_inside(0, 1));
+
+  Real across = change(intensity, near_toon_intensity(-1, 0), near_toon_intensity(1, 0), left, right);
+  Real along = change(intensity, near_toon_intensity(0, -1), near_toon_intensity(0, 1), up, down);
+  Real width = sqrt(mad(across, across, along * along)) * Real(C.bands_per_intensity);
+  width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
+  Real scaled = clamp(intensity * C.bands_per_intensity, Real(0.0f), Real(C.bands + 1.0f));
+  Real band = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.bands - 1.0f));
+  Vec3 tone = Vec3(mad(band, Real(C.step_r), Real(C.shadow_r)), mad(band, Real(C.step_g), Real(C.shadow_g)),
+                   mad(band, Real(C.step_b), Real(C.shadow_b)));
+  Vec3 lit = albedo * tone;
+
+  Real highlight = near_toon_highlight(0, 0);
+  if (some(highlight > kFarOutside)) {
+    across = change(highlight, near_toon_highlight(-1, 0), near_toon_highlight(1, 0), left, right);
+    along = change(highlight, near_toon_highlight(0, -1), near_toon_highlight(0, 1), up, down);
+    width = sqrt(mad(across, across, along * along));
+    width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
+    Real inside = clamp(highlight / width + 0.5f, Real(0.0f), Real(1.0f));
+    // The material's root: between 0.05 and 0.5, where materials lie, highlights stay visible and differ.
+    Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);
+    Real share = inside * min(strength, Real(1.0f));
+    lit = lit + (Vec3(Real(C.light_r), Real(C.light_g), Real(C.light_b)) - lit) * share;
+  }
+  store_lit(select(surface, finite_or_zero(lit), none));
+}

@@ -1,0 +1,96 @@
+// First pass of `toon`: how brightly a surface is lit, as one number, before it is cut into bands.
+// Based on [Lajzer and Nottingham], listing 2: i = (max(0, N.L) + 0.1) ao + 0.2.
+//
+// Differs in ramp mode: every light adds to the diffuse part, in shares of the key light; the key light's shadow
+// counts; and the highlight is kept apart, as a signed plane that is above 0 inside it. Differs in both: a material
+// without specular reflection has no highlight whatever its exponent.
+IN_REAL(depth)
+IN_VECTOR(normal)
+IN_REAL(specular)
+IN_REAL(shininess)
+IN_REAL(shadow)
+IN_REAL(ao)
+OUT_REAL(toon_intensity)
+OUT_REAL(toon_highlight)
+
+CONST float kNoHighlight = -1.0f;
+CONST float kInverseLn2 = 1.44269504f;
+// Shadows are captured with one ray per pixel. Neighbours that smooth their edge lie no farther from the pixel's
+// tangent plane than a pixel is wide, and face within 25 degrees of it: not across a silhouette, nor an edge of a
+// solid.
+CONST float kSameFacing = 0.9f;
+
+// The key light's share that arrives, its edges smoothed over the pixel's neighbours on the same surface.
+FN Real smooth_shadow(Int px, Int py, Vec3 position, Vec3 normal) {
+  Real centre = near_shadow(0, 0);
+  Bool differs = abs(centre) > 1.0f;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) differs = differs || abs(near_shadow(i, j) - centre) > 0.0f;
+  if (!some(differs)) return centre;
+  Real pixel = abs(Real(F.ray_scale_x)) * (F.orthographic != 0 ? Real(1.0f) : -position.z);
+  Real sum = Real(0.0f);
+  Real weights = Real(0.0f);
+  for (int j = -1; j <= 1; ++j) {
+    for (int i = -1; i <= 1; ++i) {
+      Vec3 away = view_position(px + Int(i), py + Int(j), near_depth(i, j)) - position;
+      Bool same = abs(dot(away, normal)) <= pixel && dot(near_normal(i, j), normal) > kSameFacing;
+      Real weight = Real(float((2 - i * i) * (2 - j * j)));
+      weight = select(same, weight, Real(0.0f));
+      sum = mad(weight, select(same, near_shadow(i, j), Real(0.0f)), sum);
+      weights = weights + weight;
+    }
+  }
+  return select(weights > 0.0f, sum / max(weights, Real(1.0f)), centre);
+}
+
+FN void toon_light_pixel(Int px, Int py) {
+  Real depth = near_depth(0, 0);
+  Bool surface = is_finite(depth);
+  if (!some(surface)) {
+    store_toon_intensity(Real(0.0f));
+    store_toon_highlight(Real(kNoHighlight));
+    return;
+  }
+  Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
+  Vec3 normal = normalized(near_normal(0, 0));
+  Real exponent = near_shininess(0, 0);
+  Real arrives_of_key = Real(1.0f);
+  if (C.shadow > 0.0f) {
+    arrives_of_key = C.mode == kToonPaper ? near_shadow(0, 0) : smooth_shadow(px, py, position, normal);
+    arrives_of_key = mad(clamp(arrives_of_key, Real(0.0f), Real(1.0f)) - 1.0f, Real(C.shadow), Real(1.0f));
+  }
+  Real diffuse = Real(0.0f);
+  Real gloss = Real(0.0f);
+  Real highlight = Real(kNoHighlight);
+  for (int k = 0; k < C.light_count; ++k) {
+    Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
+    Real arrives = Real(C.share[k]);
+    if (C.kind[k] == 1) {
+      Vec3 away = light - position;
+      Real squared = max(dot(away, away), Real(1e-20f));
+      light = away * rsqrt(squared);
+      if (C.reach_squared[k] > 0.0f) arrives = arrives * (Real(C.reach_squared[k]) / squared);
+    }
+    if (k == 0) arrives = arrives * arrives_of_key;
+    Real facing = dot(normal, light);
+    diffuse = mad(arrives, max(facing, Real(0.0f)), diffuse);
+    if (k == 0 && C.specular > 0.0f) {
+      if (C.mode == kToonPaper) {
+        Vec3 halfway = normalized(light + Vec3(Real(0.0f), Real(0.0f), Real(1.0f)));
+        gloss = pow(max(dot(normal, halfway), Real(0.0f)), exponent) * arrives_of_key * Real(C.specular);
+        gloss = select(exponent > 1.0f && near_specular(0, 0) > 0.0f, gloss, Real(0.0f));
+      } else {
+        // Where max(0, N.H)^e exceeds one half, with (N.H)^e ~ exp(-e (1 - N.H)). 1 in its middle, 0 at its edge; less
+        // than 0 too where the light does not arrive, for its shadow or because the surface faces away.
+        Vec3 halfway = normalized(light + to_eye(position));
+        Real falls = max(exponent, Real(1.0f)) * Real(C.sharpness * kInverseLn2);
+        highlight = mad(dot(normal, halfway) - 1.0f, falls, Real(1.0f));
+        highlight = min(min(highlight, facing), mad(arrives_of_key, Real(2.0f), Real(-1.0f)));
+      }
+    }
+  }
+  Real intensity = mad(diffuse + C.ambient, near_ao(0, 0), Real(C.extra)) + gloss;
+  store_toon_intensity(select(surface, finite_or_zero(intensity), Real(0.0f)));
+  highlight = select(surface && is_finite(highlight), max(highlight, Real(kNoHighlight)), Real(kNoHighlight));
+  store_toon_highlight(highlight);
+}

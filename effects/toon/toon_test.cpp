@@ -1,0 +1,530 @@
+// `toon` against listing 2 of [Lajzer and Nottingham] in double, and against spheres and faces whose bands are known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <map>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using test::Settings;
+
+constexpr const char* kLit[] = {"lit.r", "lit.g", "lit.b"};
+constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
+constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
+const Settings kNoAmbient = {{"ambient", "0"}, {"extra", "0"}};
+
+// ---- pictures
+// --------------------------------------------------------------------------------------------------------
+
+Settings with(Settings settings, const Settings& more) {
+  settings.insert(settings.end(), more.begin(), more.end());
+  return settings;
+}
+
+void set_normal(GBuffer& g, int x, int y, glm::dvec3 normal) {
+  for (int c = 0; c < 3; ++c) g.layers[0].plane(kNormal[c]).at(x, y) = float(normal[c]);
+}
+
+/// A white face, every pixel the same, in an orthographic view.
+GBuffer face(int width, int height, glm::vec3 normal, float depth = 5.0f) {
+  GBuffer g = test::empty_gbuffer(width, height);
+  g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, float(width) / float(height));
+  g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.7f)}};
+  Image& image = g.layers[0];
+  image.add("depth") = Plane(width, height, depth);
+  for (int c = 0; c < 3; ++c) image.add(kNormal[c]) = Plane(width, height, normal[c]);
+  for (const char* name : {"albedo.r", "albedo.g", "albedo.b", "shadow", "ao"})
+    image.add(name) = Plane(width, height, 1.0f);
+  return g;
+}
+
+constexpr int kSphereSize = 256;
+constexpr double kSphereRadius = 110.0;  // pixels
+const glm::dvec3 kSphereLight = glm::normalize(glm::dvec3(0.5, 0.4, 0.6));
+
+/// Normal of the sphere at a place in the picture, in pixels; zero outside.
+glm::dvec3 sphere_normal(double x, double y) {
+  const double u = (x - 0.5 * kSphereSize) / kSphereRadius, v = (0.5 * kSphereSize - y) / kSphereRadius;
+  const double squared = u * u + v * v;
+  return squared < 1.0 ? glm::dvec3(u, v, std::sqrt(1.0 - squared)) : glm::dvec3(0.0);
+}
+
+/// A white sphere in an orthographic view, lit from the upper right.
+GBuffer sphere() {
+  GBuffer g = face(kSphereSize, kSphereSize, {0, 0, 1});
+  g.info.lights[0].direction = glm::vec3(kSphereLight);
+  const double radius = kSphereRadius * 3.0 / kSphereSize;  // the view is 3 high
+  for (int y = 0; y < kSphereSize; ++y)
+    for (int x = 0; x < kSphereSize; ++x) {
+      const glm::dvec3 n = sphere_normal(x + 0.5, y + 0.5);
+      set_normal(g, x, y, n);
+      g.layers[0].plane("depth").at(x, y) =
+          n.z > 0.0 ? float(5.0 - radius * n.z) : std::numeric_limits<float>::infinity();
+    }
+  return g;
+}
+
+glm::dvec3 position_of(const PictureInfo& info, int x, int y, double depth) {
+  const Camera& c = info.camera;
+  const double u = c.left + (x + 0.5) / info.width * (double(c.right) - c.left);
+  const double v = c.top - (y + 0.5) / info.height * (double(c.top) - c.bottom);
+  const double spread = c.projection == Projection::kPerspective ? depth : 1.0;
+  return {u * spread, v * spread, -depth};
+}
+
+glm::dvec3 to_light(const PictureInfo& info, const Light& light, const glm::dvec3& position) {
+  const bool perspective = info.camera.projection == Projection::kPerspective;
+  if (light.kind == LightKind::kPoint) return glm::normalize(glm::dvec3(light.position) - position);
+  if (light.kind == LightKind::kHead) return perspective ? -glm::normalize(position) : glm::dvec3(0, 0, 1);
+  return light.direction;
+}
+
+/// Bumps with an occlusion plane and without shadow.
+GBuffer bumps(bool perspective, unsigned seed) {
+  GBuffer g = test::bumpy_gbuffer(131, 97, seed);
+  if (!perspective) g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 131.0f / 97.0f);
+  Image& image = g.layers[0];
+  image.plane("shadow") = Plane(131, 97, 1.0f);
+  image.add("ao");
+  for (int y = 0; y < 97; ++y)
+    for (int x = 0; x < 131; ++x) image.plane("ao").at(x, y) = float(test::hash(seed + 131u * y + x) >> 8) * 0x1p-24f;
+  return g;
+}
+
+// ---- rung 1: listing 2
+// -----------------------------------------------------------------------------------------------
+
+struct Listing {
+  double intensity;  // before it is cut
+  double cut;        // floor(4 i) / 4
+};
+
+/// Listing 2, its words in double.
+Listing listing_2(glm::dvec3 n, glm::dvec3 l, double ao, double specular_exp) {
+  const glm::dvec3 nn = glm::normalize(n), nl = glm::normalize(l);
+  const glm::dvec3 nh = glm::normalize(nl + glm::dvec3(0.0, 0.0, 1.0));
+  double intensity = (std::max(0.0, glm::dot(nn, nl)) + 0.1) * ao + 0.2;
+  if (intensity >= 0.0 && specular_exp > 1.0) intensity += std::pow(std::max(0.0, glm::dot(nn, nh)), specular_exp);
+  return {intensity, std::floor(intensity * 4.0) / 4.0};
+}
+
+TEST(Toon, PaperModeIsListing2) {
+  const Light lights[] = {{.direction = glm::normalize(glm::vec3(-1.0f, 2.0f, 1.5f)), .color = glm::vec3(0.7f)},
+                          {.kind = LightKind::kPoint, .position = {0.5f, 1.5f, -0.5f}, .reach = 3.0f},
+                          {.kind = LightKind::kHead}};
+  unsigned seed = 0;
+  for (const Light& light : lights)
+    for (const bool perspective : {true, false}) {
+      GBuffer g = bumps(perspective, ++seed);
+      g.info.lights = {light, {.direction = {0, 0, 1}}};  // the paper has one light: the second does not shine
+      Image& image = g.layers[0];
+      image.plane("specular") = Plane(131, 97, 0.3f);
+      for (int y = 0; y < 97; ++y)
+        for (int x = 0; x < 131; x += 3) image.plane("shininess").at(x, y) = 1.0f;  // no highlight
+      test::on_every_target("toon", g, {{"mode", "paper"}}, [&](const Image& out) {
+        long compared = 0, flips = 0, wrong = 0;
+        std::map<double, long> steps;
+        for (int y = 0; y < 97; ++y)
+          for (int x = 0; x < 131; ++x) {
+            const double depth = image.plane("depth").at(x, y);
+            if (!std::isfinite(depth)) continue;
+            glm::dvec3 n;
+            for (int c = 0; c < 3; ++c) n[c] = image.plane(kNormal[c]).at(x, y);
+            const Listing expected = listing_2(n, to_light(g.info, light, position_of(g.info, x, y, depth)),
+                                               image.plane("ao").at(x, y), image.plane("shininess").at(x, y));
+            const double to_edge = std::fabs(expected.intensity * 4.0 - std::round(expected.intensity * 4.0));
+            const double allowed = to_edge < 4e-4 ? 0.25 + 1e-6 : 1e-6;
+            flips += to_edge < 4e-4;
+            ++compared;
+            ++steps[expected.cut];
+            for (int c = 0; c < 3; ++c)
+              wrong += !(std::fabs(out.plane(kLit[c]).at(x, y) - expected.cut * image.plane(kAlbedo[c]).at(x, y)) <=
+                         allowed);
+          }
+        EXPECT_EQ(wrong, 0);
+        EXPECT_GT(compared, 5000);
+        EXPECT_LE(flips, compared / 200);
+        EXPECT_GE(steps.size(), 6u);
+      });
+    }
+}
+
+TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
+  GBuffer g = bumps(true, 9);
+  g.info.lights = {
+      {.direction = glm::normalize(glm::vec3(-1.0f, 2.0f, 3.0f)), .color = glm::vec3(0.8f)},
+      {.kind = LightKind::kPoint, .position = {0.5f, 1.5f, -0.5f}, .color = glm::vec3(0.4f), .reach = 3.0f},
+      {.kind = LightKind::kHead, .color = glm::vec3(0.2f)}};
+  const double share[] = {1.0, 0.5, 0.25};
+  test::on_every_target("toon", g, {{"ambient", "0.3"}, {"extra", "0.05"}}, [&](const Image& out) {
+    double worst = 0.0;
+    for (int y = 0; y < 97; ++y)
+      for (int x = 0; x < 131; ++x) {
+        const double depth = g.layers[0].plane("depth").at(x, y);
+        if (!std::isfinite(depth)) continue;
+        const glm::dvec3 position = position_of(g.info, x, y, depth);
+        glm::dvec3 n;
+        for (int c = 0; c < 3; ++c) n[c] = g.layers[0].plane(kNormal[c]).at(x, y);
+        double sum = 0.3;
+        for (int k = 0; k < 3; ++k) {
+          const double reach = g.info.lights[k].reach;
+          const double falls =
+              reach > 0.0 ? std::pow(reach / glm::distance(glm::dvec3(g.info.lights[k].position), position), 2.0) : 1.0;
+          sum += share[k] * falls * std::max(0.0, glm::dot(n, to_light(g.info, g.info.lights[k], position)));
+        }
+        const double expected = sum * g.layers[0].plane("ao").at(x, y) + 0.05;
+        worst = std::max(worst, std::fabs(out.plane("toon_intensity").at(x, y) - expected) / (1.0 + expected));
+      }
+    EXPECT_LE(worst, 3e-6);
+  });
+}
+
+// ---- rung 2: bands
+// ---------------------------------------------------------------------------------------------------
+
+TEST(Toon, SphereHasAsManyBandsAsAsked) {
+  const GBuffer g = sphere();
+  for (const char* mode : {"ramp", "paper"})
+    for (const int bands : {2, 3, 4, 8}) {
+      const Settings settings = with(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", bands)}});
+      test::on_every_target("toon", g, settings, [&](const Image& out) {
+        // Values are compared at a resolution that tells edges' values from bands'.
+        std::map<long, long> histogram;
+        long pixels = 0;
+        for (int y = 0; y < kSphereSize; ++y)
+          for (int x = 0; x < kSphereSize; ++x)
+            if (std::isfinite(g.layers[0].plane("depth").at(x, y)))
+              ++histogram[std::lround(out.plane("lit.g").at(x, y) * 1e5)], ++pixels;
+        int peaks = 0;
+        for (const auto& [value, count] : histogram) peaks += count > pixels / 100;
+        EXPECT_EQ(peaks, bands) << mode;
+      });
+    }
+}
+
+TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
+  const GBuffer g = sphere();
+  for (const int bands : {2, 4}) {
+    const Settings settings = with(kNoAmbient, {{"bands", fmt::format("{}", bands)}, {"shadow_g", "0"}});
+    test::on_every_target("toon", g, settings, [&](const Image& out) {
+      double sum = 0.0, farthest = 0.0, worst_whole = 0.0;
+      long between = 0;
+      for (int y = 0; y < kSphereSize; ++y)
+        for (int x = 0; x < kSphereSize; ++x) {
+          const double r = std::hypot(x + 0.5 - 0.5 * kSphereSize, y + 0.5 - 0.5 * kSphereSize);
+          if (r > 0.95 * kSphereRadius) continue;  // the limb: a band is narrower than a pixel
+          const auto scaled = [&](double px, double py) {
+            return bands * std::max(0.0, glm::dot(sphere_normal(px, py), kSphereLight));
+          };
+          const double t = scaled(x + 0.5, y + 0.5);
+          const double edge = std::min(std::max(std::round(t), 1.0), bands - 1.0);
+          const double slope =
+              std::hypot(scaled(x + 1.0, y + 0.5) - scaled(x, y + 0.5), scaled(x + 0.5, y + 1.0) - scaled(x + 0.5, y));
+          const double away = slope > 0.0 ? (t - edge) / slope : 1e9;  // pixels from the edge
+          const double band = out.plane("lit.g").at(x, y) * (bands - 1.0);
+          const double share = band - (edge - 1.0);  // of the pixel that lies beyond the edge
+          if (std::fabs(away) > 1.0) {
+            worst_whole = std::max(worst_whole, std::fabs(band - std::min(std::floor(t), bands - 1.0)));
+          } else if (share > 1e-4 && share < 1.0 - 1e-4) {
+            sum += share - 0.5 - away;
+            farthest = std::max(farthest, std::fabs(away));
+            ++between;
+          }
+        }
+      EXPECT_LE(worst_whole, 1e-5) << bands;  // beyond a pixel there is one band alone
+      EXPECT_GT(between, 150 * (bands - 1));
+      EXPECT_LE(std::fabs(sum) / double(between), 0.1);
+      EXPECT_GT(farthest, 0.3);
+    });
+  }
+}
+
+TEST(Toon, SoftnessWidensEdges) {
+  // Intensity rises by 1/8 of a band per pixel; with edges as wide as bands the ramp is straight.
+  constexpr int kWidth = 40;
+  GBuffer g = face(kWidth, 3, {0, 0, 1});
+  for (int x = 0; x < kWidth; ++x)
+    for (int y = 0; y < 3; ++y) g.layers[0].plane("ao").at(x, y) = float(x + 0.37) / 32.0f;
+  for (const double softness : {0.0, 0.5, 1.0}) {
+    const Settings settings =
+        with(kNoAmbient, {{"bands", "4"}, {"shadow_r", "0"}, {"softness", fmt::format("{}", softness)}});
+    test::on_every_target("toon", g, settings, [&](const Image& out) {
+      for (int x = 1; x < kWidth - 1; ++x) {
+        const double t = (x + 0.37) / 8.0, width = std::max(0.125, softness);
+        double mean = 0.0;
+        constexpr int kSteps = 4096;
+        for (int k = 0; k < kSteps; ++k)
+          mean += std::min(3.0, std::max(0.0, std::floor(t + width * ((k + 0.5) / kSteps - 0.5)))) / kSteps;
+        EXPECT_NEAR(out.plane("lit.r").at(x, 1) * 3.0, mean, 1e-3) << x << ' ' << softness;
+      }
+    });
+  }
+}
+
+TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
+  // Columns of two surfaces: one in front of the other; two faces that meet; a wire a pixel wide before a wall.
+  constexpr int kWidth = 24;
+  const glm::vec3 lit(0, 0, 1), dim = glm::normalize(glm::vec3(1.0f, 0.0f, 0.6f));
+  for (const int kind : {0, 1, 2}) {
+    GBuffer g = face(kWidth, 5, lit);
+    for (int y = 0; y < 5; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const bool second = kind == 2 ? x == 12 : x >= 12;
+        if (!second) continue;
+        set_normal(g, x, y, dim);
+        if (kind != 1) g.layers[0].plane("depth").at(x, y) = 2.0f;
+        g.layers[0].plane("shadow").at(x, y) = kind == 2 ? 1.0f : 0.0f;
+        for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]).at(x, y) = 0.5f;
+      }
+    test::on_every_target("toon", g, {}, [&](const Image& out) {
+      for (int c = 0; c < 3; ++c) {
+        const float first = out.plane(kLit[c]).at(2, 2), other = out.plane(kLit[c]).at(kind == 2 ? 12 : 20, 2);
+        EXPECT_NE(first, other);
+        for (int x = 0; x < kWidth; ++x) {
+          const bool second = kind == 2 ? x == 12 : x >= 12;
+          EXPECT_EQ(out.plane(kLit[c]).at(x, 2), second ? other : first) << kind << " column " << x;
+        }
+      }
+    });
+  }
+}
+
+TEST(Toon, FacesAreNotSpeckled) {
+  // Normals as interpolation leaves them: their last bits vary.
+  const auto spread = [](glm::dvec3 normal, const Settings& settings) {
+    GBuffer g = face(64, 64, {0, 0, 1});
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x)
+        set_normal(g, x, y,
+                   normal + 1e-7 * glm::dvec3(test::hash(x + 64 * y) % 5 - 2.0, 0, test::hash(y + 64 * x) % 5 - 2.0));
+    double most = 0.0;
+    test::on_every_target("toon", g, settings, [&](const Image& out) {
+      float low = 1e9f, high = -1e9f;
+      for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x) {
+          low = std::min(low, out.plane("lit.r").at(x, y));
+          high = std::max(high, out.plane("lit.r").at(x, y));
+        }
+      most = std::max(most, double(high - low));
+    });
+    return most;
+  };
+  for (const char* bands : {"2", "3", "4", "5", "8", "16"}) {
+    EXPECT_EQ(spread({0, 0, 1}, {{"bands", bands}}), 0.0) << bands;   // turned to the light
+    EXPECT_EQ(spread({0, 0, -1}, {{"bands", bands}}), 0.0) << bands;  // turned away
+  }
+  // Light that falls on an edge exactly: one colour, between both bands'.
+  const Settings on_edge = with(kNoAmbient, {{"bands", "2"}, {"shadow_r", "0"}});
+  EXPECT_LE(spread({std::sqrt(0.75), 0, 0.5}, on_edge), 0.03);
+}
+
+// ---- shadow, highlight, colour
+// ---------------------------------------------------------------------------------------
+
+TEST(Toon, ShadowFallsIntoTheDarkBand) {
+  GBuffer g = face(32, 8, {0, 0, 1});
+  for (int y = 0; y < 8; ++y)
+    for (int x = 16; x < 32; ++x) g.layers[0].plane("shadow").at(x, y) = 0.0f;
+  for (const char* bands : {"2", "3", "4"})
+    test::on_every_target("toon", g, {{"bands", bands}, {"shadow_r", "0.25"}, {"light_r", "0.75"}},
+                          [&](const Image& out) {
+                            for (int x = 0; x < 32; ++x) {
+                              const float r = out.plane("lit.r").at(x, 4);
+                              if (x < 15) {
+                                EXPECT_EQ(r, 0.75f) << x;
+                              }
+                              if (x > 16) {
+                                EXPECT_EQ(r, 0.25f) << x;
+                              }
+                              if (x > 0) {
+                                EXPECT_LE(r, out.plane("lit.r").at(x - 1, 4)) << x;
+                              }
+                            }
+                          });
+  // Without shadow, half of it, and in the paper's mode, where edges are hard.
+  test::on_every_target("toon", g, {{"shadow", "0"}},
+                        [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(24, 4), 1.0f); });
+  test::on_every_target("toon", g, {{"shadow", "0.5"}},
+                        [](const Image& out) { EXPECT_NEAR(out.plane("toon_intensity").at(24, 4), 0.8f, 1e-6); });
+  test::on_every_target("toon", g, {{"mode", "paper"}}, [](const Image& out) {
+    EXPECT_EQ(out.plane("lit.r").at(15, 4), 1.25f);
+    EXPECT_EQ(out.plane("lit.r").at(16, 4), 0.25f);
+  });
+}
+
+TEST(Toon, HighlightsAreRoundAndNotDarkened) {
+  GBuffer g = sphere();
+  Image& image = g.layers[0];
+  for (int c = 0; c < 3; ++c) image.plane(kAlbedo[c]) = Plane(kSphereSize, kSphereSize, 0.25f);
+  image.add("specular") = Plane(kSphereSize, kSphereSize, 1.0f);
+  image.add("shininess") = Plane(kSphereSize, kSphereSize, 40.0f);
+  const glm::dvec3 halfway = glm::normalize(kSphereLight + glm::dvec3(0, 0, 1));
+  for (const double ao : {1.0, 0.0})
+    for (const double size : {1.0, 2.0}) {
+      image.plane("ao") = Plane(kSphereSize, kSphereSize, float(ao));
+      test::on_every_target("toon", g, {{"highlight_size", fmt::format("{}", size)}}, [&](const Image& out) {
+        double area = 0.0, expected = 0.0;
+        for (int y = 0; y < kSphereSize; ++y)
+          for (int x = 0; x < kSphereSize; ++x) {
+            const double cosine = glm::dot(sphere_normal(x + 0.5, y + 0.5), halfway);
+            // Half of its strength: e (1 - cos) = ln 2, in e over the square of the size.
+            const double inside = 1.0 - 40.0 / (size * size) * (1.0 - cosine) / std::log(2.0);
+            const double lit = out.plane("lit.r").at(x, y);
+            if (inside > 0.15) {
+              EXPECT_EQ(lit, 1.0) << x << ',' << y;
+            }
+            if (inside < -0.15) {
+              EXPECT_LE(lit, 0.25) << x << ',' << y;
+            }
+            area += lit > 0.5;
+            expected += inside > 0.0;
+          }
+        EXPECT_NEAR(area, expected, 0.03 * expected);
+      });
+    }
+  image.plane("shadow") = Plane(kSphereSize, kSphereSize, 0.0f);
+  test::on_every_target("toon", g, {}, [](const Image& out) {
+    for (int y = 0; y < kSphereSize; ++y)
+      for (int x = 0; x < kSphereSize; ++x) ASSERT_LE(out.plane("lit.r").at(x, y), 0.25f) << x << ',' << y;
+  });
+}
+
+TEST(Toon, HighlightFollowsTheMaterial) {
+  GBuffer g = face(1, 1, {0, 0, 1});
+  for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]) = Plane(1, 1, 0.0f);
+  g.layers[0].add("specular") = Plane(1, 1, 0.25f);
+  g.layers[0].add("shininess") = Plane(1, 1, 30.0f);
+  const auto lit = [&](const Settings& settings, double expected) {
+    test::on_every_target("toon", g, settings,
+                          [&](const Image& out) { EXPECT_NEAR(out.plane("lit.g").at(0, 0), expected, 1e-6); });
+  };
+  lit({}, 0.5);
+  lit({{"specular", "0.5"}}, 0.25);
+  lit({{"specular", "0"}}, 0.0);
+  lit({{"specular", "100"}, {"light_g", "0.75"}}, 0.75);
+  for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]) = Plane(1, 1, 1.0f);
+  lit({{"mode", "paper"}}, 2.25);
+  lit({{"mode", "paper"}, {"specular", "0.5"}}, 1.75);
+  lit({{"mode", "paper"}, {"specular", "0"}}, 1.25);
+  g.layers[0].plane("specular") = Plane(1, 1, 0.0f);
+  lit({{"mode", "paper"}}, 1.25);
+}
+
+TEST(Toon, RampEndsInItsColours) {
+  const Settings colors = {{"shadow_r", "0.1"}, {"shadow_g", "0.2"}, {"shadow_b", "0.5"},
+                           {"light_r", "0.9"},  {"light_g", "0.8"},  {"light_b", "0.7"}};
+  const double dark[] = {0.1, 0.2, 0.5}, bright[] = {0.9, 0.8, 0.7};
+  for (const int bands : {1, 2, 3, 4, 256}) {
+    const Settings settings = with(with(colors, {{"bands", fmt::format("{}", bands)}}), kNoAmbient);
+    for (const bool towards : {true, false})
+      test::on_every_target("toon", face(3, 2, {0, 0, towards ? 1.0f : -1.0f}), settings, [&](const Image& out) {
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), towards || bands == 1 ? bright[c] : dark[c], 1e-6) << bands;
+      });
+  }
+  // The middle of three bands lies in their middle.
+  test::on_every_target("toon", face(3, 2, {float(std::sqrt(0.75)), 0, 0.5f}), with(colors, {{"bands", "3"}}),
+                        [&](const Image& out) {
+                          for (int c = 0; c < 3; ++c)
+                            EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), 0.5 * (dark[c] + bright[c]), 1e-6);
+                        });
+}
+
+TEST(Toon, AlbedoScalesBands) {
+  GBuffer g = face(16, 4, {0, 0, 1});
+  for (int x = 0; x < 16; ++x)
+    for (int y = 0; y < 4; ++y)
+      for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]).at(x, y) = float(x + c) / 20.0f;
+  const auto check = [&](const Settings& settings, const std::function<double(double)>& expected) {
+    test::on_every_target("toon", g, settings, [&](const Image& out) {
+      for (int x = 0; x < 16; ++x)
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(out.plane(kLit[c]).at(x, 2), expected((x + c) / 20.0), 2e-6);
+    });
+  };
+  check({}, [](double albedo) { return albedo; });
+  check({{"mode", "paper"}}, [](double albedo) { return 1.25 * albedo; });
+  check({{"albedo", "clay"}}, [](double) { return 1.0; });
+  check({{"albedo", "display"}}, [](double albedo) {
+    return albedo > 0.0031308 ? 1.055 * std::pow(albedo, 1.0 / 2.4) - 0.055 : 12.92 * albedo;
+  });
+}
+
+TEST(Toon, RigsReplaceLightsAndShadow) {
+  GBuffer g = face(4, 4, {0, 0, 1});
+  g.info.lights[0].direction = {0, 0, -1};
+  g.layers[0].plane("shadow") = Plane(4, 4, 0.0f);
+  const double above_left = 0.62 / std::sqrt(0.45 * 0.45 + 0.65 * 0.65 + 0.62 * 0.62);
+  for (const auto& [rig, diffuse] : {std::pair{"scene", 0.0}, {"head", 1.0}, {"key", above_left}})
+    test::on_every_target("toon", g, {{"rig", rig}}, [&, diffuse = diffuse](const Image& out) {
+      EXPECT_NEAR(out.plane("toon_intensity").at(2, 2), diffuse + 0.3, 1e-6);
+    });
+}
+
+// ---- what is missing or wrong
+// ----------------------------------------------------------------------------------------
+
+TEST(Toon, WithoutLightsOnlyAmbientIsLeft) {
+  GBuffer g = face(3, 3, {0, 0, 1});
+  g.info.lights.clear();
+  test::on_every_target("toon", g, {{"shadow_r", "0.125"}},
+                        [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(1, 1), 0.125f); });
+  test::on_every_target("toon", g, {{"mode", "paper"}},
+                        [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(1, 1), 0.25f); });
+  g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.0f)}, {.direction = {0, 0, 1}}};
+  test::on_every_target("toon", g, {}, [](const Image& out) {
+    EXPECT_NEAR(out.plane("toon_intensity").at(1, 1), 1.3f, 1e-6);  // a black key light is a key light still
+  });
+}
+
+TEST(Toon, DepthAndNormalAreEnough) {
+  GBuffer g = face(3, 3, {0, 0, 1});
+  for (const char* name : {"albedo.r", "albedo.g", "albedo.b", "shadow", "ao"}) {
+    const std::size_t at =
+        std::find(g.layers[0].names.begin(), g.layers[0].names.end(), name) - g.layers[0].names.begin();
+    g.layers[0].names.erase(g.layers[0].names.begin() + long(at));
+    g.layers[0].planes.erase(g.layers[0].planes.begin() + long(at));
+  }
+  test::on_every_target("toon", g, {}, [](const Image& out) { EXPECT_FLOAT_EQ(out.plane("lit.b").at(1, 1), 0.8f); });
+}
+
+TEST(Toon, BackgroundAndNumbersThatAreNoneAreDefined) {
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  GBuffer g = face(16, 1, {0, 0, 1});
+  Image& image = g.layers[0];
+  image.plane("depth").at(0, 0) = infinity;
+  image.plane("depth").at(2, 0) = nan;
+  image.plane("normal.x").at(4, 0) = nan;
+  image.plane("ao").at(6, 0) = nan;
+  image.plane("shadow").at(8, 0) = nan;
+  image.plane("albedo.r").at(10, 0) = infinity;
+  set_normal(g, 12, 0, {0, 0, 0});
+  for (const char* mode : {"ramp", "paper"})
+    test::on_every_target("toon", g, with(kNoAmbient, {{"mode", mode}, {"shadow_r", "0.125"}}), [&](const Image& out) {
+      const float dark = mode == std::string_view("ramp") ? 0.125f : 0.0f;
+      for (const int x : {0, 2, 10}) EXPECT_EQ(out.plane("lit.r").at(x, 0), 0.0f) << x;
+      for (const int x : {4, 6, 12}) EXPECT_EQ(out.plane("lit.r").at(x, 0), dark) << x;
+      for (int x = 0; x < 16; ++x) EXPECT_TRUE(std::isfinite(out.plane("lit.g").at(x, 0))) << x;
+      for (const int x : {14, 15}) EXPECT_EQ(out.plane("lit.r").at(x, 0), 1.0f) << x;
+    });
+}
+
+TEST(Toon, NumbersOfBandsOutsideTheRangeAreRefused) {
+  const Effect& effect = *find_effect("toon");
+  ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
+  for (const char* text : {"0", "1000", "-4", "2.5"}) {
+    const auto done = set_parameter("toon", *find_parameter(effect, "bands"), text, bytes);
+    ASSERT_FALSE(done) << text;
+    EXPECT_NE(done.error().message.find("1 to 256"), std::string::npos) << done.error().message;
+    EXPECT_NE(done.error().message.find(text), std::string::npos) << done.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
