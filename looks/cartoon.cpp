@@ -1,4 +1,5 @@
-// Toon bands, soft occlusion, and outlines: our own settings.
+// Toon bands with coloured shadows, soft contact shade from a hemisphere of samples, and outlines that hold up: our own
+// settings for what [Lajzer and Nottingham] set out to do.
 #include "core/look.h"
 
 namespace umbrage {
@@ -6,13 +7,32 @@ namespace umbrage {
 const Look& look_cartoon() {
   static const Look look = {
       .name = "cartoon",
-      .summary = "toon bands, occlusion and clean outlines",
-      .occlusion = "unsharp",
-      .effects = {"lighting", "occlusion", "composite", "outline", "output"},
-      .presets = {{"composite.mode", "multiply"},
-                  {"output.background_r", "0.9"},
-                  {"output.background_g", "0.9"},
-                  {"output.background_b", "0.9"}},
+      .summary = "toon bands with coloured shadows, contact shade and clean outlines",
+      .occlusion = "sphere",
+      .effects = {"occlusion", "gaussian", "toon", "outline", "output"},
+      .presets = {{"sphere.samples", "32"},
+                  {"sphere.shape", "hemisphere"},
+                  {"sphere.reach", "8%"},
+                  {"sphere.depth", "linear"},
+                  {"sphere.sample_z", "on"},
+                  {"sphere.range", "smooth"},
+                  {"sphere.range_factor", "1"},
+                  {"sphere.map", "linear"},
+                  {"sphere.threshold", "0"},
+                  {"sphere.border", "skip"},
+                  {"sphere.strength", "1.3"},
+                  {"unsharp.kernel", "5%"},
+                  {"unsharp.threshold", "0.15"},
+                  {"unsharp.linearization", "extent"},
+                  {"unsharp.strength", "12"},
+                  {"unsharp.background", "ignore"},
+                  {"unsharp.white_edge", "off"},
+                  {"gaussian.rounds", "6"},
+                  {"gaussian.edges", "on"},
+                  {"outline.width", "2"},
+                  {"output.background_r", "0.93"},
+                  {"output.background_g", "0.91"},
+                  {"output.background_b", "0.87"}},
   };
   return look;
 }

@@ -117,6 +117,19 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, bool shadow) 
 
 namespace {
 
+/// Whether any effect of the look reads the key light's shadow and does not leave it out: it is not traced otherwise.
+bool wants_shadow(const Recipe& recipe) {
+  for (const std::string_view name : recipe.look->effects) {
+    const Effect* effect = find_effect(name);
+    if (!effect) continue;
+    const Parameter* strength = find_parameter(*effect, "shadow");
+    if (strength && parameter_text(*strength, recipe.settings.find(name)->second) == "0") continue;
+    for (const Pass& pass : effect->passes)
+      if (std::find(pass.inputs.begin(), pass.inputs.end(), "shadow") != pass.inputs.end()) return true;
+  }
+  return false;
+}
+
 /// Applies --ao-radius to every technique that has one.
 Result<void> apply_radius(const std::string& text, const PictureInfo& info, EffectSettings& settings) {
   const auto length = parse_radius("--ao-radius", text);
@@ -156,12 +169,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   if (!recipe) return recipe.error();
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty()) scene.lights = default_lights(scene, camera);
-  // A shadow that the light effect leaves out is not traced.
-  const Effect& lighting = *find_effect("lighting");
-  const bool shadow = parameter_text(*find_parameter(lighting, "shadow"), recipe->settings["lighting"]) != "0";
-  const bool lit =
-      std::find(recipe->look->effects.begin(), recipe->look->effects.end(), "lighting") != recipe->look->effects.end();
-  const auto capture_with = capture_settings(settings, shadow && lit);
+  const auto capture_with = capture_settings(settings, wants_shadow(*recipe));
   if (!capture_with) return capture_with.error();
   auto frame = device.capture(camera, *capture_with);
   if (!frame) return frame;
