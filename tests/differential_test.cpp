@@ -35,7 +35,7 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
         text = r % 2 ? "on" : "off";
         break;
       case ParameterType::kLength:
-        text = fmt::format("{}", 1 + r % int(kLargestWindow));
+        text = fmt::format("{}", 1 + r % int(std::min(kLargestWindow, row.most)));
         break;
       case ParameterType::kInt:
         text = fmt::format("{}", row.least + r % int(std::min(row.most - row.least, 8.0) + 1));
