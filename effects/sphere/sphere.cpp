@@ -136,7 +136,7 @@ const std::vector<Parameter> kTable = {
      .most = 10.0},
 };
 
-// One sample's flip moves `ao` by 25/64 at the listing's threshold, and by two such quanta or less with fewer samples.
+// One flipped sample moves `ao` by 25/64 at the listing's threshold; one of one sample, the fewest, by two quanta.
 constexpr double kQuantum = 0.5;
 
 double share_of_one(double v) { return v - std::floor(v); }
