@@ -243,7 +243,10 @@ LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::
   const glm::vec3 to_center = light.where - from;
   const float squared = std::max(glm::dot(to_center, to_center), 1e-20f), distance = std::sqrt(squared);
   const glm::vec3 toward = to_center / distance;
-  const glm::vec3 color = light.reach_squared > 0.0f ? light.color * (light.reach_squared / squared) : light.color;
+  // A ball is nowhere brighter than on its surface: what stands inside a lamp would be a firefly.
+  const float falloff_squared = std::max(squared, light.radius * light.radius);
+  const glm::vec3 color =
+      light.reach_squared > 0.0f ? light.color * (light.reach_squared / falloff_squared) : light.color;
   if (!(light.radius > 0.0f)) return {toward, distance, color};
   // The cone that the ball fills, seen from outside; what lies inside the ball has it all around.
   const float sine_squared = std::min(1.0f, light.radius * light.radius / squared);

@@ -110,8 +110,9 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, bool shadow) 
   const int guard = int(std::ceil(draw.guard_percent / 100.0f * float(std::max(draw.width, draw.height))));
   const long width = draw.width + 2L * guard, height = draw.height + 2L * guard;
   if (width * height * draw.layers > kMostPixels)
-    return usage_error("{} layers of {} x {} pixels are too many: together at most {} pixels", draw.layers, width,
-                       height, kMostPixels);
+    return usage_error("{} of {} x {} pixels {} too many: together at most {} pixels",
+                       draw.layers == 1 ? "one layer" : fmt::format("{} layers", draw.layers), width, height,
+                       draw.layers == 1 ? "is" : "are", kMostPixels);
   return CaptureSettings{draw.width, draw.height, shadow, draw.layers, guard};
 }
 
