@@ -643,5 +643,22 @@ TEST_F(Cli, RefusesReferencesThatCannotBe) {
   bad_option("--ao reference --set reference.radius=1e9", {"reference.radius", "larger than the scene"});
 }
 
+TEST_F(Cli, LinesAloneHaveAlpha) {
+  good(kSolids + " --look cartoon --passes outline --set outline.r=1 --set outline.b=0.25 -o lines.png" + kSmall);
+  const Image lines = image("lines.png");
+  ASSERT_NE(lines.find("color.a"), nullptr);
+  double least = 1.0, most = 0.0;
+  for (int y = 0; y < lines.height; ++y)
+    for (int x = 0; x < lines.width; ++x) {
+      least = std::min<double>(least, lines.plane("color.a").at(x, y));
+      most = std::max<double>(most, lines.plane("color.a").at(x, y));
+      EXPECT_EQ(lines.plane("color.r").at(x, y), 1.0f);
+      EXPECT_NEAR(lines.plane("color.b").at(x, y), 0.537, 0.003);  // 0.25 as sRGB
+    }
+  EXPECT_EQ(least, 0.0);
+  EXPECT_GT(most, 0.9);
+  bad_option("--passes outline", {"outline"});  // the look has none
+}
+
 }  // namespace
 }  // namespace umbrage

@@ -6,8 +6,10 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
+#include "effects/outline/outline.h"
 #include "io/image_file.h"
 
 namespace umbrage::cli {
@@ -117,7 +119,20 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
   return out;
 }
 
-Result<void> write_output(const RenderOptions& o, Device& device, const Frame& frame) {
+/// The lines alone, in their colour, with alpha.
+Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
+  const auto& line = as<OutlineParams>(settings.find("outline")->second);
+  const Parameter& transfer = *find_parameter(*find_effect("output"), "transfer");
+  const bool srgb = parameter_text(transfer, settings.find("output")->second) == "srgb";
+  Image out(cover.width, cover.height);
+  for (const auto& [name, value] : {std::pair{"color.r", line.r}, {"color.g", line.g}, {"color.b", line.b}})
+    out.add(name) = Plane(cover.width, cover.height, srgb ? srgb_from_linear(value) : value);
+  out.add("color.a") = cover;
+  return out;
+}
+
+Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_settings, Device& device,
+                          const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
   const std::string_view extension = (*format_of(o.output))->extension;
@@ -137,6 +152,8 @@ Result<void> write_output(const RenderOptions& o, Device& device, const Frame& f
     if (group == groups.end()) return usage_error("there is no pass '{}' in this picture", word);
     names.insert(names.end(), group->second.begin(), group->second.end());
   }
+  if (extension == "png" && *o.passes == "outline")
+    return write_image(o.output, picture_of_lines(all->plane("outline"), effect_settings), settings);
   if (extension == "png") return write_image(o.output, picture_of_pass(*all, names, frame.info), settings);
   const auto image = device.download(frame, names);
   return image ? write_image(o.output, *image, settings) : image.error();
@@ -174,7 +191,8 @@ Result<void> render(const RenderOptions& o) {
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
-  if (const auto recipe = make_recipe(*draw_with); !recipe) return recipe.error();
+  const auto recipe = make_recipe(*draw_with);
+  if (!recipe) return recipe.error();
   if (const auto capture_with = capture_settings(*draw_with, true); !capture_with) return capture_with.error();
   if (auto fine = check_passes(o, *draw_with); !fine) return fine;
   const std::string_view extension = (*format)->extension;
@@ -203,7 +221,7 @@ Result<void> render(const RenderOptions& o) {
   if (!shows_surface(**device, *frame))
     fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
                scene->name);
-  if (auto written = write_output(o, **device, *frame); !written) return written;
+  if (auto written = write_output(o, recipe->settings, **device, *frame); !written) return written;
   times.done("write");
   if (o.verbose)
     fmt::print(stderr, "{}: {} triangles in {} meshes\n{}\n", scene->name, scene->triangle_count(),
