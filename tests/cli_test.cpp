@@ -657,7 +657,6 @@ TEST_F(Cli, LinesAloneHaveAlpha) {
     }
   EXPECT_EQ(least, 0.0);
   EXPECT_GT(most, 0.9);
-  bad_option("--passes outline", {"outline"});  // the look has none
 }
 
 }  // namespace
