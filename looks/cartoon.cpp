@@ -29,7 +29,7 @@ const Look& look_cartoon() {
                   {"unsharp.white_edge", "off"},
                   {"gaussian.rounds", "6"},
                   {"gaussian.edges", "on"},
-                  {"outline.width", "2"},
+                  {"outline.width", "0.2%"},
                   {"output.background_r", "0.93"},
                   {"output.background_g", "0.91"},
                   {"output.background_b", "0.87"}},
