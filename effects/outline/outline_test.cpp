@@ -1,0 +1,825 @@
+// `outline` on scenes whose edges are known: G-buffers are traced in double from half-spaces and spheres, and lines are
+// held to where those end and meet. Mode `paper` is held to listing 3 of [Lajzer and Nottingham], ported literally.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using glm::dmat3;
+using glm::dvec2;
+using glm::dvec3;
+using test::Settings;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTanHalfView = 0.36397023426620234;  // of 40 degrees, as empty_gbuffer has it
+constexpr double kLine = 0.02;                        // cover from which on a pixel counts as one of a line
+
+double radians(double deg) { return deg * std::numbers::pi / 180.0; }
+
+dmat3 rotation(double about_x_deg, double about_y_deg, double about_z_deg = 0.0) {
+  const double a = radians(about_x_deg), b = radians(about_y_deg), c = radians(about_z_deg);
+  const dmat3 x(1, 0, 0, 0, std::cos(a), std::sin(a), 0, -std::sin(a), std::cos(a));
+  const dmat3 y(std::cos(b), 0, -std::sin(b), 0, 1, 0, std::sin(b), 0, std::cos(b));
+  const dmat3 z(std::cos(c), std::sin(c), 0, -std::sin(c), std::cos(c), 0, 0, 0, 1);
+  return z * x * y;
+}
+
+// --- scenes -------------------------------------------------------------------------------------------------------
+
+/// What a ray meets. `distance` counts in directions, whose z is -1: it is the view depth.
+struct Hit {
+  double distance = kInfinity;
+  dvec3 normal{0.0};
+  int object = -1, material = -1;
+};
+using Scene = std::function<Hit(const dvec3& origin, const dvec3& direction)>;
+
+/// The points for which dot(normal, p) < offset.
+struct HalfSpace {
+  dvec3 normal;
+  double offset;
+};
+
+/// The part that all half-spaces share. Seen from inside, its walls are what is hit.
+Scene convex_solid(std::vector<HalfSpace> sides, int object = 0, bool from_inside = false) {
+  return [=](const dvec3& origin, const dvec3& direction) {
+    Hit in{.distance = -kInfinity, .object = object, .material = object}, out = in;
+    out.distance = kInfinity;
+    for (const HalfSpace& side : sides) {
+      const double speed = glm::dot(side.normal, direction);
+      const double gap = side.offset - glm::dot(side.normal, origin);
+      if (speed == 0.0) {
+        if (gap < 0.0) return Hit{};
+        continue;
+      }
+      const double t = gap / speed;
+      if (speed < 0.0 && t > in.distance) in.distance = t, in.normal = side.normal;
+      if (speed > 0.0 && t < out.distance) out.distance = t, out.normal = -side.normal;
+    }
+    if (from_inside) return out;
+    return in.distance > 0.0 && in.distance < out.distance ? in : Hit{};
+  };
+}
+
+Scene sphere(dvec3 center, double radius, int object) {
+  return [=](const dvec3& origin, const dvec3& direction) {
+    const dvec3 from = origin - center;
+    const double a = glm::dot(direction, direction), b = glm::dot(from, direction),
+                 c = glm::dot(from, from) - radius * radius;
+    const double root = b * b - a * c;
+    if (root <= 0.0) return Hit{};
+    const double t = (-b - std::sqrt(root)) / a;
+    if (t <= 0.0) return Hit{};
+    return Hit{t, (from + direction * t) / radius, object, object};
+  };
+}
+
+/// The nearest of several.
+Scene together(std::vector<Scene> scenes) {
+  return [=](const dvec3& origin, const dvec3& direction) {
+    Hit nearest;
+    for (const Scene& scene : scenes)
+      if (const Hit hit = scene(origin, direction); hit.distance < nearest.distance) nearest = hit;
+    return nearest;
+  };
+}
+
+/// A box, and, where `bevel` is above 0, with its edges cut off so that the cuts are that wide.
+Scene box(dvec3 center, dmat3 turn, double half, double bevel = 0.0, int object = 0) {
+  std::vector<HalfSpace> sides;
+  const auto add = [&](const dvec3& n, double offset) {
+    const dvec3 normal = turn * n;
+    sides.push_back({normal, offset + glm::dot(normal, center)});
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    for (int sign : {-1, 1}) {
+      dvec3 n(0.0);
+      n[axis] = sign;
+      add(n, half);
+    }
+  if (bevel > 0.0)
+    for (int axis = 0; axis < 3; ++axis)
+      for (int s : {-1, 1})
+        for (int t : {-1, 1}) {
+          dvec3 n(0.0);
+          n[(axis + 1) % 3] = s * std::sqrt(0.5);
+          n[(axis + 2) % 3] = t * std::sqrt(0.5);
+          add(n, std::sqrt(2.0) * half - 0.5 * bevel);
+        }
+  return convex_solid(sides, object);
+}
+
+/// A scene without perspective shows at depth kFocus what one with it does.
+constexpr double kFocus = 6.0;
+
+struct Lens {
+  int width = 256, height = 256;
+  bool orthographic = false;
+  double shift_x_px = 0.0, shift_y_px = 0.0;  // of the window, to the right and up
+
+  double pixel() const { return 2.0 * kTanHalfView * (orthographic ? kFocus : 1.0) / height; }
+  double left() const { return -0.5 * width * pixel() + shift_x_px * pixel(); }
+  double top() const { return 0.5 * height * pixel() + shift_y_px * pixel(); }
+  /// Where a point lies in the picture, in pixels from the top left corner.
+  dvec2 place(const dvec3& p) const {
+    const dvec2 window = orthographic ? dvec2(p.x, p.y) : dvec2(p.x, p.y) / -p.z;
+    return {(window.x - left()) / pixel(), (top() - window.y) / pixel()};
+  }
+};
+
+GBuffer seen(const Lens& lens, const Scene& scene) {
+  GBuffer g = test::empty_gbuffer(lens.width, lens.height);
+  g.info.camera.projection = lens.orthographic ? Projection::kOrthographic : Projection::kPerspective;
+  g.info.camera.left = float(lens.left());
+  g.info.camera.right = float(lens.left() + lens.width * lens.pixel());
+  g.info.camera.top = float(lens.top());
+  g.info.camera.bottom = float(lens.top() - lens.height * lens.pixel());
+  Image& image = g.layers[0];
+  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"}) image.add(name);
+  for (const char* name : {"lit.r", "lit.g", "lit.b"}) image.add(name) = Plane(lens.width, lens.height, 1.0f);
+  for (int y = 0; y < lens.height; ++y)
+    for (int x = 0; x < lens.width; ++x) {
+      const double wx = lens.left() + (x + 0.5) * lens.pixel(), wy = lens.top() - (y + 0.5) * lens.pixel();
+      const Hit hit = lens.orthographic ? scene({wx, wy, 0.0}, {0, 0, -1}) : scene(dvec3(0.0), {wx, wy, -1.0});
+      image.planes[0].at(x, y) = float(hit.distance);
+      for (int c = 0; c < 3; ++c) image.planes[1 + c].at(x, y) = float(hit.normal[c]);
+      image.planes[4].at(x, y) = float(hit.object);
+      image.planes[5].at(x, y) = float(hit.material);
+    }
+  return g;
+}
+
+Plane lines_of(const GBuffer& g, const Settings& settings = {}) {
+  return test::run_effect(*find_effect("outline"), g, settings, {}).plane("outline");
+}
+
+long count(const Plane& lines, const std::function<bool(int, int)>& where = [](int, int) { return true; }) {
+  long n = 0;
+  for (int y = 0; y < lines.height; ++y)
+    for (int x = 0; x < lines.width; ++x) n += lines.at(x, y) > kLine && where(x, y);
+  return n;
+}
+
+// --- edges ---------------------------------------------------------------------------------------------------------
+
+/// An edge of a convex solid in the picture. Of a rim, `inside` points to the solid, at right angles to the edge.
+struct Edge {
+  dvec2 a, b;
+  bool rim;
+  dvec2 inside{0.0};
+};
+
+double distance_to(const Edge& edge, const dvec2& p) {
+  const dvec2 along = edge.b - edge.a;
+  const double t = std::clamp(glm::dot(p - edge.a, along) / glm::dot(along, along), 0.0, 1.0);
+  return glm::distance(p, edge.a + along * t);
+}
+
+/// The edges of a cube that are in sight.
+std::vector<Edge> cube_edges(const Lens& lens, dvec3 center, const dmat3& turn, double half) {
+  std::vector<Edge> edges;
+  const dvec2 middle = lens.place(center);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int s : {-1, 1})
+      for (int t : {-1, 1}) {
+        dvec3 n1(0.0), n2(0.0), along(0.0);
+        n1[(axis + 1) % 3] = s;
+        n2[(axis + 2) % 3] = t;
+        along[axis] = half;
+        const auto faces = [&](const dvec3& n) {
+          const dvec3 normal = turn * n, on_face = center + normal * half;
+          return lens.orthographic ? normal.z > 0.0 : glm::dot(normal, on_face) < 0.0;
+        };
+        const int in_sight = int(faces(n1)) + int(faces(n2));
+        if (in_sight == 0) continue;
+        const dvec3 base = (n1 + n2) * half;
+        Edge edge{lens.place(center + turn * (base - along)), lens.place(center + turn * (base + along)),
+                  in_sight == 1};
+        const dvec2 direction = glm::normalize(edge.b - edge.a);
+        edge.inside = {-direction.y, direction.x};
+        if (glm::dot(edge.inside, middle - edge.a) < 0.0) edge.inside = -edge.inside;
+        edges.push_back(edge);
+      }
+  return edges;
+}
+
+/// Pixels of the largest set of line pixels that touch each other, sides or corners.
+long largest_set(const Plane& lines) {
+  std::vector<char> open(std::size_t(lines.width) * lines.height);
+  for (int y = 0; y < lines.height; ++y)
+    for (int x = 0; x < lines.width; ++x) open[std::size_t(y) * lines.width + x] = lines.at(x, y) > kLine;
+  long largest = 0;
+  std::vector<std::pair<int, int>> stack;
+  for (int y0 = 0; y0 < lines.height; ++y0)
+    for (int x0 = 0; x0 < lines.width; ++x0) {
+      if (!open[std::size_t(y0) * lines.width + x0]) continue;
+      long size = 0;
+      stack.assign(1, {x0, y0});
+      open[std::size_t(y0) * lines.width + x0] = 0;
+      while (!stack.empty()) {
+        const auto [x, y] = stack.back();
+        stack.pop_back();
+        ++size;
+        for (int v = std::max(0, y - 1); v <= std::min(lines.height - 1, y + 1); ++v)
+          for (int u = std::max(0, x - 1); u <= std::min(lines.width - 1, x + 1); ++u)
+            if (char& cell = open[std::size_t(v) * lines.width + u]) cell = 0, stack.push_back({u, v});
+      }
+      largest = std::max(largest, size);
+    }
+  return largest;
+}
+
+struct Flaws {
+  long stray = 0;    ///< line pixels away from every edge
+  long missing = 0;  ///< places on edges, half a pixel apart, without a line
+  bool whole = true;
+  std::string first;  ///< where the first of them is
+};
+
+Flaws flaws_of(const Plane& lines, const std::vector<Edge>& edges, double width) {
+  Flaws flaws;
+  constexpr double kBlur = 1.0;
+  const double strong = width < 1.5 ? 0.4 : 0.6;  // a line one pixel wide may lie half on each of two
+  const auto note = [&](const char* what, const dvec2& p) {
+    if (flaws.first.empty()) flaws.first = fmt::format("{} at ({:.1f}, {:.1f})", what, p.x, p.y);
+  };
+  long all = 0;
+  for (int y = 0; y < lines.height; ++y)
+    for (int x = 0; x < lines.width; ++x) {
+      if (lines.at(x, y) <= kLine) continue;
+      ++all;
+      const dvec2 p(x + 0.5, y + 0.5);
+      bool near = false;
+      for (const Edge& edge : edges) {
+        const double distance = distance_to(edge, p);
+        if (edge.rim)
+          near |= distance <= width + kBlur && glm::dot(p - edge.a, edge.inside) >= -kBlur;
+        else
+          near |= distance <= 0.5 * width + kBlur;
+      }
+      if (!near) {
+        ++flaws.stray;
+        note("stray", p);
+      }
+    }
+  for (const Edge& edge : edges) {
+    const double length = glm::distance(edge.a, edge.b);
+    for (double s = 0.0; s <= length; s += 0.5) {
+      const dvec2 p = edge.a + (edge.b - edge.a) * (s / length);
+      double strongest = 0.0;
+      const double reach = std::max(edge.rim ? width : 0.5 * width, 0.75);
+      for (int y = int(p.y - reach - 1.0); y <= int(p.y + reach + 1.0); ++y)
+        for (int x = int(p.x - reach - 1.0); x <= int(p.x + reach + 1.0); ++x)
+          if (x >= 0 && y >= 0 && x < lines.width && y < lines.height &&
+              glm::distance(p, dvec2(x + 0.5, y + 0.5)) <= reach)
+            strongest = std::max(strongest, double(lines.at(x, y)));
+      if (strongest <= strong) {
+        ++flaws.missing;
+        note("missing", p);
+      }
+    }
+  }
+  flaws.whole = largest_set(lines) == all;
+  return flaws;
+}
+
+void expect_cube(const Lens& lens, const dmat3& turn, double width) {
+  const dvec3 center(0.0, 0.0, -kFocus);
+  const GBuffer g = seen(lens, box(center, turn, 1.0));
+  const std::vector<Edge> edges = cube_edges(lens, center, turn, 1.0);
+  ASSERT_EQ(edges.size(), 9u);
+  const Flaws flaws = flaws_of(lines_of(g, {{"width", fmt::format("{}", width)}}), edges, width);
+  const std::string what = fmt::format("{} px, {}, width {}: {}", lens.height,
+                                       lens.orthographic ? "orthographic" : "perspective", width, flaws.first);
+  EXPECT_EQ(flaws.stray, 0) << what;
+  EXPECT_EQ(flaws.missing, 0) << what;
+  EXPECT_TRUE(flaws.whole) << what;
+}
+
+TEST(Outline, CubeShowsItsNineEdgesAndNothingElse) {
+  const dmat3 turn = rotation(33.0, 38.0, 7.0);
+  for (const bool orthographic : {false, true}) {
+    for (const int size : {256, 1024, 2160}) expect_cube({size, size, orthographic}, turn, 2.0);
+    for (const double width : {1.0, 4.0, 8.0}) expect_cube({256, 256, orthographic}, turn, width);
+  }
+}
+
+TEST(Outline, CubesAtManyAnglesShowTheirNineEdges) {
+  for (unsigned k = 0; k < 24; ++k) {
+    const auto random = [&](unsigned n) { return test::hash(977u * k + n) / 4294967296.0; };
+    const dmat3 turn = rotation(20.0 + 40.0 * random(1), 20.0 + 50.0 * random(2), 360.0 * random(3));
+    SCOPED_TRACE(fmt::format("cube {}", k));
+    expect_cube({256, 256, k % 2 == 1}, turn, 2.0);
+  }
+}
+
+// --- what must have no line ----------------------------------------------------------------------------------------
+
+/// A plane seen at so many degrees in the middle of the picture, there at a depth, with smooth errors of its normals.
+Scene ground(double elevation_deg, double error_deg, double depth = kFocus, int object = 0) {
+  const dvec3 normal(0.0, std::cos(radians(elevation_deg)), std::sin(radians(elevation_deg)));
+  const Scene plane = convex_solid({{normal, glm::dot(normal, dvec3(0, 0, -depth))}}, object);
+  return [=](const dvec3& origin, const dvec3& direction) {
+    Hit hit = plane(origin, direction);
+    if (error_deg > 0.0 && hit.distance < kInfinity) {
+      const dvec3 p = origin + direction * hit.distance;
+      const double angle = 5.0 * p.x + 1.7 * p.z, most = std::tan(radians(error_deg));
+      hit.normal = glm::normalize(hit.normal + most * dvec3(std::cos(angle), 0.0, std::sin(angle)));
+    }
+    return hit;
+  };
+}
+
+/// Far enough that a steep plane does not begin behind the eye.
+constexpr double kFarOff = 600.0;
+
+TEST(Outline, GroundAtTwoDegreesHasNoLine) {
+  for (const bool orthographic : {false, true})
+    for (const int size : {256, 1024})
+      for (const double error_deg : {0.0, 3.0}) {
+        // The plane fills a picture without perspective; with it, the lower half.
+        const Plane lines =
+            lines_of(seen({size, size, orthographic}, ground(2.0, error_deg, orthographic ? kFarOff : kFocus)));
+        const double horizon = orthographic ? -1e9 : size * (0.5 - 0.5 * std::tan(radians(2.0)) / kTanHalfView);
+        constexpr double kWidth = 2.0, kBlur = 1.0;
+        EXPECT_EQ(count(lines, [&](int, int y) { return y + 0.5 > horizon + kWidth + kBlur; }), 0)
+            << size << (orthographic ? " orthographic" : " perspective") << ", normals off by " << error_deg;
+        if (!orthographic) {
+          long drawn = 0;
+          for (int x = 0; x < size; ++x) {
+            float most = 0.0f;
+            for (int y = int(horizon); y < int(horizon + 4.0); ++y) most = std::max(most, lines.at(x, y));
+            drawn += most > 0.6f;
+          }
+          EXPECT_EQ(drawn, size) << "the horizon is a rim";
+        }
+      }
+}
+
+TEST(Outline, PlanesAtEveryAngleHaveNoLine) {
+  for (const bool orthographic : {false, true})
+    for (const double elevation : {0.7, 1.0, 3.0, 10.0, 45.0, 90.0}) {
+      // Narrow enough that no horizon comes in.
+      const Lens lens{320, 24, orthographic};
+      const Plane lines = lines_of(seen(lens, ground(elevation, 0.0, orthographic ? kFarOff : kFocus)));
+      const double horizon =
+          orthographic ? -1e9 : lens.height * (0.5 - 0.5 * std::tan(radians(elevation)) / kTanHalfView);
+      EXPECT_EQ(count(lines, [&](int, int y) { return y + 0.5 > horizon + 3.0; }), 0) << elevation << orthographic;
+    }
+}
+
+TEST(Outline, RoundThingsHaveTheirRimAlone) {
+  for (const bool orthographic : {false, true})
+    for (const double radius : {0.2, 0.6, 1.8}) {
+      const Lens lens{512, 512, orthographic};
+      const dvec3 center(0.1, 0.05, -kFocus);
+      const Plane lines = lines_of(seen(lens, sphere(center, radius, 0)));
+      const double tangent = radius / std::sqrt(kFocus * kFocus - radius * radius) * (orthographic ? 1.0 : 1.0);
+      const double rim_px = (orthographic ? radius : tangent) / lens.pixel();
+      const dvec2 middle = lens.place(center);
+      // Perspective draws the circle out by less than this.
+      const double oval = orthographic ? 0.0 : 0.005 * rim_px + 0.5;
+      EXPECT_EQ(count(lines,
+                      [&](int x, int y) {
+                        const double r = glm::distance(dvec2(x + 0.5, y + 0.5), middle);
+                        return r < rim_px - 3.0 - oval || r > rim_px + 1.0 + oval;
+                      }),
+                0)
+          << radius << orthographic;
+      EXPECT_GT(count(lines), 2.0 * std::numbers::pi * (rim_px - 1.0) * 1.5);
+    }
+}
+
+TEST(Outline, BackgroundAloneHasNoLine) {
+  const GBuffer g = seen({67, 29}, [](const dvec3&, const dvec3&) { return Hit{}; });
+  for (const char* mode : {"robust", "paper"})
+    test::on_every_target("outline", g, {{"mode", mode}}, [&](const Image& image) {
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+          ASSERT_EQ(image.plane("outline").at(x, y), 0.0f);
+          ASSERT_EQ(image.plane("lit.g").at(x, y), 0.0f);
+        }
+    });
+}
+
+// --- width, place and evenness -------------------------------------------------------------------------------------
+
+/// A straight edge through the middle of the picture, `angle_deg` above the horizontal.
+struct Straight {
+  bool rim;
+  double angle_deg;
+  dvec2 along() const { return {std::cos(radians(angle_deg)), -std::sin(radians(angle_deg))}; }  // y down
+};
+
+/// The middle lies off the pixels' centres.
+constexpr double kOffX = 0.013, kOffY = 0.0237;
+
+Scene straight_scene(const Straight& straight, const Lens& lens) {
+  const double a = radians(straight.angle_deg);
+  const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+  if (straight.rim) {
+    // The side is seen edge on.
+    const dvec3 towards = lens.orthographic ? -front : middle, along(std::cos(a), std::sin(a), 0.0);
+    const dvec3 side = glm::normalize(glm::cross(along, -towards));
+    return convex_solid({{-side, -glm::dot(side, middle)}, {front, glm::dot(front, middle)}});
+  }
+  const dvec3 above = glm::normalize(front + 0.8 * up), below = glm::normalize(front - 0.8 * up);
+  return convex_solid({{above, glm::dot(above, middle)}, {below, glm::dot(below, middle)}});
+}
+
+struct Profile {
+  double mean = 0.0, worst = 0.0, spread = 0.0;  ///< width: mean, greatest error, standard deviation
+  double offset = 0.0, wobble = 0.0;  ///< of the middle of the line from the edge: mean, standard deviation
+};
+
+/// Measures a line column by column, or row by row where it is steep: a column's sum of cover, times the cosine, is the
+/// width there.
+Profile profile_of(const Plane& lines, const Straight& straight, const Lens& lens, double width) {
+  const dvec2 along = straight.along(), across(-along.y, along.x);
+  const bool steep = std::fabs(along.y) > std::fabs(along.x);
+  const double cosine = steep ? std::fabs(along.y) : std::fabs(along.x);
+  const dvec2 middle = lens.place({kOffX, kOffY, -kFocus});
+  std::vector<double> widths, places;
+  const int length = steep ? lines.height : lines.width, other = steep ? lines.width : lines.height;
+  for (int k = 0; k < length; ++k) {
+    double sum = 0.0, moment = 0.0;
+    bool cut = false;
+    for (int q = 0; q < other; ++q) {
+      const int x = steep ? q : k, y = steep ? k : q;
+      const double v = lines.at(x, y);
+      const dvec2 p(x + 0.5, y + 0.5);
+      const double away = glm::dot(p - middle, across);
+      sum += v;
+      moment += v * away;
+      cut |= std::fabs(away) < width + 4.0 && (q < 2 || q > other - 3);  // the line leaves the picture here
+    }
+    constexpr int kEnds = 16;
+    if (cut || k < kEnds || k >= length - kEnds) continue;
+    widths.push_back(sum * cosine);
+    places.push_back(moment / std::max(sum, 1e-9));
+  }
+  Profile profile;
+  const auto statistics = [](const std::vector<double>& v, double& mean, double& deviation) {
+    for (double e : v) mean += e / v.size();
+    for (double e : v) deviation += (e - mean) * (e - mean) / v.size();
+    deviation = std::sqrt(deviation);
+  };
+  statistics(widths, profile.mean, profile.spread);
+  statistics(places, profile.offset, profile.wobble);
+  for (double w : widths) profile.worst = std::max(profile.worst, std::fabs(w - width));
+  return profile;
+}
+
+TEST(Outline, WidthIsWhatWasAskedForAtEveryAngle) {
+  for (const bool rim : {false, true})
+    for (const int size : {128, 256, 400})
+      for (const double width : {1.0, 2.0, 4.0, 8.0})
+        for (const double angle : {0.0, 10.0, 30.0, 44.0, 45.0, 46.0, 63.0, 80.0, 90.0, 107.0, 135.0, 160.0}) {
+          const Straight straight{rim, angle};
+          const Lens lens{size, size, size == 256};
+          const GBuffer g = seen(lens, straight_scene(straight, lens));
+          const Profile p =
+              profile_of(lines_of(g, {{"width", fmt::format("{}", width)}}), straight, lens, width);
+          const std::string what =
+              fmt::format("{} at {} degrees, width {}, {} px: mean {:.3f}, worst {:.3f}, spread {:.3f}, off {:.3f}, wobble {:.3f}",
+                          rim ? "rim" : "crease", angle, width, size, p.mean, p.worst, p.spread, p.offset, p.wobble);
+          EXPECT_LE(p.worst, 0.5) << what;
+          EXPECT_NEAR(p.mean, width, 0.25) << what;
+          EXPECT_LE(p.spread, 0.2) << what;
+          EXPECT_LE(p.wobble, 0.2) << what;
+          // Where a rim passes between two pixels is not known, but from how it steps.
+          EXPECT_NEAR(std::fabs(p.offset), rim ? 0.5 * width : 0.0, rim ? 0.6 : 0.1) << what;
+        }
+}
+
+TEST(Outline, WidthMayBeAShareOfTheHeight) {
+  const Straight straight{false, 20.0};
+  for (const int size : {100, 200, 400}) {
+    const Lens lens{size, size};
+    const GBuffer g = seen(lens, straight_scene(straight, lens));
+    EXPECT_NEAR(profile_of(lines_of(g, {{"width", "2%"}}), straight, lens, 0.02 * size).mean, 0.02 * size, 0.25);
+  }
+}
+
+TEST(Outline, BevelledEdgesAreOneLine) {
+  for (const bool orthographic : {false, true})
+    for (const double bevel_px : {1.0, 1.5, 2.0, 2.5, 3.0}) {
+      const Lens lens{256, 256, orthographic};
+      const dvec3 center(0.0, 0.0, -kFocus);
+      const dmat3 turn = rotation(33.0, 38.0, 7.0);
+      const double bevel = bevel_px * lens.pixel() * (orthographic ? 1.0 : kFocus);
+      const Plane lines = lines_of(seen(lens, box(center, turn, 1.0, bevel)), {{"width", "2"}});
+      std::vector<Edge> creases;
+      for (const Edge& edge : cube_edges(lens, center, turn, 1.0))
+        if (!edge.rim) creases.push_back(edge);
+      ASSERT_EQ(creases.size(), 3u);
+      // A line two pixels wider leaves room for the bevel; where corners are cut off, lines may end early.
+      for (Edge& edge : creases) {
+        const dvec2 along = glm::normalize(edge.b - edge.a);
+        edge.a += along * (2.0 + 2.0 * bevel_px);
+        edge.b -= along * (2.0 + 2.0 * bevel_px);
+      }
+      const Flaws flaws = flaws_of(lines, creases, 2.0 + bevel_px);
+      EXPECT_EQ(flaws.missing, 0) << bevel_px << orthographic << ' ' << flaws.first;
+      EXPECT_EQ(largest_set(lines), count(lines)) << bevel_px << orthographic;
+    }
+}
+
+// --- steadiness ----------------------------------------------------------------------------------------------------
+
+TEST(Outline, APictureOnePixelAsideHasItsLinesOnePixelAside) {
+  const Scene scene = together({box({-0.4, 0.3, -kFocus}, rotation(33, 38, 7), 0.7), sphere({0.6, -0.3, -5.5}, 0.6, 1),
+                                ground(20.0, 0.0, 9.0, 2)});
+  constexpr int kMargin = 24;  // as far as a line and what it was found by can reach
+  for (const auto& [dx, dy] : {std::pair(1.0, 0.0), {0.0, 1.0}, {1.0, 1.0}, {-3.0, 2.0}}) {
+    const Lens still{192, 160, true}, moved{192, 160, true, dx, dy};
+    const Plane a = lines_of(seen(still, scene)), b = lines_of(seen(moved, scene));
+    ASSERT_GT(count(a), 500);
+    double worst = 0.0;
+    for (int y = kMargin; y < 160 - kMargin; ++y)
+      for (int x = kMargin; x < 192 - kMargin; ++x)
+        worst = std::max(worst, std::fabs(double(a.at(x, y)) - b.at(x - int(dx), y + int(dy))));
+    EXPECT_LE(worst, 1e-4) << dx << ' ' << dy;
+  }
+}
+
+// --- sides and ids -------------------------------------------------------------------------------------------------
+
+TEST(Outline, ALineLiesOnTheNearerObject) {
+  for (const bool orthographic : {false, true})
+    for (const double behind : {0.8, 3.0, 30.0})
+      for (const double width : {2.0, 6.0}) {
+        const Lens lens{256, 256, orthographic};
+        const dvec3 center(0.05, 0.1, -kFocus);
+        const dvec3 front(0, 0, 1);
+        // One object, so that depth alone parts them.
+        const Scene scene = together({sphere(center, 0.7, 0), convex_solid({{front, -kFocus - behind}}, 0)});
+        const GBuffer g = seen(lens, scene);
+        const Plane lines = lines_of(g, {{"width", fmt::format("{}", width)}});
+        const double wall = kFocus + 0.5 * behind;
+        long on_wall = 0, on_sphere = 0;
+        for (int y = 2; y < 254; ++y)
+          for (int x = 2; x < 254; ++x) {
+            if (lines.at(x, y) <= kLine) continue;
+            if (g.layers[0].plane("depth").at(x, y) < wall) {
+              ++on_sphere;
+              continue;
+            }
+            bool touches = false;
+            for (int v = -2; v <= 2; ++v)
+              for (int u = -2; u <= 2; ++u)
+                touches |= u * u + v * v <= 2 && g.layers[0].plane("depth").at(x + u, y + v) < wall;
+            on_wall += !touches;
+          }
+        EXPECT_EQ(on_wall, 0) << orthographic << behind << ' ' << width;
+        EXPECT_GT(on_sphere, 2.0 * std::numbers::pi * 50.0 * width * 0.8) << orthographic << behind << ' ' << width;
+      }
+}
+
+TEST(Outline, SpheresThatOverlapArePartedByTheirIds) {
+  for (const bool orthographic : {false, true}) {
+    const Lens lens{256, 256, orthographic};
+    // Equal spheres side by side meet in the plane half-way, which is seen edge on. Theirs is one concave crease of
+    // less than the angle asked for.
+    const GBuffer g = seen(lens, together({sphere({-0.2, 0, -kFocus}, 1.0, 0), sphere({0.2, 0, -kFocus}, 1.0, 1)}));
+    const auto seam = [&](const Plane& lines) {
+      long rows = 0;
+      for (int y = 76; y < 180; ++y) {
+        float most = 0.0f;
+        for (int x = 126; x < 130; ++x) most = std::max(most, lines.at(x, y));
+        rows += most > 0.6f;
+      }
+      return rows;
+    };
+    for (const char* ids : {"objects", "materials", "both"})
+      EXPECT_EQ(seam(lines_of(g, {{"ids", ids}, {"crease", "180"}})), 104) << ids << orthographic;
+    EXPECT_EQ(seam(lines_of(g, {{"ids", "none"}, {"crease", "180"}})), 0) << orthographic;
+    // The middle of the seam lies in the middle of the picture, and so does its line.
+    const Plane lines = lines_of(g, {{"ids", "objects"}, {"crease", "180"}, {"width", "4"}});
+    for (int y = 100; y < 156; ++y) {
+      double sum = 0.0, moment = 0.0;
+      for (int x = 118; x < 138; ++x) sum += lines.at(x, y), moment += lines.at(x, y) * (x + 0.5);
+      EXPECT_NEAR(sum, 4.0, 0.5);
+      EXPECT_NEAR(moment / sum, 128.0, 0.3);
+    }
+  }
+}
+
+TEST(Outline, MissingIdsPartNothing) {
+  GBuffer g = seen({128, 128}, box({0, 0, -kFocus}, rotation(33, 38), 1.0));
+  const Plane with = lines_of(g);
+  Image& image = g.layers[0];
+  for (const char* name : {"object_id", "material_id"}) {
+    const auto at = std::find(image.names.begin(), image.names.end(), name) - image.names.begin();
+    image.names.erase(image.names.begin() + at);
+    image.planes.erase(image.planes.begin() + at);
+  }
+  EXPECT_EQ(test::difference(with, lines_of(g, {{"ids", "both"}}), 0.0).most, 0.0);
+  EXPECT_GT(count(with), 300);
+}
+
+// --- parameters ----------------------------------------------------------------------------------------------------
+
+/// Two faces that meet upright in the middle of the picture, turned by `angle_deg` from each other.
+GBuffer fold(double angle_deg, bool convex) {
+  const dvec3 middle(0.01, 0, -kFocus), front(0, 0, 1), right(1, 0, 0);
+  const double half = std::tan(radians(0.5 * angle_deg));
+  const dvec3 n1 = glm::normalize(front + half * right), n2 = glm::normalize(front - half * right);
+  if (convex) return seen({128, 64}, convex_solid({{n1, glm::dot(n1, middle)}, {n2, glm::dot(n2, middle)}}));
+  // From inside the wedge that opens to the camera.
+  return seen({128, 64}, convex_solid({{-n1, -glm::dot(n1, middle)}, {-n2, -glm::dot(n2, middle)}}, 0, true));
+}
+
+TEST(Outline, CreasesAreDrawnFromTheirAngleOn) {
+  for (const bool convex : {false, true})
+    for (const double angle : {5.0, 20.0, 29.0, 31.0, 45.0, 90.0, 120.0})
+      for (const double threshold : {10.0, 30.0, 60.0}) {
+        const long drawn = count(lines_of(fold(angle, convex), {{"crease", fmt::format("{}", threshold)}}));
+        if (angle > threshold)
+          EXPECT_GT(drawn, 120) << angle << ' ' << threshold << convex;
+        else
+          EXPECT_EQ(drawn, 0) << angle << ' ' << threshold << convex;
+      }
+}
+
+TEST(Outline, ConvexAndConcaveChooseCreases) {
+  for (const bool convex : {false, true}) {
+    const GBuffer g = fold(90.0, convex);
+    EXPECT_EQ(count(lines_of(g, {{convex ? "convex" : "concave", "off"}})), 0);
+    EXPECT_GT(count(lines_of(g, {{convex ? "concave" : "convex", "off"}})), 120);
+  }
+}
+
+TEST(Outline, DepthSaysFromWhichJumpOnALineIsDrawn) {
+  // Two parallel walls, the nearer one on the left.
+  const dvec3 front(0, 0, 1), right(1, 0, 0);
+  for (const bool orthographic : {false, true}) {
+    const Lens lens{128, 64, orthographic};
+    const double pixel = lens.pixel() * (orthographic ? 1.0 : kFocus);
+    for (const double jump_px : {1.0, 2.5, 5.0, 20.0})
+      for (const double depth_px : {2.0, 4.0, 10.0}) {
+        const Scene scene = together({convex_solid({{front, -kFocus}, {right, 0.013}}),
+                                      convex_solid({{front, -kFocus - jump_px * pixel}})});
+        const long drawn = count(lines_of(seen(lens, scene), {{"depth", fmt::format("{}", depth_px)}}));
+        // Faint jumps need a clear one beside them, and have none here.
+        if (jump_px >= 2.0 * depth_px + 0.1) {
+          EXPECT_GT(drawn, 100) << jump_px << ' ' << depth_px << orthographic;
+        } else if (jump_px <= depth_px) {
+          EXPECT_EQ(drawn, 0) << jump_px << ' ' << depth_px << orthographic;
+        }
+      }
+  }
+}
+
+TEST(Outline, ColourAndOpacityMixWithTheLight) {
+  GBuffer g = seen({96, 96}, box({0, 0, -kFocus}, rotation(33, 38), 1.0));
+  for (const char* name : {"lit.r", "lit.g", "lit.b"})
+    for (int y = 0; y < 96; ++y)
+      for (int x = 0; x < 96; ++x) g.layers[0].plane(name).at(x, y) = float(0.2 + 0.01 * x + 0.002 * y);
+  const Plane full = lines_of(g);
+  const double color[] = {0.9, 0.25, 0.0};
+  const char* names[] = {"lit.r", "lit.g", "lit.b"};
+  for (const double opacity : {0.0, 0.5, 1.0})
+    test::on_every_target(
+        "outline", g, {{"r", "0.9"}, {"g", "0.25"}, {"b", "0"}, {"opacity", fmt::format("{}", opacity)}},
+        [&](const Image& image) {
+          double worst = 0.0;
+          float least = 1.0f, most = 0.0f;
+          for (int y = 0; y < 96; ++y)
+            for (int x = 0; x < 96; ++x) {
+              const double line = image.plane("outline").at(x, y);
+              least = std::min(least, float(line));
+              most = std::max(most, float(line));
+              worst = std::max(worst, std::fabs(line - opacity * full.at(x, y)));
+              const bool surface = std::isfinite(g.layers[0].plane("depth").at(x, y));
+              for (int c = 0; c < 3; ++c) {
+                const double light = surface ? g.layers[0].plane(names[c]).at(x, y) : 0.0;
+                worst = std::max(worst, std::fabs(image.plane(names[c]).at(x, y) -
+                                                  (light * (1.0 - line) + color[c] * line)));
+              }
+            }
+          EXPECT_LE(worst, 1e-4);
+          EXPECT_EQ(least, 0.0f);
+          EXPECT_FLOAT_EQ(most, float(opacity));
+        });
+}
+
+TEST(Outline, TinyPicturesAreFine) {
+  for (const auto& [width, height] : {std::pair(1, 1), {3, 2}, {2, 17}})
+    for (const char* mode : {"robust", "paper"})
+      for (const bool orthographic : {false, true}) {
+        const GBuffer g = seen({width, height, orthographic}, box({0, 0, -kFocus}, rotation(33, 38), 0.8));
+        test::on_every_target("outline", g, {{"mode", mode}, {"width", "16"}}, [&, w = width, h = height](const Image& image) {
+          for (int y = 0; y < h; ++y)
+            for (int x = 0; x < w; ++x) {
+              ASSERT_GE(image.plane("outline").at(x, y), 0.0f);
+              ASSERT_LE(image.plane("outline").at(x, y), 1.0f);
+            }
+        });
+      }
+}
+
+// --- the paper -----------------------------------------------------------------------------------------------------
+
+/// Listing 3, in double; a texture's edge pixels go on outside. `close` is true where rounding may decide.
+struct Listing3 {
+  double illum;
+  bool close;
+};
+Listing3 toon_outlining(const GBuffer& g, int px, int py) {
+  const Image& image = g.layers[0];
+  const double far_plane = g.info.depth_max / 0.9, near_plane = far_plane * 2.0 / 15.0;
+  const auto s_depth = [&](int x, int y) {
+    const double z = image.planes[0].at(std::clamp(x, 0, image.width - 1), std::clamp(y, 0, image.height - 1));
+    if (!std::isfinite(z)) return 1.0;
+    const double clipped = std::clamp(z, near_plane, far_plane);
+    const double linear = (clipped - near_plane) / (far_plane - near_plane);
+    return g.info.camera.projection == Projection::kOrthographic ? linear : linear * far_plane / clipped;
+  };
+  const auto s_norm = [&](int x, int y) {
+    x = std::clamp(x, 0, image.width - 1);
+    y = std::clamp(y, 0, image.height - 1);
+    return dvec3(image.planes[1].at(x, y), image.planes[2].at(x, y), image.planes[3].at(x, y));
+  };
+  const auto cleared = [&](int x, int y) { return s_norm(x, y) == dvec3(0.0); };
+
+  double darkness_depth = 0.0, darkness_norm = 0.0;
+  bool close = false;
+  const double base_depth = s_depth(px, py);
+  const dvec3 base_norm = s_norm(px, py);
+  const double threshold_depth = 0.05 * (1.0 - base_depth), threshold_norm = 0.95;
+  const int offsets[8][2] = {{-1, -1}, {-1, 0}, {-1, 1}, {0, -1}, {0, 1}, {1, -1}, {1, 0}, {1, 1}};
+  for (const auto& offset : offsets) {
+    const double depth = s_depth(px + offset[0], py + offset[1]);
+    const dvec3 norm = s_norm(px + offset[0], py + offset[1]);
+    const double apart = std::fabs(depth - base_depth), alike = glm::dot(norm, base_norm);
+    if (apart > threshold_depth) darkness_depth += 1.0;
+    // Where neither is a surface the listing normalizes zero.
+    const bool neither = cleared(px, py) && cleared(px + offset[0], py + offset[1]);
+    if (!neither && alike < threshold_norm) darkness_norm += 1.0;
+    const bool both_far = apart == 0.0 && threshold_depth == 0.0;
+    close |= (!both_far && std::fabs(apart - threshold_depth) < 2e-6) || std::fabs(alike - threshold_norm) < 2e-6;
+  }
+  return {std::max(0.0, 1.0 - (darkness_depth + darkness_norm)), close};
+}
+
+TEST(Outline, PaperIsListing3) {
+  for (const bool orthographic : {false, true}) {
+    const Lens lens{190, 140, orthographic};
+    GBuffer traced = seen(lens, together({box({-0.6, 0.3, -kFocus}, rotation(33, 38, 7), 0.7),
+                                          sphere({0.8, -0.3, -5.0}, 0.6, 1), ground(12.0, 0.0, 12.0, 2)}));
+    traced.info.depth_max = 12.0f;
+    GBuffer bumpy = test::bumpy_gbuffer(97, 61, 5);
+    bumpy.info.camera.projection = traced.info.camera.projection;
+    for (const char* name : {"lit.r", "lit.g", "lit.b"}) bumpy.layers[0].add(name) = Plane(97, 61, 0.5f);
+    for (const GBuffer* g : {&traced, &bumpy})
+      test::on_every_target("outline", *g, {{"mode", "paper"}}, [&](const Image& image) {
+        long wrong = 0, black = 0, close = 0;
+        for (int y = 0; y < image.height; ++y)
+          for (int x = 0; x < image.width; ++x) {
+            const Listing3 listing = toon_outlining(*g, x, y);
+            black += listing.illum < 1.0;
+            close += listing.close;
+            wrong += !listing.close && 1.0 - image.plane("outline").at(x, y) != listing.illum;
+          }
+        EXPECT_EQ(wrong, 0);
+        EXPECT_GT(black, 500);
+        EXPECT_LT(close, 100);
+      });
+    // It is drawn as black.
+    const Image image = test::run_effect(*find_effect("outline"), traced, {{"mode", "paper"}}, {});
+    const Plane &line = image.plane("outline"), &lit = image.plane("lit.r");
+    for (int y = 0; y < 140; ++y)
+      for (int x = 0; x < 190; ++x) {
+        const bool surface = std::isfinite(traced.layers[0].plane("depth").at(x, y));
+        ASSERT_EQ(lit.at(x, y), surface ? 1.0f - line.at(x, y) : 0.0f);
+      }
+  }
+}
+
+TEST(Outline, PaperThresholdsAreParameters) {
+  const GBuffer g = seen({128, 128}, box({0, 0, -kFocus}, rotation(33, 38), 1.0));
+  const auto drawn = [&](const char* depth, const char* normal) {
+    return count(lines_of(g, {{"mode", "paper"}, {"paper_depth", depth}, {"paper_normal", normal}}));
+  };
+  const long usual = drawn("0.05", "0.95"), rims = drawn("0.05", "-1"), creases = drawn("1", "0.95");
+  EXPECT_GT(rims, 100);
+  EXPECT_GT(creases, rims);  // normals part the cube from the background, too
+  EXPECT_GE(usual, creases);
+  EXPECT_LT(rims, usual);
+}
+
+}  // namespace
+}  // namespace umbrage
