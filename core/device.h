@@ -39,7 +39,7 @@ class Device {
   /// CPU threads that work for it.
   virtual int threads() const = 0;
   /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
-  /// must outlive the device or the next prepare.
+  /// must live until the next prepare or the last capture.
   virtual Result<void> prepare(const Scene& scene) = 0;
   /// Draws the prepared scene into a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) = 0;

@@ -20,6 +20,7 @@ using CpuKernel = void (*)(const KernelFrame&, const Tile&);
 /// One run over all pixels.
 struct Pass {
   std::string_view name;
+  /// An effect that reads `shadow` leaves it out where it has a parameter of that name and it is 0.
   std::vector<std::string_view> inputs, outputs;  ///< planes; a colour or vector counts as its three planes
   CpuKernel scalar = nullptr, lanes = nullptr;    ///< the kernel text as plain C++ and as SIMD lanes
   CpuKernel tuned = nullptr;                      ///< another way to the same bits, or null

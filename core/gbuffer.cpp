@@ -28,6 +28,15 @@ PictureInfo with_guard(PictureInfo inner, int guard) {
 
 Camera inner_camera(const PictureInfo& info) { return widened(info.camera, info.width, info.height, -info.guard); }
 
+PictureInfo inner_info(const PictureInfo& info) {
+  PictureInfo inner = info;
+  inner.camera = inner_camera(info);
+  inner.width = info.inner_width();
+  inner.height = info.inner_height();
+  inner.guard = 0;
+  return inner;
+}
+
 std::string layer_plane(int layer, std::string_view name) {
   return layer == 0 ? std::string(name) : fmt::format("layer{}.{}", layer, name);
 }

@@ -40,10 +40,13 @@ PictureInfo with_guard(PictureInfo inner, int guard);
 /// The camera of the picture once its guard band is cut off.
 Camera inner_camera(const PictureInfo& info);
 
+/// The picture once its guard band is cut off, as planes are that a device hands out.
+PictureInfo inner_info(const PictureInfo& info);
+
 /// The name of a plane of a depth layer in a picture that holds them all: `depth`, `layer1.depth`.
 std::string layer_plane(int layer, std::string_view name);
 
-/// A G-buffer on the host: its information and one image per depth layer, nearest first.
+/// A G-buffer on the host: its information and one image per depth layer, nearest first, of the information's size.
 struct GBuffer {
   PictureInfo info;
   std::vector<Image> layers;

@@ -110,6 +110,8 @@ bool encode(std::FILE* stream, const Plane* const* planes, int channels, int bit
 /// Writes the planes of a picture to an open file; `name` is what errors call it.
 Result<void> write_to(std::FILE* stream, const fs::path& name, const std::vector<const Plane*>& planes,
                       const WriteSettings& settings) {
+  if (settings.bits != 8 && settings.bits != 16)
+    return file_error("'{}' cannot be written with {} bits: PNG takes 8 or 16", name.string(), settings.bits);
   const int channels = int(planes.size());
   std::vector<png_byte> row(std::size_t(planes[0]->width) * channels * (settings.bits / 8));
   Complaint complaint;
@@ -120,8 +122,6 @@ Result<void> write_to(std::FILE* stream, const fs::path& name, const std::vector
 Result<void> write(const fs::path& file, const Image& image, const WriteSettings& settings) {
   const Result<std::vector<const Plane*>> planes = picture_planes(file, image, true);
   if (!planes) return planes.error();
-  if (settings.bits != 8 && settings.bits != 16)
-    return file_error("'{}' cannot be written with {} bits: PNG takes 8 or 16", file.string(), settings.bits);
   return write_whole(file, [&](std::FILE* stream) { return write_to(stream, file, *planes, settings); });
 }
 

@@ -93,6 +93,7 @@ Result<void> run_look(const LookRun& run, Device& device, Frame& frame) {
     }
     const Effect* of_others = find_in(run.handed_in, name);
     const Effect* effect = of_others ? of_others : find_effect(name);
+    if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", name));
     if (!effect) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
     const ParameterBytes& params = run.settings->find(name)->second;
     auto done = of_others ? run.run_handed_in(*effect, params, frame) : device.run(*effect, params, frame);

@@ -56,8 +56,7 @@ struct Surfel {
 class SurfelRows {
  public:
   explicit SurfelRows(const GBuffer& gbuffer) : depth_(gbuffer.layers[0].plane("depth")) {
-    // Planes come with the guard band or, as devices hand them out, without.
-    camera_ = depth_.width == gbuffer.info.width ? gbuffer.info.camera : inner_camera(gbuffer.info);
+    camera_ = gbuffer.info.camera;
     constexpr std::array<const char*, 3> kNames = {"normal.x", "normal.y", "normal.z"};
     for (int i = 0; i < 3; ++i) normal_[i] = gbuffer.layers[0].find(kNames[i]);
     step_x_ = (double(camera_.right) - camera_.left) / depth_.width;

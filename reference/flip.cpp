@@ -120,12 +120,22 @@ Detectors make_detectors() {
   return detectors;
 }
 
+/// How far any of the filters looks.
+int farthest_reach() {
+  const auto reach = [](const Kernel& kernel) { return int(kernel.weights.size()) - 1; };
+  static const int farthest = [&] {
+    const Detectors detectors = make_detectors();
+    return std::max({blur_reach(), reach(detectors.across), reach(detectors.edge), reach(detectors.point)});
+  }();
+  return farthest;
+}
+
 /// A row with its ends repeated beyond either side, so that filters need not look where they are.
 struct Row {
-  explicit Row(int width) : values(width + 2 * blur_reach()) {}
+  explicit Row(int width) : values(width + 2 * farthest_reach()) {}
   std::vector<float> values;
-  float* begin() { return values.data() + blur_reach(); }
-  const float* begin() const { return values.data() + blur_reach(); }
+  float* begin() { return values.data() + farthest_reach(); }
+  const float* begin() const { return values.data() + farthest_reach(); }
 };
 
 /// Filters down the columns of a plane around row y.

@@ -97,7 +97,10 @@ template <class Trace>
 Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info, const TraceControl& control,
                               const Trace& trace) {
   const CameraRays rays = camera_rays(traced, info);
-  if (!within_reach(rays, info)) return {};  // from there nothing is seen
+  if (!within_reach(rays, info)) {  // from there nothing is seen
+    if (!control.progress(1.0)) return Error{ErrorKind::kInterrupted, "interrupted"};
+    return {};
+  }
   const int columns = (info.inner_width() + kTile - 1) / kTile, rows = (info.inner_height() + kTile - 1) / kTile;
   std::atomic<int> done = 0;
   std::atomic<bool> ended = false;

@@ -765,15 +765,6 @@ TEST(MetricsClasses, BorderIsAShareOfTheShorterSide) {
             std::vector<PixelClass>{PixelClass::kBorder});
 }
 
-TEST(MetricsClasses, GuardBandMayBeCutOff) {
-  // The same planes, seen by the camera of a wider picture of which they are the inner part.
-  const Cast inner = cast(256, 256, Projection::kPerspective, sphere_before_wall(2.0, 0.5));
-  GBuffer guarded = inner.gbuffer;
-  guarded.info = with_guard(inner.gbuffer.info, 32);
-  EXPECT_NE(guarded.info.camera.top, inner.gbuffer.info.camera.top);
-  EXPECT_EQ(classify(guarded).classes, classify(inner.gbuffer).classes);
-}
-
 TEST(MetricsClasses, ScaleOfTheSceneChangesNothing) {
   for (const Projection projection : kProjections) {
     const auto map = [&](double scale) {

@@ -7,6 +7,9 @@
 
 namespace umbrage::cli {
 
+/// The command line as one would type it again, quoted for a shell.
+extern std::string command_line;
+
 /// Adds a command and sets `run` to what it does if it is the one that was named.
 using AddCommand = void (*)(CLI::App& app, std::function<Result<void>()>& run);
 

@@ -3,12 +3,12 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
 #include "apps/compare/report.h"
-#include "core/suggest.h"
 #include "io/image_file.h"
 
 namespace umbrage::cli {
@@ -21,34 +21,6 @@ struct CompareOptions : CommonOptions {
   std::vector<std::string> sizes = {"960,540", "480,270"};
   int cameras = 2, samples = 256, runs = 3;
 };
-
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> words;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', start), text.size());
-    words.push_back(text.substr(start, comma - start));
-    start = comma + 1;
-  }
-  return words;
-}
-
-/// The words of the command line, as one would type them.
-std::string command_of(const CompareOptions& o) {
-  std::string text = "umbrage compare";
-  for (const std::string& model : o.models) text += " " + model;
-  text += " --ao " + o.techniques;
-  for (const std::string& size : o.sizes) text += " --resolution " + size;
-  if (!o.radius.empty()) text += " --ao-radius " + o.radius;
-  for (const std::string& setting : o.settings) text += " --set " + setting;
-  if (o.guard_band != "0%") text += " --guard-band " + o.guard_band;
-  for (const auto& [name, value] : {std::pair{"--camera-position", &o.position},
-                                    {"--camera-focal-point", &o.focal_point},
-                                    {"--camera-direction", &o.direction},
-                                    {"--camera-view-up", &o.view_up},
-                                    {"--camera-view-angle", &o.view_angle}})
-    if (!value->empty()) text += fmt::format(" {}={}", name, *value);
-  return text + fmt::format(" --cameras {} --samples {} --runs {} -o {}", o.cameras, o.samples, o.runs, o.output);
-}
 
 /// Whether the report can be written, before any work; makes nothing.
 Result<void> check_folder(const fs::path& folder) {
@@ -63,6 +35,13 @@ Result<void> check_folder(const fs::path& folder) {
   if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
     return file_error("{}: the report's folder cannot be made", folder.string());
   return {};
+}
+
+/// A setting as a column of the table holds it.
+std::string shown_setting(const std::string& setting) {
+  constexpr std::size_t kWidest = 27;
+  if (setting.empty()) return "(as the look has it)";
+  return setting.size() <= kWidest ? setting : setting.substr(0, kWidest - 2) + "..";
 }
 
 /// One line per technique and setting: means over all pictures of one size.
@@ -87,16 +66,13 @@ void print_table(const Comparison& comparison, std::pair<int, int> size) {
       flip += score.card.covered.flip;
     }
     if (count == 0) continue;
-    fmt::print("{:<11} {:<27} {:9.1f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f}\n", first.technique, first.setting,
-               ms / count, rmse / count, bias / count, ssim / count, p99 / count, flip / count);
+    fmt::print("{:<11} {:<27} {:9.1f} {:7.4f} {:7.4f} {:7.4f} {:7.4f} {:7.4f}\n", first.technique,
+               shown_setting(first.setting), ms / count, rmse / count, bias / count, ssim / count, p99 / count,
+               flip / count);
   }
 }
 
 Result<void> run_compare(const CompareOptions& o) {
-  constexpr int kMostCameras = 100, kMostRuns = 1000;
-  if (o.cameras < 1 || o.cameras > kMostCameras)
-    return usage_error("--cameras cannot be {}: it takes 1 to {}", o.cameras, kMostCameras);
-  if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
   CompareSettings settings;
   settings.models = o.models;
   settings.cameras = o.cameras;
@@ -109,8 +85,10 @@ Result<void> run_compare(const CompareOptions& o) {
     settings.sizes.push_back(*size);
   }
   // The page shows the pictures of the first size.
-  std::stable_sort(settings.sizes.begin(), settings.sizes.end(),
-                   [](const auto& a, const auto& b) { return long(a.first) * a.second > long(b.first) * b.second; });
+  std::stable_sort(settings.sizes.begin(), settings.sizes.end(), [](const auto& a, const auto& b) {
+    const long area_a = long(a.first) * a.second, area_b = long(b.first) * b.second;
+    return area_a != area_b ? area_a > area_b : a > b;
+  });
   settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
   if (o.techniques != "all") settings.techniques = split(o.techniques);
   const auto import_with = import_settings(o);
@@ -125,6 +103,7 @@ Result<void> run_compare(const CompareOptions& o) {
     auto read = read_baseline(o.baseline);
     if (!read) return read.error();
     baseline = std::move(*read);
+    if (auto same = check_terms(baseline, terms_of(settings), o.baseline); !same) return same;
   }
   auto device = device_of(o);
   if (!device) return device.error();
@@ -138,22 +117,23 @@ Result<void> run_compare(const CompareOptions& o) {
   };
   const auto comparison = compare(**device, settings);
   if (!comparison) return comparison.error();
+  line.wipe();
   for (const std::string& warning : comparison->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
   if (o.verbose) fmt::print(stderr, "{}\n", (*device)->description());
   line.show("writing the page");
   const nlohmann::json scores = scores_json(*comparison);
-  const auto page = report_page(*comparison, command_of(o), **device);
+  const auto page = report_page(*comparison, command_line, **device);
   if (!page) return page.error();
+  line.wipe();
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return file_error("{}: the report's folder cannot be made: {}", folder.string(), error.message());
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
-  line.show("");
 
   for (const auto& size : settings.sizes) print_table(*comparison, size);
   fmt::print("truth: mean {:.4f} over all surfaces, {} rays a pixel within {}, standard error of a pixel {:.4f}\n",
-             comparison->mean, comparison->samples, comparison->radius, comparison->noise);
+             comparison->mean, comparison->terms.samples, comparison->terms.radius, comparison->noise);
   fmt::print("{} shows it all; the numbers are in {}\n", (folder / "index.html").string(),
              (folder / "scores.json").string());
   if (o.baseline.empty()) return {};

@@ -77,8 +77,20 @@ std::optional<Error> misspelt_command(const std::vector<std::string>& words, con
   return usage_error("there is no command and no file '{}'{}", word, hint);
 }
 
+/// One word of a command line, in quotes where a shell would take it apart.
+std::string quoted(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-+=.,:/%@") == std::string::npos;
+  if (plain) return word;
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
 int report(const Error& error) {
-  fmt::print(stderr, "umbrage: {}\n", error.message);
+  // Not fmt: it throws where standard error is full.
+  std::fputs(("umbrage: " + error.message + "\n").c_str(), stderr);
   return int(error.kind);
 }
 
@@ -88,6 +100,8 @@ void interrupted(int) {
 }
 
 int run(int argc, char** argv) {
+  command_line = "umbrage";
+  for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
   CLI::App app{
       "Screen-space shading: ambient occlusion and more, for any 3D model.\n"
       "umbrage MODEL -o out.png is short for umbrage render MODEL -o out.png.",
@@ -127,6 +141,9 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
+
+std::string command_line;
+
 }  // namespace umbrage::cli
 
 int main(int argc, char** argv) {
@@ -135,9 +152,9 @@ int main(int argc, char** argv) {
   try {
     return umbrage::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "umbrage: not enough memory; try a smaller --resolution or model\n");
+    std::fputs("umbrage: not enough memory; try a smaller --resolution or model\n", stderr);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "umbrage: internal error: {}\n", error.what());
+    std::fprintf(stderr, "umbrage: internal error: %s\n", error.what());
   }
   return int(umbrage::ErrorKind::kInternal);
 }

@@ -1,11 +1,13 @@
 #include "apps/cli/options.h"
 
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <glm/geometric.hpp>
+#include <optional>
 
 namespace umbrage::cli {
 namespace {
@@ -79,9 +81,6 @@ void add_technique_options(CLI::App& command, CommonOptions& o) {
       ->take_all()
       ->expected(1);
   command
-      .add_option("--layers", o.layers, "surfaces captured along each ray: layer1.depth is the second one's depth [1]")
-      ->group(technique);
-  command
       .add_option("--guard-band", o.guard_band,
                   "draw so much more on each side and cut it off, as a share of the longer side [0%]")
       ->group(technique);
@@ -90,6 +89,9 @@ void add_technique_options(CLI::App& command, CommonOptions& o) {
 void add_picture_options(CLI::App& command, CommonOptions& o) {
   const auto picture = "Picture";
   command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
+  command
+      .add_option("--layers", o.layers, "surfaces captured along each ray: layer1.depth is the second one's depth [1]")
+      ->group(picture);
   command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
   command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
   command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
@@ -177,7 +179,7 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
   constexpr double kWidestGuard = 100.0;
   const std::string_view share = std::string_view(o.guard_band).substr(0, o.guard_band.find('%'));
   const auto guard = parse_number("--guard-band", share, 0.0, kWidestGuard);
-  if (!guard || share.size() + 1 < o.guard_band.size())
+  if (!guard || share.size() + 1 != o.guard_band.size())
     return usage_error("--guard-band cannot be '{}': it takes 0% to {:g}% of the picture's longer side", o.guard_band,
                        kWidestGuard);
   draw.guard_percent = float(*guard);
@@ -217,13 +219,29 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (!threads) return threads.error();
   if (*threads != std::floor(*threads))
     return usage_error("--threads cannot be '{}': it takes a whole number from 0 to {}", o.threads, kMostThreads);
+  // Also for work that no device does: hierarchies, metrics.
+  static std::optional<tbb::global_control> limit;
+  if (*threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(*threads));
   return make_device(o.device, int(*threads));
+}
+
+std::vector<std::string> split(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    words.push_back(text.substr(start, comma - start));
+    start = comma + 1;
+  }
+  return words;
 }
 
 ProgressLine::ProgressLine() : shown_(::isatty(STDERR_FILENO) != 0) {}
 
-ProgressLine::~ProgressLine() {
+ProgressLine::~ProgressLine() { wipe(); }
+
+void ProgressLine::wipe() {
   if (shown_ && width_ > 0) fmt::print(stderr, "\r{:{}}\r", "", width_);
+  width_ = 0;
 }
 
 void ProgressLine::show(const std::string& text) {

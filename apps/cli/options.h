@@ -41,6 +41,9 @@ Result<std::pair<int, int>> parse_resolution(std::string_view text);
 /// "+Y", "-z" or "0,1,0".
 Result<glm::vec3> parse_direction(std::string_view option, std::string_view text);
 
+/// The words of a list parted by commas.
+std::vector<std::string> split(const std::string& text);
+
 /// One line of progress on a terminal, wiped at the end; nothing where standard error is piped.
 class ProgressLine {
  public:
@@ -48,6 +51,8 @@ class ProgressLine {
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
   void show(const std::string& text);
+  /// Clears the line, before anything else is printed.
+  void wipe();
 
  private:
   bool shown_;

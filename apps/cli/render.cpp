@@ -37,18 +37,6 @@ std::map<std::string, std::vector<std::string>> groups_of(const Image& image) {
   return groups;
 }
 
-/// The words of "depth,normal,ao".
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> words;
-  std::size_t start = 0;
-  while (start <= text.size()) {
-    const std::size_t comma = std::min(text.find(',', start), text.size());
-    words.push_back(text.substr(start, comma - start));
-    start = comma + 1;
-  }
-  return words;
-}
-
 /// The layers that a picture must have for a pass, where they are all that it lacks, or 0.
 int layers_for(std::string_view pass, std::span<const std::string> names) {
   for (int layer = 1; layer < kMostLayers; ++layer) {
@@ -191,6 +179,12 @@ Result<void> render(const RenderOptions& o) {
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
+  if (o.passes) {
+    const auto words = split(*o.passes);
+    draw_with->shadow = std::any_of(words.begin(), words.end(), [](const std::string& word) {
+      return word == "all" || word == "shadow" || word.ends_with(".shadow");
+    });
+  }
   const auto recipe = make_recipe(*draw_with);
   if (!recipe) return recipe.error();
   if (const auto capture_with = capture_settings(*draw_with, true); !capture_with) return capture_with.error();
@@ -217,6 +211,7 @@ Result<void> render(const RenderOptions& o) {
     return true;
   };
   const auto frame = draw(**device, *scene, *draw_with, times);
+  line.wipe();
   if (!frame) return frame.error();
   if (!shows_surface(**device, *frame))
     fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",

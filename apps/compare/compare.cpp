@@ -1,5 +1,7 @@
 #include "apps/compare/compare.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,8 +14,8 @@
 namespace umbrage {
 namespace {
 
-constexpr const char* kRadius = "10%";  // where nobody says: the reference's own
-constexpr float kTurnDeg = 120.0f;      // from one camera around a file's model to the next
+constexpr float kTurnDeg = 120.0f;  // from one camera around a file's model to the next
+constexpr int kTurns = 3;           // after which the first one comes again
 // Seeds of the truth's two halves, away from those that people give to the technique `reference`.
 constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
 
@@ -21,6 +23,8 @@ constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
 struct Truth {
   Image ao;            ///< the plane `ao`
   double error = 0.0;  ///< mean square over covered pixels of its own noise
+  double sum = 0.0;    ///< over covered pixels, of which there are
+  long pixels = 0;
 };
 
 /// Traces the truth as the mean of two independent halves; their difference tells its noise.
@@ -40,17 +44,17 @@ Result<Truth> trace_truth(const TracedScene& traced, const PictureInfo& info, co
   truth.ao = Image(info.inner_width(), info.inner_height());
   Plane& mean = truth.ao.add("ao");
   const Plane a = cropped(first->plane("ao"), info.guard), b = cropped(second->plane("ao"), info.guard);
-  double sum = 0.0;
-  long count = 0;
+  double errors = 0.0;
   for (int y = 0; y < mean.height; ++y)
     for (int x = 0; x < mean.width; ++x) {
       mean.at(x, y) = 0.5f * (a.at(x, y) + b.at(x, y));
-      if (classes.classes[std::size_t(y) * mean.width + x] == PixelClass::kBackground) continue;
+      if (classes.row(y)[x] == PixelClass::kBackground) continue;
       const double half_difference = 0.5 * (double(a.at(x, y)) - double(b.at(x, y)));
-      sum += half_difference * half_difference;
-      ++count;
+      errors += half_difference * half_difference;
+      truth.sum += mean.at(x, y);
+      ++truth.pixels;
     }
-  truth.error = count > 0 ? sum / double(count) : 0.0;
+  truth.error = truth.pixels > 0 ? errors / double(truth.pixels) : 0.0;
   return truth;
 }
 
@@ -65,7 +69,7 @@ std::vector<Shot> shots_of(const Scene& scene, const CompareSettings& settings) 
   const Framing& wish = settings.draw.framing;
   if (wish.position || wish.focal_point || wish.direction) return {{"given", wish, {}}};
   std::vector<Shot> shots;
-  const int count = scene.views.empty() ? settings.cameras : std::min(settings.cameras, int(scene.views.size()));
+  const int count = std::min(settings.cameras, scene.views.empty() ? kTurns : int(scene.views.size()));
   for (int k = 0; k < count; ++k) {
     Shot shot{fmt::format("{}", k + 1), wish, {}};
     if (scene.views.empty())
@@ -86,6 +90,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
   for (const Effect* effect : all) names.push_back(effect->name);
   std::vector<const Effect*> chosen;
   for (const std::string& name : settings.techniques) {
+    if (name == "all") return all;
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
       return usage_error("there is no occlusion technique '{}' to compare{}", name, suggestion(name, names));
@@ -95,13 +100,26 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
   return chosen;
 }
 
+/// The radius as it would be written: the reference's own where nobody says.
+std::string radius_text(const CompareSettings& settings) {
+  if (!settings.draw.radius.empty()) return settings.draw.radius;
+  const Effect& reference = reference_effect();
+  return parameter_text(*find_parameter(reference, "radius"),
+                        initial_parameters(reference.parameters, reference.params_size));
+}
+
+/// A camera in numbers, rounded so that another compiler's last bits do not matter.
+std::string view_text(const Camera& camera) {
+  const glm::vec3 eye = camera.eye();
+  const glm::mat4& m = camera.view_from_world;
+  return fmt::format("{} {:.3g} {:.3g} {:.3g}, {:.2f} {:.2f} {:.2f}, {:.3g} {:.3g} {:.3g} {:.3g}",
+                     camera.projection == Projection::kOrthographic ? "orthographic" : "perspective", eye.x, eye.y,
+                     eye.z, -m[0][2], -m[1][2], -m[2][2], camera.left, camera.right, camera.bottom, camera.top);
+}
+
 GBuffer downloaded(Device& device, const Frame& frame) {
   GBuffer gbuffer;
-  gbuffer.info = frame.info;
-  gbuffer.info.camera = inner_camera(frame.info);
-  gbuffer.info.width = frame.info.inner_width();
-  gbuffer.info.height = frame.info.inner_height();
-  gbuffer.info.guard = 0;
+  gbuffer.info = inner_info(frame.info);
   if (auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"}))
     gbuffer.layers.push_back(std::move(*planes));
   else
@@ -164,8 +182,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   if (!capture_with) return capture_with.error();
   auto frame = run.device.capture(frame_scene(scene, shot.framing, draw.width, draw.height), *capture_with);
   if (!frame) return frame.error();
-  const std::string& wish = draw.radius.empty() ? kRadius : draw.radius;
-  const auto length = parse_radius("--ao-radius", wish);
+  const auto length = parse_radius("--ao-radius", radius_text(run.settings));
   if (!length) return length.error();
   const auto radius = radius_in_scene("--ao-radius", *length, frame->info);
   if (!radius) return radius.error();
@@ -176,14 +193,11 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
                                  run.control(what + ", truth"));
   if (!truth) return truth.error();
   const Plane& truth_plane = truth->ao.plane("ao");
+  if (truth->pixels == 0) return usage_error("{} shows nothing: move the camera or leave it to be placed", what);
   run.error_sum += truth->error;
   ++run.pictures;
-  for (int y = 0; y < truth_plane.height; ++y)
-    for (int x = 0; x < truth_plane.width; ++x) {
-      if (classes.classes[std::size_t(y) * truth_plane.width + x] == PixelClass::kBackground) continue;
-      run.truth_sum += truth_plane.at(x, y);
-      ++run.pixels;
-    }
+  run.truth_sum += truth->sum;
+  run.pixels += truth->pixels;
 
   ComparedView view{model, shot.name, *radius, truth_plane, classes, {}};
   for (const Effect* effect : run.techniques) {
@@ -191,9 +205,10 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       EffectSettings settings = run.recipe.settings;
       ParameterBytes& params = settings.find(effect->name)->second;
       if (effect->set_radius) effect->set_radius(*radius, frame->info, params);
-      if (auto done = apply_variant(settings, *effect, variant); !done) return done;
       for (const std::string& setting : draw.settings)
         if (auto done = apply_setting(settings, setting, handed_in()); !done) return done;
+      if (auto done = apply_variant(settings, *effect, variant); !done) return done;
+      if (effect == &reference_effect()) as<ReferenceParams>(params).light = 0;  // occlusion alone is compared
       const std::string label = fmt::format("{}, {} {}", what, effect->name, variant);
       if (!run.settings.progress(label)) return Error{ErrorKind::kInterrupted, "interrupted"};
       const auto ms = run_technique(run, traced, *effect, params, *frame, label);
@@ -202,8 +217,8 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       if (!ao) return ao.error();
       clamp_to_shown(ao->plane("ao"));
       run.result.scores.push_back({model, shot.name, std::string(effect->name), std::string(variant),
-                                   std::string(run.device.name()), size.first, size.second, *ms,
-                                   score(*ao, truth->ao, classes)});
+                                   std::string(run.device.name()), view_text(inner_camera(frame->info)), size.first,
+                                   size.second, *ms, score(*ao, truth->ao, classes)});
       if (keep) view.techniques.push_back({std::string(effect->name), std::string(variant), ao->plane("ao")});
     }
   }
@@ -214,6 +229,12 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
 }  // namespace
 
 Result<void> check_compare(const CompareSettings& settings) {
+  constexpr int kMostCameras = 100, kMostRuns = 1000;
+  if (settings.cameras < 1 || settings.cameras > kMostCameras)
+    return usage_error("--cameras cannot be {}: it takes 1 to {}", settings.cameras, kMostCameras);
+  if (settings.runs < 1 || settings.runs > kMostRuns)
+    return usage_error("--runs cannot be {}: it takes 1 to {}", settings.runs, kMostRuns);
+  if (settings.models.empty() || settings.sizes.empty()) return usage_error("name a model and a size to compare");
   if (settings.samples < 2 || settings.samples > kMostSamples || settings.samples % 2 != 0)
     return usage_error("--samples cannot be {}: it takes an even number from 2 to {}", settings.samples, kMostSamples);
   if (const auto techniques = techniques_of(settings); !techniques) return techniques.error();
@@ -230,6 +251,22 @@ Result<void> check_compare(const CompareSettings& settings) {
   return {};
 }
 
+Terms terms_of(const CompareSettings& settings) {
+  DrawSettings draw = settings.draw;
+  draw.look = "ao";
+  const auto recipe = make_recipe(draw);
+  const ParameterBytes& reference = recipe->settings.find("reference")->second;
+  const auto said = [&](std::string_view name) {
+    return parameter_text(*find_parameter(reference_effect(), name), reference);
+  };
+  return {.radius = radius_text(settings),
+          .falloff = said("falloff"),
+          .normal = said("normal"),
+          .samples = settings.samples,
+          .settings = fmt::format("{}", fmt::join(settings.draw.settings, " ")),
+          .guard = fmt::format("{:g}%", settings.draw.guard_percent)};
+}
+
 Result<Comparison> compare(Device& device, const CompareSettings& settings) {
   if (auto fine = check_compare(settings); !fine) return fine.error();
   const auto techniques = techniques_of(settings);
@@ -240,14 +277,7 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
 
   Comparison result;
   Run run{device, settings, *techniques, *recipe, result};
-  const ParameterBytes& reference = run.recipe.settings.find("reference")->second;
-  const auto said = [&](std::string_view name) {
-    return parameter_text(*find_parameter(reference_effect(), name), reference);
-  };
-  result.radius = draw.radius.empty() ? kRadius : draw.radius;
-  result.samples = settings.samples;
-  result.falloff = said("falloff");
-  result.normal = said("normal");
+  result.terms = terms_of(settings);
   for (const std::string& model : settings.models) {
     if (!settings.progress(model)) return Error{ErrorKind::kInterrupted, "interrupted"};
     auto scene = load_scene(model, settings.import);

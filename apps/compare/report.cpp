@@ -54,11 +54,9 @@ Plane class_picture(const ClassMap& classes) {
   return plane;
 }
 
-nlohmann::json truth_json(const Comparison& comparison) {
-  return {{"radius", comparison.radius},
-          {"samples", comparison.samples},
-          {"falloff", comparison.falloff},
-          {"normal", comparison.normal}};
+nlohmann::json terms_json(const Terms& terms) {
+  return {{"radius", terms.radius}, {"samples", terms.samples},   {"falloff", terms.falloff},
+          {"normal", terms.normal}, {"settings", terms.settings}, {"guard", terms.guard}};
 }
 
 /// What makes two records the same measurement.
@@ -108,7 +106,8 @@ nlohmann::json scores_json(const Comparison& comparison) {
     add(score.card.covered, "");
     for (int c = 0; c < kPixelClasses; ++c) add(score.card.by_class[c], fmt::format("_{}", kPixelClassNames[c]));
     record["format"] = kScoresFormat;
-    record.update(truth_json(comparison));
+    record["view"] = score.view;
+    record.update(terms_json(comparison.terms));
     records.push_back(std::move(record));
   }
   return records;
@@ -123,7 +122,7 @@ std::string scores_text(const nlohmann::json& scores) {
 
 Result<std::string> report_page(const Comparison& comparison, const std::string& command, const Device& device) {
   nlohmann::json data = {{"version", UMBRAGE_VERSION},        {"command", command},
-                         {"device", device.description()},    {"truth", truth_json(comparison)},
+                         {"device", device.description()},    {"truth", terms_json(comparison.terms)},
                          {"scores", scores_json(comparison)}, {"techniques", nlohmann::json::array()},
                          {"views", nlohmann::json::array()}};
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
@@ -175,12 +174,23 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
       return file_error(
           "{}: its scores are of format {}, which another version measured; this one measures format {}: make it anew",
           file.string(), record["format"].dump(), kScoresFormat);
-    for (const char* field : {"scene", "camera", "technique", "setting", "radius", "falloff", "normal"})
+    for (const char* field :
+         {"scene", "camera", "technique", "setting", "view", "radius", "falloff", "normal", "settings", "guard"})
       if (!record.contains(field) || !record[field].is_string()) return no_scores();
     for (const char* field : {"width", "height", "samples", "rmse", "bias", "ssim", "p99", "flip"})
       if (!record.contains(field) || !record[field].is_number()) return no_scores();
   }
   return baseline;
+}
+
+Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, const std::string& name) {
+  const nlohmann::json now = terms_json(terms);
+  for (const nlohmann::json& record : baseline)
+    for (const auto& [field, value] : now.items())
+      if (record.at(field) != value)
+        return file_error("{}: it was measured on other terms: {} {}, now {}", name, field, record.at(field).dump(),
+                          value.dump());
+  return {};
 }
 
 Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohmann::json& scores,
@@ -195,19 +205,20 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
       continue;
     }
     const nlohmann::json& after = *found->second;
-    for (const char* field : {"radius", "samples", "falloff", "normal"})
-      if (before.at(field) != after.at(field))
-        return file_error("{}: it was measured against another truth: {} {}, now {}", name, field,
-                          before.at(field).dump(), after.at(field).dump());
+    if (before.at("view") != after.at("view"))
+      return file_error("{}: its camera {} of {} looked elsewhere: {}, now {}", name,
+                        before.at("camera").get<std::string>(), before.at("scene").get<std::string>(),
+                        before.at("view").dump(), after.at("view").dump());
     ++check.compared;
     for (const auto& [field, absolute, relative] : kTolerances) {
       const double bad_before = badness(before, field), bad_now = badness(after, field);
       if (!(bad_now > bad_before + absolute + relative * bad_before)) continue;
-      check.worse.push_back(fmt::format(
-          "{}, camera {}, {}x{}, {} {}: {} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
-          after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
-          after.at("technique").get<std::string>(), after.at("setting").get<std::string>(), field,
-          before.at(field).get<double>(), after.at(field).get<double>()));
+      check.worse.push_back(
+          fmt::format("{}, camera {}, {}x{}, {} {}: {} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
+                      after.at("camera").get<std::string>(), after.at("width").get<int>(),
+                      after.at("height").get<int>(), after.at("technique").get<std::string>(),
+                      after.at("setting") == "" ? "as the look has it" : after.at("setting").get<std::string>(), field,
+                      before.at(field).get<double>(), after.at(field).get<double>()));
     }
   }
   if (check.compared == 0)

@@ -170,7 +170,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   if (!recipe) return recipe.error();
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty()) scene.lights = default_lights(scene, camera);
-  const auto capture_with = capture_settings(settings, wants_shadow(*recipe));
+  const auto capture_with = capture_settings(settings, settings.shadow || wants_shadow(*recipe));
   if (!capture_with) return capture_with.error();
   auto frame = device.capture(camera, *capture_with);
   if (!frame) return frame;

@@ -40,8 +40,9 @@ struct DrawSettings {
   std::string look = "ao";
   std::string occlusion;              ///< empty: the look's own
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
-  std::string radius;  ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
-  int layers = 1;      ///< surfaces captured along each primary ray
+  std::string radius;   ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
+  bool shadow = false;  ///< trace the key light's shadow though no effect of the look reads it
+  int layers = 1;       ///< surfaces captured along each primary ray
   float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
   std::function<bool(double)> progress = [](double) { return true; };  ///< see TraceControl
 };

@@ -86,6 +86,9 @@ class CpuDevice final : public Device {
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
     if (!traced_) fail_check("capture before prepare");
+    check_less(0, settings.layers, "layers of a capture");
+    check_less(settings.layers, kMostLayers + 1, "layers of a capture");
+    check_less(-1, settings.guard, "guard band of a capture");
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
     frame.storage = std::make_shared<Planes>(
@@ -119,6 +122,7 @@ class CpuDevice final : public Device {
 
   Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) override {
     check_equal(params.size(), effect.params_size, effect.name);
+    if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
     std::vector<std::byte> constants(effect.constants_size);
     effect.constants(params, frame.info, constants.data());
     const int rounds = effect.rounds ? effect.rounds(params) : 1;
