@@ -644,7 +644,9 @@ TEST_F(Cli, RefusesReferencesThatCannotBe) {
 }
 
 TEST_F(Cli, LinesAloneHaveAlpha) {
-  good(kSolids + " --look cartoon --passes outline --set outline.r=1 --set outline.b=0.25 -o lines.png" + kSmall);
+  good(kSolids +
+       " --look cartoon --passes outline --set outline.width=2 --set outline.r=1 --set outline.b=0.25 -o lines.png" +
+       kSmall);
   const Image lines = image("lines.png");
   ASSERT_NE(lines.find("color.a"), nullptr);
   double least = 1.0, most = 0.0;
