@@ -1204,7 +1204,8 @@ TEST(Reference, ProgressNeverFallsAndEndsAtOne) {
         return true;
       };
       ASSERT_TRUE(trace_reference(*stage, info, bytes, {threads, progress}));
-      ASSERT_GT(told.size(), 3u);
+      // How often depends on who gets a processor: all tiles of one thread may be done while another tells.
+      ASSERT_FALSE(told.empty());
       EXPECT_TRUE(std::is_sorted(told.begin(), told.end())) << threads << " threads, light " << light;
       EXPECT_GT(told.front(), 0.0);
       EXPECT_EQ(told.back(), 1.0);
