@@ -11,22 +11,34 @@
 namespace umbrage {
 namespace {
 
+void expect_every_number(const std::vector<Figure>& figures, int size) {
+  for (const Figure& figure : figures) {
+    EXPECT_FALSE(figure.numbers.empty()) << figure.id;
+    for (const FigureNumber& number : figure.numbers)
+      EXPECT_TRUE(number.holds()) << "figure " << figure.id << ": " << number.what << " is " << number.value
+                                  << ", not within " << number.least << " and " << number.most;
+    for (const FigurePicture& picture : figure.pictures) {
+      EXPECT_EQ(picture.image.width, size);
+      EXPECT_EQ(picture.command.rfind("umbrage ", 0), 0u);
+    }
+  }
+}
+
 TEST(Figures, EveryNumberOfTheUnsharpPaperHolds) {
   ASSERT_TRUE(std::filesystem::exists(kBunnyFile)) << "install glmark2-data (scripts/setup does)";
   const auto device = make_cpu_device();
   const auto figures = unsharp_figures(*device, kBunnyFile, 1024, [](const std::string&) {});
   ASSERT_TRUE(figures) << figures.error().message;
   ASSERT_EQ(figures->size(), 5u);
-  for (const Figure& figure : *figures) {
-    EXPECT_FALSE(figure.numbers.empty()) << figure.id;
-    for (const FigureNumber& number : figure.numbers)
-      EXPECT_TRUE(number.holds()) << "figure " << figure.id << ": " << number.what << " is " << number.value
-                                  << ", not within " << number.least << " and " << number.most;
-    for (const FigurePicture& picture : figure.pictures) {
-      EXPECT_EQ(picture.image.width, 1024);
-      EXPECT_EQ(picture.command.rfind("umbrage ", 0), 0u);
-    }
-  }
+  expect_every_number(*figures, 1024);
+}
+
+TEST(Figures, EveryNumberOfTheCartoonPaperHolds) {
+  const auto device = make_cpu_device();
+  const auto figures = cartoon_figures(*device, 512, [](const std::string&) {});
+  ASSERT_TRUE(figures) << figures.error().message;
+  ASSERT_EQ(figures->size(), 9u);
+  expect_every_number(*figures, 512);
 }
 
 TEST(Figures, ANumberOutsideItsBoundDoesNotHold) {
@@ -50,6 +62,24 @@ TEST(Figures, ContactSheetShowsEveryPicture) {
     }
   EXPECT_EQ(bright, 32 * 32);
   EXPECT_EQ(dark, 32 * 32);
+}
+
+TEST(Figures, ContactSheetShowsADetailUnscaled) {
+  Image picture(64, 64);
+  for (const char* name : {"color.r", "color.g", "color.b"}) {
+    Plane& plane = picture.add(name) = Plane(64, 64, 0.75f);
+    for (int y = 24; y < 40; ++y)
+      for (int x = 24; x < 40; ++x) plane.at(x, y) = 0.25f;
+  }
+  const auto dark = [&](bool detail) {
+    const Image sheet = contact_sheet({{"1", "one", {{"a.png", "a", "", picture, detail}}, {}}}, 32);
+    long count = 0;
+    for (int y = 0; y < sheet.height; ++y)
+      for (int x = 0; x < sheet.width; ++x) count += sheet.plane("color.g").at(x, y) == 0.25f;
+    return count;
+  };
+  EXPECT_EQ(dark(false), 8 * 8);
+  EXPECT_EQ(dark(true), 16 * 16);
 }
 
 }  // namespace

@@ -18,14 +18,40 @@ namespace fs = std::filesystem;
 
 struct FiguresOptions : CommonOptions {
   std::string paper = "unsharp", output = "figures", bunny = kBunnyFile;
-  int size = 1024, runs = 5;
+  std::optional<int> size;
+  int runs = 5;
 };
 
-constexpr std::array<std::string_view, 1> kPapers = {"unsharp"};
+using Progress = std::function<void(const std::string&)>;
 
-std::string report_of(const std::vector<Figure>& figures, const std::vector<FigureTable>& tables,
+struct Paper {
+  std::string_view name, title;
+  int size;         // pixels: the paper's own
+  bool with_bunny;  // needs the file that --bunny names
+  Result<std::vector<Figure>> (*figures)(Device&, const FiguresOptions&, const Progress&);
+  Result<std::vector<FigureTable>> (*tables)(Device&, const FiguresOptions&, const Progress&);
+};
+
+constexpr Paper kPapers[] = {
+    {"unsharp", "the unsharp-mask paper", 1024, true,
+     [](Device& device, const FiguresOptions& o, const Progress& progress) {
+       return unsharp_figures(device, o.bunny, *o.size, progress);
+     },
+     [](Device& device, const FiguresOptions& o, const Progress& progress) {
+       return unsharp_tables(device, o.bunny, *o.size, o.runs, progress);
+     }},
+    {"cartoon", "the cartoon-rendering paper", 512, false,
+     [](Device& device, const FiguresOptions& o, const Progress& progress) {
+       return cartoon_figures(device, *o.size, progress);
+     },
+     [](Device& device, const FiguresOptions& o, const Progress& progress) {
+       return cartoon_tables(device, *o.size, o.runs, progress);
+     }},
+};
+
+std::string report_of(const Paper& paper, const std::vector<Figure>& figures, const std::vector<FigureTable>& tables,
                       const std::string& device, int size) {
-  std::string text = "# Figures of the unsharp-mask paper\n\n![contact sheet](contact-sheet.png)\n";
+  std::string text = fmt::format("# Figures of {}\n\n![contact sheet](contact-sheet.png)\n", paper.title);
   for (const Figure& figure : figures) {
     text += fmt::format("\n## Figure {}: {}\n\n", figure.id, figure.title);
     for (const FigurePicture& picture : figure.pictures)
@@ -45,16 +71,22 @@ std::string report_of(const std::vector<Figure>& figures, const std::vector<Figu
   return text;
 }
 
-Result<void> make_figures(const FiguresOptions& o) {
-  if (std::find(kPapers.begin(), kPapers.end(), o.paper) == kPapers.end())
-    return usage_error("there is no paper '{}'{}", o.paper, suggestion(o.paper, kPapers));
+Result<void> make_figures(FiguresOptions o) {
+  const auto paper =
+      std::find_if(std::begin(kPapers), std::end(kPapers), [&](const Paper& p) { return p.name == o.paper; });
+  if (paper == std::end(kPapers)) {
+    std::vector<std::string_view> names;
+    for (const Paper& each : kPapers) names.push_back(each.name);
+    return usage_error("there is no paper '{}'{}", o.paper, suggestion(o.paper, names));
+  }
+  if (!o.size) o.size = paper->size;
   constexpr int kLeastSize = 128, kMostSize = 4096, kMostRuns = 1000;
-  if (o.size < kLeastSize || o.size > kMostSize)
-    return usage_error("--size cannot be {}: it takes {} to {} pixels", o.size, kLeastSize, kMostSize);
+  if (*o.size < kLeastSize || *o.size > kMostSize)
+    return usage_error("--size cannot be {}: it takes {} to {} pixels", *o.size, kLeastSize, kMostSize);
   if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
   auto device = device_of(o);
   if (!device) return device.error();
-  if (!fs::exists(o.bunny))
+  if (paper->with_bunny && !fs::exists(o.bunny))
     return file_error("{}: the bunny of figure 3 is missing; install glmark2-data or name it with --bunny", o.bunny);
   std::error_code error;
   fs::create_directories(o.output, error);
@@ -66,9 +98,9 @@ Result<void> make_figures(const FiguresOptions& o) {
   const auto progress = [on_terminal](const std::string& what) {
     if (on_terminal) fmt::print(stderr, "{}...\n", what);
   };
-  const auto figures = unsharp_figures(**device, o.bunny, o.size, progress);
+  const auto figures = paper->figures(**device, o, progress);
   if (!figures) return figures.error();
-  const auto tables = unsharp_tables(**device, o.bunny, o.size, o.runs, progress);
+  const auto tables = paper->tables(**device, o, progress);
   if (!tables) return tables.error();
 
   nlohmann::json records = nlohmann::json::array();
@@ -82,16 +114,18 @@ Result<void> make_figures(const FiguresOptions& o) {
       records.push_back(
           {{"figure", figure.id}, {"what", number.what}, {"value", number.value}, {"holds", number.holds()}});
       missed += !number.holds();
-      fmt::print("figure {:<5} {:<55} {:10.4f}  {}\n", figure.id, number.what, number.value,
+      fmt::print("figure {:<8} {:<70} {:10.4f}  {}\n", figure.id, number.what, number.value,
                  number.holds() ? "holds" : "MISSED");
     }
   }
   for (const FigureTable& table : *tables)
-    for (const TableRow& row : table.rows) fmt::print("{:<12} {:<55} {:7.1f} ms\n", table.id, row.setting, row.ms);
-  if (auto written = write_image(folder / "contact-sheet.png", contact_sheet(*figures, o.size / 2)); !written)
+    for (const TableRow& row : table.rows) fmt::print("{:<15} {:<70} {:7.1f} ms\n", table.id, row.setting, row.ms);
+  if (auto written = write_image(folder / "contact-sheet.png", contact_sheet(*figures, *o.size / 2), {.small = true});
+      !written)
     return written;
   if (auto written = write_text(folder / "numbers.json", records.dump(2) + "\n"); !written) return written;
-  if (auto written = write_text(folder / "index.md", report_of(*figures, *tables, (*device)->description(), o.size));
+  if (auto written =
+          write_text(folder / "index.md", report_of(*paper, *figures, *tables, (*device)->description(), *o.size));
       !written)
     return written;
   fmt::print("{} pictures, contact-sheet.png and index.md are in {}\n", picture_count, o.output);
@@ -106,11 +140,12 @@ Result<void> make_figures(const FiguresOptions& o) {
 void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("figures", "make the figures and tables of a paper");
   auto options = std::make_shared<FiguresOptions>();
-  command->add_option("--paper", options->paper, "unsharp [unsharp]");
+  command->add_option("--paper", options->paper, "unsharp or cartoon [unsharp]");
   command->add_option("-o,--output", options->output, "folder to write to [figures]");
-  command->add_option("--size", options->size, "side of the pictures in pixels [1024]");
+  command->add_option("--size", options->size,
+                      "side of the pictures in pixels [the paper's: unsharp 1024, cartoon 512]");
   command->add_option("--runs", options->runs, "runs behind each time in the tables [5]");
-  command->add_option("--bunny", options->bunny, "the Stanford bunny [Debian's glmark2-data]");
+  command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]");
   add_device_options(*command, *options);
   command->callback([options, &run] { run = [options] { return make_figures(*options); }; });
 }

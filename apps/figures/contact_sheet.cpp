@@ -34,6 +34,18 @@ void write_text(Image& sheet, int x, int y, int scale, std::string text) {
   }
 }
 
+/// The tile x tile pixels in the middle, or all where there are fewer.
+Image middle(const Image& image, int tile) {
+  Image part(std::min(tile, image.width), std::min(tile, image.height));
+  const int left = (image.width - part.width) / 2, top = (image.height - part.height) / 2;
+  for (const std::string& name : image.names) {
+    Plane& plane = part.add(name);
+    for (int y = 0; y < part.height; ++y)
+      for (int x = 0; x < part.width; ++x) plane.at(x, y) = image.plane(name).at(left + x, top + y);
+  }
+  return part;
+}
+
 }  // namespace
 
 Image contact_sheet(const std::vector<Figure>& figures, int tile) {
@@ -52,12 +64,14 @@ Image contact_sheet(const std::vector<Figure>& figures, int tile) {
     for (std::size_t c = 0; c < figures[r].pictures.size(); ++c) {
       const FigurePicture& picture = figures[r].pictures[c];
       const int left = kGap + int(c) * (tile + kGap);
-      const Image small = downsample(picture.image, std::max(1, picture.image.width / tile));
+      const Image small = picture.detail ? middle(picture.image, tile)
+                                         : downsample(picture.image, std::max(1, picture.image.width / tile));
       for (const char* name : kChannels)
         for (int y = 0; y < std::min(tile, small.height); ++y)
           for (int x = 0; x < std::min(tile, small.width); ++x)
             sheet.plane(name).at(left + x, top + line + y) = std::clamp(small.plane(name).at(x, y), 0.0f, 1.0f);
-      write_text(sheet, left, top + line + tile + 4, scale, picture.caption);
+      write_text(sheet, left, top + line + tile + 4, scale,
+                 picture.caption + (picture.detail ? " (middle, unscaled)" : ""));
     }
   }
   return sheet;

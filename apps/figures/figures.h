@@ -15,6 +15,7 @@ struct FigurePicture {
   std::string caption;  ///< what was done, in a few words
   std::string command;  ///< the command line that draws it
   Image image;          ///< color.r, color.g, color.b
+  bool detail = false;  ///< the contact sheet shows its middle unscaled instead of the whole
 };
 
 /// A number read off a figure's pictures, and whether it is what the paper shows.
@@ -52,6 +53,15 @@ Result<std::vector<Figure>> unsharp_figures(Device& device, const std::string& b
 /// The paper's claims of cost: time of the effect against the window and against the number of triangles; median of
 /// `runs` runs.
 Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::string& bunny, int size, int runs,
+                                                const std::function<void(const std::string&)>& progress);
+
+/// Figures 1 to 6 and the pairs of appendix B of [Lajzer and Nottingham] at size x size pixels (the paper: 512), in the
+/// paper's preset and in ours.
+Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
+                                            const std::function<void(const std::string&)>& progress);
+
+/// Time of every pass for both presets, and of the occlusion against the number of triangles; median of `runs` runs.
+Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int runs,
                                                 const std::function<void(const std::string&)>& progress);
 
 /// All pictures on one sheet, a row per figure, with captions.

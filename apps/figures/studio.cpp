@@ -1,0 +1,74 @@
+#include "apps/figures/studio.h"
+
+#include <array>
+#include <cmath>
+#include <glm/gtc/matrix_inverse.hpp>
+
+namespace umbrage {
+namespace {
+
+constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
+
+}  // namespace
+
+bool Shot::surface(int x, int y) const { return std::isfinite(value("depth", x, y)); }
+
+glm::vec3 Shot::world(int x, int y) const {
+  const Camera& c = info.camera;
+  const float d = value("depth", x, y);
+  const glm::vec4 view((c.left + (float(x) + 0.5f) / float(info.width) * (c.right - c.left)) * d,
+                       (c.top - (float(y) + 0.5f) / float(info.height) * (c.top - c.bottom)) * d, -d, 1.0f);
+  return glm::vec3(glm::inverse(c.view_from_world) * view);
+}
+
+FigurePicture Shot::picture(std::string file, std::string caption) const {
+  Image color(image.width, image.height);
+  for (const char* name : kChannels) color.add(name) = image.plane(name);
+  return {std::move(file), std::move(caption), command, std::move(color)};
+}
+
+FigurePicture Shot::pass(const std::string& name, std::string file, std::string caption) const {
+  constexpr std::array kAxes = {".x", ".y", ".z"};
+  Image color(image.width, image.height);
+  const bool vector = image.find(name) == nullptr;
+  for (std::size_t k = 0; k < kChannels.size(); ++k) {
+    Plane& plane = color.add(kChannels[k]);
+    plane = image.plane(vector ? name + kAxes[k] : name);
+    for (int y = 0; vector && y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = 0.5f * plane.at(x, y) + 0.5f;
+  }
+  return {std::move(file), std::move(caption), command + " --passes " + name, std::move(color)};
+}
+
+Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::string& occlusion,
+                           const std::vector<std::string>& planes) {
+  DrawSettings with = draw;
+  with.settings.insert(with.settings.end(), settings.begin(), settings.end());
+  with.occlusion = occlusion;
+  StageTimes times;
+  auto frame = umbrage::draw(device, scene, with, times);
+  if (!frame) return frame.error();
+  std::vector<std::string> names = {kChannels.begin(), kChannels.end()};
+  names.push_back("depth");
+  names.insert(names.end(), planes.begin(), planes.end());
+  auto image = device.download(*frame, names);
+  if (!image) return image.error();
+  std::string command =
+      fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
+  if (!occlusion.empty()) command += " --ao " + occlusion;
+  for (const std::string& setting : with.settings) command += " --set " + setting;
+  return Shot{std::move(*image), frame->info, std::move(command)};
+}
+
+Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size) {
+  auto scene = load_scene(model);
+  if (!scene) return scene.error();
+  Studio studio{device, model, std::move(*scene), {}};
+  studio.draw.width = studio.draw.height = size;
+  studio.draw.look = look;
+  return studio;
+}
+
+Result<void> ready(Studio& studio) { return studio.device.prepare(studio.scene); }
+
+}  // namespace umbrage

@@ -1,0 +1,44 @@
+// Draws one scene again and again with other settings, and knows the command line that draws the same.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "apps/figures/figures.h"
+#include "apps/job/job.h"
+
+namespace umbrage {
+
+/// One picture with the planes behind it.
+struct Shot {
+  Image image;
+  PictureInfo info;
+  std::string command;
+
+  float value(const char* plane, int x, int y) const { return image.plane(plane).at(x, y); }
+  bool surface(int x, int y) const;
+  /// Where the surface at a pixel's centre lies. Perspective cameras only.
+  glm::vec3 world(int x, int y) const;
+  /// The finished picture.
+  FigurePicture picture(std::string file, std::string caption) const;
+  /// A pass as `umbrage --passes NAME` writes it to a PNG: `normal` moved from [-1, 1] to [0, 1], or a plane as grey.
+  FigurePicture pass(const std::string& name, std::string file, std::string caption) const;
+};
+
+struct Studio {
+  Device& device;
+  std::string model;
+  Scene scene;
+  DrawSettings draw;
+
+  /// A picture with these settings besides the studio's own, and these planes besides color and depth. `occlusion`
+  /// empty: the look's own.
+  Result<Shot> shoot(const std::vector<std::string>& settings, const std::string& occlusion = "",
+                     const std::vector<std::string>& planes = {});
+};
+
+Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size);
+
+/// The device looks at the scene where it lies: a studio is ready once it has stopped moving.
+Result<void> ready(Studio& studio);
+
+}  // namespace umbrage
