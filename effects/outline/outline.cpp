@@ -12,6 +12,7 @@ namespace umbrage {
 
 UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
+UMBRAGE_DECLARE_KERNEL(outline_ends)
 UMBRAGE_DECLARE_KERNEL(outline)
 
 namespace {
@@ -21,6 +22,9 @@ constexpr std::uint32_t kFindSpirv[] = {
 };
 constexpr std::uint32_t kRefineSpirv[] = {
 #include "spirv/outline_refine.inc"
+};
+constexpr std::uint32_t kEndsSpirv[] = {
+#include "spirv/outline_ends.inc"
 };
 constexpr std::uint32_t kOutlineSpirv[] = {
 #include "spirv/outline.inc"
@@ -121,6 +125,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
        .far_depth = far_depth};
   constexpr float kAntialiasing = 0.5f, kHalfPiece = 0.5f;
   c.reach = int(std::ceil(c.width_px + kAntialiasing + kHalfPiece));
+  constexpr float kMostStretch = 1.45f;  // of a distance along a row: the steepest slope is kSteepHere
+  c.sight = int((c.width_px + kAntialiasing) * kMostStretch) + 1;
 }
 
 }  // namespace
@@ -145,14 +151,20 @@ const Effect& effect_outline() {
                   .spirv = kFindSpirv},
                  {.name = "outline_refine",
                   .inputs = {"outline_right", "outline_below"},
-                  .outputs = {"outline_steep", "outline_steep_slope", "outline_flat", "outline_flat_slope",
-                              "outline_busy"},
+                  .outputs = {"outline_steep", "outline_steep_lean", "outline_flat", "outline_flat_lean"},
                   .scalar = run_scalar_outline_refine,
                   .lanes = run_lanes_outline_refine,
                   .spirv = kRefineSpirv},
+                 {.name = "outline_ends",
+                  .inputs = {"outline_steep", "outline_flat"},
+                  .outputs = {"outline_ends"},
+                  .scalar = run_scalar_outline_ends,
+                  .lanes = run_lanes_outline_ends,
+                  .spirv = kEndsSpirv},
                  {.name = "outline",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep", "outline_steep_slope",
-                             "outline_flat", "outline_flat_slope", "outline_busy", "lit.r", "lit.g", "lit.b"},
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_right", "outline_steep",
+                             "outline_steep_lean", "outline_flat", "outline_flat_lean", "outline_ends", "lit.r",
+                             "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,

@@ -26,7 +26,8 @@ const float kOutlineWidest = 16.0f;  // pixels
 struct OutlineConstants {
   int mode;
   float width_px;
-  int reach;  // pixels from a crossing to the farthest pixel that its line touches
+  int reach;  // pixels from a line's end to the farthest pixel that it touches
+  int sight;  // pixels in a row or column that a pixel looks for lines, to either side
   float r, g, b, opacity;
   float depth;
   float crease_chord;  // squared distance of unit normals that differ by the crease angle

@@ -29,30 +29,28 @@ CONST float kSteady = 0.04f;
 // Squared share of the crease angle from which on a crease is faint.
 CONST float kFaintTurn = 0.5f;
 CONST float kDeep = 2.0f;  // a jump within one object is clear from so many times `depth` on
+CONST float kSure = 0.9f;  // share of a threshold that tells without rounding that it is not reached
+// Squared share of the crease angle that the step in the middle of a crease makes at least: a third, of a faint one.
+CONST float kLeastPeak = 0.05f;
 CONST float kLeastFacing = 0.01f;  // cosine to the eye below which a plane's slope is not trusted further
 
 FN Bool is_surface(Real depth) { return is_finite(depth) && depth > 0.0f; }
 
-// Nearness of a pixel, and how it changes by one pixel to the right and down on the pixel's own plane.
-FN Vec3 nearness(Int px, Int py, int i, int j) {
+// Nearness of a pixel, and how it changes by one pixel to the right (`rightwards` 1) or down (0) on its own plane.
+FN Vec2 nearness(Int px, Int py, int i, int j, int rightwards) {
   Real depth = near_depth(i, j);
   Bool surface = is_surface(depth);
   depth = select(surface, max(depth, Real(1e-30f)), Real(1.0f));
   Vec3 n = near_normal(i, j);
-  Vec3 result = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  if (F.orthographic != 0) {
-    Real slope = Real(-1.0f) / max(n.z, Real(kLeastFacing));
-    result = Vec3(-depth, n.x * Real(F.ray_scale_x) * slope, n.y * Real(F.ray_scale_y) * slope);
-    result.x = select(surface, result.x, Real(-1e30f));
-  } else {
-    Vec3 position = view_position(px + Int(i), py + Int(j), depth);
-    Real slope = Real(-1.0f) / max(-dot(n, position), depth * kLeastFacing);
-    result = Vec3(Real(1.0f) / depth, n.x * Real(F.ray_scale_x) * slope, n.y * Real(F.ray_scale_y) * slope);
-    result.x = select(surface, result.x, Real(0.0f));
+  Real lean = rightwards != 0 ? n.x * Real(F.ray_scale_x) : n.y * Real(F.ray_scale_y);
+  Real near = -depth;
+  Real facing = max(n.z, Real(kLeastFacing));
+  if (F.orthographic == 0) {
+    near = Real(1.0f) / depth;
+    facing = max(-dot(n, view_position(px + Int(i), py + Int(j), depth)), depth * kLeastFacing);
   }
-  result.y = select(surface, finite_or_zero(result.y), Real(0.0f));
-  result.z = select(surface, finite_or_zero(result.z), Real(0.0f));
-  return result;
+  Real nowhere = F.orthographic != 0 ? Real(-1e30f) : Real(0.0f);
+  return Vec2(select(surface, near, nowhere), select(surface, finite_or_zero(-lean / facing), Real(0.0f)));
 }
 
 FN Bool same_object(int i, int j, int k, int l) {
@@ -63,9 +61,29 @@ FN Real square(Vec3 v) { return dot(v, v); }
 
 FN Real milder(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
 
+// Window depth in [0, 1], for the paper.
+FN Real window_depth(Real depth) {
+  Real z = clamp(depth, Real(C.near_depth), Real(C.far_depth));
+  Real window = (z - C.near_depth) / Real(C.far_depth - C.near_depth);
+  if (F.orthographic == 0) window = window * Real(C.far_depth) / z;
+  return select(is_surface(depth), window, Real(1.0f));
+}
+
 // The edge between pixel (0, 0) and (i, j), which is the right or the lower one. c and g: nearness, and its slope along
 // the step, of the pixel before, the pixel, its neighbour and the one after.
-FN Real edge(Int px, Int py, int i, int j, Real c0, Real c1, Real c2, Real c3, Real g0, Real g1, Real g2, Real g3) {
+FN Real edge(Int px, Int py, int i, int j) {
+  Vec2 plane0 = nearness(px, py, -i, -j, i);
+  Vec2 plane1 = nearness(px, py, 0, 0, i);
+  Vec2 plane2 = nearness(px, py, i, j, i);
+  Vec2 plane3 = nearness(px, py, i + i, j + j, i);
+  Real c0 = plane0.x;
+  Real c1 = plane1.x;
+  Real c2 = plane2.x;
+  Real c3 = plane3.x;
+  Real g0 = plane0.y;
+  Real g1 = plane1.y;
+  Real g2 = plane2.y;
+  Real g3 = plane3.y;
   Real depth1 = near_depth(0, 0);
   Real depth2 = near_depth(i, j);
   Bool surface1 = is_surface(depth1);
@@ -139,19 +157,39 @@ FN Real edge(Int px, Int py, int i, int j, Real c0, Real c1, Real c2, Real c3, R
   return select(any && near_inside(i, j), code, Real(0.0f));
 }
 
-FN void outline_find_pixel(Int px, Int py) {
-  if (C.mode == kOutlinePaper) {
-    store_outline_right(Real(0.0f));
-    store_outline_below(Real(0.0f));
-    return;
+// Whether there may be an edge between pixel (0, 0) and (i, j): no edge fails this, few other pixels pass, and it takes
+// no division. The nearness of a plane is affine: where the pixel, the one before and the neighbour are of one object
+// and on one line, there is no jump. That is compared after multiplication by the three depths; a depth that is none
+// makes it false.
+FN Bool may_part(int i, int j) {
+  Real depth0 = near_depth(-i, -j);
+  Real depth1 = near_depth(0, 0);
+  Real depth2 = near_depth(i, j);
+  Real id = near_object_id(0, 0);
+  Real bend = depth0 - (depth1 + depth1) + depth2;
+  Real bound = Real(F.ray_scale_x * C.depth * kSure);
+  if (F.orthographic == 0) {
+    bend = mad(depth0, depth1 - depth2 - depth2, depth1 * depth2);
+    bound = bound * depth0 * min(depth1, depth2);
   }
-  Vec3 own = nearness(px, py, 0, 0);
-  Vec3 a = nearness(px, py, -1, 0);
-  Vec3 b = nearness(px, py, 1, 0);
-  Vec3 c = nearness(px, py, 2, 0);
-  store_outline_right(edge(px, py, 1, 0, a.x, own.x, b.x, c.x, a.y, own.y, b.y, c.y));
-  a = nearness(px, py, 0, -1);
-  b = nearness(px, py, 0, 1);
-  c = nearness(px, py, 0, 2);
-  store_outline_below(edge(px, py, 0, 1, a.x, own.x, b.x, c.x, a.z, own.z, b.z, c.z));
+  Bool plain = abs(bend) < bound && near_object_id(-i, -j) == id;
+  plain = plain && square(near_normal(i, j) - near_normal(0, 0)) < Real(C.crease_chord * kLeastPeak);
+  if (C.objects > 0) plain = plain && near_object_id(i, j) == id;
+  if (C.materials > 0) plain = plain && near_material_id(i, j) == near_material_id(0, 0);
+  return !plain && (is_finite(depth1) || is_finite(depth2));
+}
+
+FN void outline_find_pixel(Int px, Int py) {
+  Real right = Real(0.0f);
+  Real below = Real(0.0f);
+  if (C.mode == kOutlinePaper) {
+    right = window_depth(near_depth(0, 0));
+  } else {
+    Bool part_right = may_part(1, 0);
+    Bool part_below = may_part(0, 1);
+    if (some(part_right)) right = select(part_right, edge(px, py, 1, 0), Real(0.0f));
+    if (some(part_below)) below = select(part_below, edge(px, py, 0, 1), Real(0.0f));
+  }
+  store_outline_right(right);
+  store_outline_below(below);
 }

@@ -9,52 +9,49 @@
 //
 // A faint crease stays where it goes on from a clear edge within the same rows.
 //
-// Planes, for crossings to the right and below: 0, or 1 + 2 level + (t + 1/2) / 2 as in outline_find; and the line's slope, in
-// pixels to the right (down) for each row down (column to the right). outline_busy is above 0 where a crossing of the
-// same row is near enough that its line may reach this column: outline passes over rows without.
+// Planes, for crossings to the right and below: 0, or 1 + 2 level + (t + 1/2) / 2 as in outline_find, below 0 at the
+// end of a line; and how the line leans: its angle's cosine to the column (row), below 0 if it goes to the left (up).
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_steep)
-OUT_REAL(outline_steep_slope)
+OUT_REAL(outline_steep_lean)
 OUT_REAL(outline_flat)
-OUT_REAL(outline_flat_slope)
-OUT_REAL(outline_busy)
+OUT_REAL(outline_flat_lean)
 
 CONST int kRows = 3;  // on each side: the place is then known to about a seventh of a pixel
 CONST float kSteepest = 1.5f;
 CONST float kSteepHere = 1.05f;  // from here on the other kind of crossing knows the line better
-CONST float kMiddle = 65.0f;    // side of a line that is nobody's
-CONST float kMostTurn = 97.0f;  // of side, as 1 + 2 level: three quarters of the whole range
-
-FN Real crossing_at(int lying, Int X, Int Y) {
-  Bool inside = X >= Int(0) && Y >= Int(0) && X < Int(F.width) && Y < Int(F.height);
-  if (lying == 0) return select(inside, load_outline_right(X, Y), Real(0.0f));
-  return select(inside, load_outline_below(X, Y), Real(0.0f));
-}
+CONST float kMiddle = 65.0f;     // side of a line that is nobody's
+CONST float kMostTurn = 97.0f;   // of side, as 1 + 2 level: three quarters of the whole range
 
 // t from its code.
 FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
 
-// The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side:
-// its offset; its side as 1 + 2 level, below 0 if it is faint, or 0 if there is none; where it lies.
-FN Vec3 follow(int lying, Int px, Int py, int row, Real offset, Bool alive, Real side) {
-  Vec3 found = Vec3(offset, Real(0.0f), offset);
-  for (int k = 0; k < 3; ++k) {
-    Real beside = offset + (k == 0 ? 0.0f : (k == 1 ? 1.0f : -1.0f));
-    Int X = lying == 0 ? px + to_int(beside) : px + Int(row);
-    Int Y = lying == 0 ? py + Int(row) : py + to_int(beside);
-    Real signed_v = crossing_at(lying, X, Y);
-    Real v = abs(signed_v);
-    Real whole = floor(v);
-    // A line does not change from one surface's side to the other's from one row to the next.
-    Bool take = alive && v > 0.0f && abs(whole - side) < kMostTurn && found.y == Real(0.0f);
-    Real kind = select(signed_v > 0.0f, whole, -whole);
-    found = select(take, Vec3(beside, kind, beside + place_of(v - whole)), found);
+// The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
+// else 0: its code; how far beside; Straight on comes before aside.
+FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side) {
+  Real straight = Real(0.0f);
+  Real after = Real(0.0f);
+  Real before = Real(0.0f);
+  int most = row < 0 ? -row : row;
+  for (int k = -most; k <= most; ++k) {
+    Real v = lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k);
+    Real beside = Real(float(k)) - offset;
+    straight = select(beside == Real(0.0f), v, straight);
+    after = select(beside == Real(1.0f), v, after);
+    before = select(beside == Real(-1.0f), v, before);
   }
-  return found;
+  alive = alive && (lying == 0 ? near_inside(0, row) : near_inside(row, 0));
+  // A line does not change from one surface's side to the other's from one row to the next.
+  Bool back = abs(floor(abs(before)) - side) < kMostTurn && abs(before) > 0.0f;
+  Bool on = abs(floor(abs(after)) - side) < kMostTurn && abs(after) > 0.0f;
+  Bool ahead = abs(floor(abs(straight)) - side) < kMostTurn && abs(straight) > 0.0f;
+  Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
+  Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
+  return Vec2(select(alive, found, Real(0.0f)), offset + beside);
 }
 
-FN Vec2 refined(int lying, Int px, Int py, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
+FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real v = abs(signed_v);
   Real side = floor(v);
   Real t = place_of(v - side);
@@ -62,9 +59,9 @@ FN Vec2 refined(int lying, Int px, Int py, Real signed_v, Real w0, Real w1, Real
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
-  Vec3 up = Vec3(Real(0.0f), Real(0.0f), t);
-  Vec3 down = up;
-  Real places = Real(0.0f);  // sum over pairs of rows
+  Vec2 up = Vec2(Real(0.0f), Real(0.0f));  // code and offset in the rows above and
+  Vec2 down = up;                          // below
+  Real places = Real(0.0f);                // sum over pairs of rows
   Real sides = Real(0.0f);
   Real pairs = Real(0.0f);
   Real moments = Real(0.0f);  // for the slope
@@ -73,23 +70,29 @@ FN Vec2 refined(int lying, Int px, Int py, Real signed_v, Real w0, Real w1, Real
   Real length = Real(0.0f);  // rows in which the line goes on
   Bool joined = up_alive && !up_alive;
   Bool both = up_alive;
+  Bool ends = !up_alive;
   for (int k = 1; k <= kRows; ++k) {
-    up = follow(lying, px, py, -k, up.x, up_alive, side);
-    down = follow(lying, px, py, k, down.x, down_alive, side);
-    up_alive = abs(up.y) > 0.5f;
-    down_alive = abs(down.y) > 0.5f;
+    up = follow(lying, -k, up.y, up_alive, side);
+    down = follow(lying, k, down.y, down_alive, side);
+    up_alive = abs(up.x) > 0.0f;
+    down_alive = abs(down.x) > 0.0f;
+    Real up_side = floor(abs(up.x));
+    Real down_side = floor(abs(down.x));
+    Real up_place = up.y + place_of(abs(up.x) - up_side);
+    Real down_place = down.y + place_of(abs(down.x) - down_side);
     length = length + select(up_alive, Real(1.0f), Real(0.0f)) + select(down_alive, Real(1.0f), Real(0.0f));
-    clear = clear || up.y > 0.5f || down.y > 0.5f;
+    clear = clear || up.x > 0.0f || down.x > 0.0f;
     if (k == 1) {
       joined = up_alive || down_alive;
-      one_sided = select(up_alive, t - up.z, select(down_alive, down.z - t, Real(0.0f)));
+      ends = !(up_alive && down_alive);
+      one_sided = select(up_alive, t - up_place, select(down_alive, down_place - t, Real(0.0f)));
     }
     // Rows count in pairs, lest the mean be drawn to one side.
     both = both && up_alive && down_alive;
-    sides = sides + select(both, abs(up.y) + abs(down.y), Real(0.0f));
-    places = places + select(both, up.z + down.z, Real(0.0f));
+    sides = sides + select(both, up_side + down_side, Real(0.0f));
+    places = places + select(both, up_place + down_place, Real(0.0f));
     pairs = pairs + select(both, Real(1.0f), Real(0.0f));
-    moments = moments + select(both, (down.z - up.z) * Real(float(k)), Real(0.0f));
+    moments = moments + select(both, (down_place - up_place) * Real(float(k)), Real(0.0f));
     squares = squares + select(both, Real(float(2 * k * k)), Real(0.0f));
   }
   Real mean = (places + t) / (pairs + pairs + 1.0f);
@@ -102,28 +105,32 @@ FN Vec2 refined(int lying, Int px, Int py, Real signed_v, Real w0, Real w1, Real
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = side == Real(kMiddle) && length < 1.5f;  // of a crease
   Bool keep = v > 0.0f && clear && !step && !speck;
-  return Vec2(select(keep, level + level + 1.0f + (place + 0.5f) * 0.5f, Real(0.0f)),
-              select(keep, clamp(slope, Real(-kSteepest), Real(kSteepest)), Real(0.0f)));
+  Real code = level + level + 1.0f + (place + 0.5f) * 0.5f;
+  slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
+  Real lean = rsqrt(mad(slope, slope, Real(1.0f)));
+  return Vec2(select(keep, select(ends, -code, code), Real(0.0f)),
+              select(keep, select(slope < 0.0f, -lean, lean), Real(0.0f)));
 }
 
 FN void outline_refine_pixel(Int px, Int py) {
-  Real busy = Real(0.0f);
-  for (int i = -C.reach; i <= C.reach; ++i)
-    busy = max(busy, max(abs(near_outline_right(i, 0)), abs(near_outline_below(i, 0))));
-  store_outline_busy(busy);
+  if (C.mode == kOutlinePaper) {
+    store_outline_steep(Real(0.0f));
+    store_outline_steep_lean(Real(0.0f));
+    store_outline_flat(Real(0.0f));
+    store_outline_flat_lean(Real(0.0f));
+    return;
+  }
   Real right = near_outline_right(0, 0);
   Real below = near_outline_below(0, 0);
   Vec2 none = Vec2(Real(0.0f), Real(0.0f));
   Vec2 steep = none;
   Vec2 lower = none;
   if (some(abs(right) > 0.0f))
-    steep = refined(0, px, py, right, below, near_outline_below(1, 0), near_outline_below(0, -1),
-                    near_outline_below(1, -1));
+    steep = refined(0, right, below, near_outline_below(1, 0), near_outline_below(0, -1), near_outline_below(1, -1));
   if (some(abs(below) > 0.0f))
-    lower = refined(1, px, py, below, right, near_outline_right(0, 1), near_outline_right(-1, 0),
-                    near_outline_right(-1, 1));
+    lower = refined(1, below, right, near_outline_right(0, 1), near_outline_right(-1, 0), near_outline_right(-1, 1));
   store_outline_steep(steep.x);
-  store_outline_steep_slope(steep.y);
+  store_outline_steep_lean(steep.y);
   store_outline_flat(lower.x);
-  store_outline_flat_slope(lower.y);
+  store_outline_flat_lean(lower.y);
 }

@@ -165,7 +165,8 @@ Plane lines_of(const GBuffer& g, const Settings& settings = {}) {
   return test::run_effect(*find_effect("outline"), g, settings, {}).plane("outline");
 }
 
-long count(const Plane& lines, const std::function<bool(int, int)>& where = [](int, int) { return true; }) {
+long count(
+    const Plane& lines, const std::function<bool(int, int)>& where = [](int, int) { return true; }) {
   long n = 0;
   for (int y = 0; y < lines.height; ++y)
     for (int x = 0; x < lines.width; ++x) n += lines.at(x, y) > kLine && where(x, y);
@@ -441,7 +442,7 @@ Scene straight_scene(const Straight& straight, const Lens& lens) {
 
 struct Profile {
   double mean = 0.0, worst = 0.0, spread = 0.0;  ///< width: mean, greatest error, standard deviation
-  double offset = 0.0, wobble = 0.0;  ///< of the middle of the line from the edge: mean, standard deviation
+  double offset = 0.0, wobble = 0.0;             ///< of the middle of the line from the edge: mean, standard deviation
 };
 
 /// Measures a line column by column, or row by row where it is steep: a column's sum of cover, times the cosine, is the
@@ -490,11 +491,10 @@ TEST(Outline, WidthIsWhatWasAskedForAtEveryAngle) {
           const Straight straight{rim, angle};
           const Lens lens{size, size, size == 256};
           const GBuffer g = seen(lens, straight_scene(straight, lens));
-          const Profile p =
-              profile_of(lines_of(g, {{"width", fmt::format("{}", width)}}), straight, lens, width);
-          const std::string what =
-              fmt::format("{} at {} degrees, width {}, {} px: mean {:.3f}, worst {:.3f}, spread {:.3f}, off {:.3f}, wobble {:.3f}",
-                          rim ? "rim" : "crease", angle, width, size, p.mean, p.worst, p.spread, p.offset, p.wobble);
+          const Profile p = profile_of(lines_of(g, {{"width", fmt::format("{}", width)}}), straight, lens, width);
+          const std::string what = fmt::format(
+              "{} at {} degrees, width {}, {} px: mean {:.3f}, worst {:.3f}, spread {:.3f}, off {:.3f}, wobble {:.3f}",
+              rim ? "rim" : "crease", angle, width, size, p.mean, p.worst, p.spread, p.offset, p.wobble);
           EXPECT_LE(p.worst, 0.5) << what;
           EXPECT_NEAR(p.mean, width, 0.25) << what;
           EXPECT_LE(p.spread, 0.2) << what;
@@ -670,8 +670,8 @@ TEST(Outline, DepthSaysFromWhichJumpOnALineIsDrawn) {
     const double pixel = lens.pixel() * (orthographic ? 1.0 : kFocus);
     for (const double jump_px : {1.0, 2.5, 5.0, 20.0})
       for (const double depth_px : {2.0, 4.0, 10.0}) {
-        const Scene scene = together({convex_solid({{front, -kFocus}, {right, 0.013}}),
-                                      convex_solid({{front, -kFocus - jump_px * pixel}})});
+        const Scene scene = together(
+            {convex_solid({{front, -kFocus}, {right, 0.013}}), convex_solid({{front, -kFocus - jump_px * pixel}})});
         const long drawn = count(lines_of(seen(lens, scene), {{"depth", fmt::format("{}", depth_px)}}));
         // Faint jumps need a clear one beside them, and have none here.
         if (jump_px >= 2.0 * depth_px + 0.1) {
@@ -706,8 +706,8 @@ TEST(Outline, ColourAndOpacityMixWithTheLight) {
               const bool surface = std::isfinite(g.layers[0].plane("depth").at(x, y));
               for (int c = 0; c < 3; ++c) {
                 const double light = surface ? g.layers[0].plane(names[c]).at(x, y) : 0.0;
-                worst = std::max(worst, std::fabs(image.plane(names[c]).at(x, y) -
-                                                  (light * (1.0 - line) + color[c] * line)));
+                worst = std::max(worst,
+                                 std::fabs(image.plane(names[c]).at(x, y) - (light * (1.0 - line) + color[c] * line)));
               }
             }
           EXPECT_LE(worst, 1e-4);
@@ -721,13 +721,14 @@ TEST(Outline, TinyPicturesAreFine) {
     for (const char* mode : {"robust", "paper"})
       for (const bool orthographic : {false, true}) {
         const GBuffer g = seen({width, height, orthographic}, box({0, 0, -kFocus}, rotation(33, 38), 0.8));
-        test::on_every_target("outline", g, {{"mode", mode}, {"width", "16"}}, [&, w = width, h = height](const Image& image) {
-          for (int y = 0; y < h; ++y)
-            for (int x = 0; x < w; ++x) {
-              ASSERT_GE(image.plane("outline").at(x, y), 0.0f);
-              ASSERT_LE(image.plane("outline").at(x, y), 1.0f);
-            }
-        });
+        test::on_every_target("outline", g, {{"mode", mode}, {"width", "16"}},
+                              [&, w = width, h = height](const Image& image) {
+                                for (int y = 0; y < h; ++y)
+                                  for (int x = 0; x < w; ++x) {
+                                    ASSERT_GE(image.plane("outline").at(x, y), 0.0f);
+                                    ASSERT_LE(image.plane("outline").at(x, y), 1.0f);
+                                  }
+                              });
       }
 }
 

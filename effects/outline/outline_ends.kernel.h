@@ -1,0 +1,12 @@
+// Where ends of lines are, spread along rows as far as they may reach: outline passes over rows without.
+IN_REAL(outline_steep)
+IN_REAL(outline_flat)
+OUT_REAL(outline_ends)
+
+FN void outline_ends_pixel(Int px, Int py) {
+  Real least = Real(0.0f);
+  if (C.mode == kOutlineRobust)
+    for (int i = -C.reach; i <= C.reach; ++i)
+      least = min(least, min(near_outline_steep(i, 0), near_outline_flat(i, 0)));
+  store_outline_ends(-least);
+}
