@@ -54,7 +54,7 @@ FN Real seen_cover(int lying, int towards) {
     Real wide = mad(side, Real(C.width_px * 0.5f), Real(C.width_px * 0.5f + 0.5f));  // onto the nearer side
     Real narrow = Real(C.width_px + 1.0f) - wide;                                    // onto the other
     Real cover = min(wide - off, narrow + off);
-    covered = select(here, max(covered, cover * open), covered);
+    covered = select(v >= 1.0f, max(covered, cover * open), covered);
     open = select(here && side > kSideEnds, Real(0.0f), open);
   }
   return min(covered, Real(1.0f));

@@ -9,8 +9,9 @@
 //
 // A faint crease stays where it goes on from a clear edge within the same rows.
 //
-// Planes, for crossings to the right and below: 0, or 1 + 2 level + (t + 1/2) / 2 as in outline_find, below 0 at the
-// end of a line; and how the line leans: its angle's cosine to the column (row), below 0 if it goes to the left (up).
+// Planes, for crossings to the right and below: 0, kOnlyEnds where a surface ends but no piece of line is drawn, or 1 +
+// 2 level + (t + 1/2) / 2 as in outline_find, below 0 at the end of a line; and how the line leans: its angle's cosine
+// to the column (row), below 0 if it goes to the left (up).
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_steep)
@@ -20,9 +21,13 @@ OUT_REAL(outline_flat_lean)
 
 CONST int kRows = 3;  // on each side: the place is then known to about a seventh of a pixel
 CONST float kSteepest = 1.5f;
-CONST float kSteepHere = 1.05f;  // from here on the other kind of crossing knows the line better
-CONST float kMiddle = 65.0f;     // side of a line that is nobody's
-CONST float kMostTurn = 97.0f;   // of side, as 1 + 2 level: three quarters of the whole range
+CONST float kSteepHere = 1.05f;   // from here on the other kind of crossing knows the line better
+CONST float kMiddle = 65.0f;      // side of a line that is nobody's
+CONST float kSameSide = 33.0f;    // as much of it makes one line of a faint crossing and a clear one
+CONST float kLeastLength = 2.5f;  // rows that a crease goes on
+CONST float kOneSided = 25.0f;    // from the middle: a surface ends there
+CONST float kOnlyEnds = 0.5f;
+CONST float kMostTurn = 97.0f;  // of side, as 1 + 2 level: three quarters of the whole range
 
 // t from its code.
 FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
@@ -56,6 +61,14 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real side = floor(v);
   Real t = place_of(v - side);
   Bool clear = signed_v > 0.0f;
+  // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim.
+  Bool rim = abs(side - kMiddle) > kOneSided;
+  Bool shadow = v < 0.0f;
+  for (int k = -2; k <= 2; ++k) {
+    Real rival = lying == 0 ? near_outline_right(k, 0) : near_outline_below(0, k);
+    shadow = shadow || (rival > 0.0f && (abs(rival - kMiddle) > kOneSided + 1.0f || !rim));
+  }
+  shadow = shadow && !clear;
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
@@ -81,13 +94,14 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     Real up_place = up.y + place_of(abs(up.x) - up_side);
     Real down_place = down.y + place_of(abs(down.x) - down_side);
     length = length + select(up_alive, Real(1.0f), Real(0.0f)) + select(down_alive, Real(1.0f), Real(0.0f));
-    clear = clear || up.x > 0.0f || down.x > 0.0f;
+    clear = clear || (up.x > 0.0f && abs(up_side - side) < kSameSide);
+    clear = clear || (down.x > 0.0f && abs(down_side - side) < kSameSide);
     if (k == 1) {
       joined = up_alive || down_alive;
       ends = !(up_alive && down_alive);
       one_sided = select(up_alive, t - up_place, select(down_alive, down_place - t, Real(0.0f)));
     }
-    // Rows count in pairs, lest the mean be drawn to one side.
+    // Rows count in pairs, lest the mean be known to one side.
     both = both && up_alive && down_alive;
     sides = sides + select(both, up_side + down_side, Real(0.0f));
     places = places + select(both, up_place + down_place, Real(0.0f));
@@ -98,18 +112,20 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real mean = (places + t) / (pairs + pairs + 1.0f);
   Real level = floor(((sides + side) / (pairs + pairs + 1.0f) - 1.0f) * 0.5f + 0.5f);
   Real slope = select(squares > 0.0f, moments / max(squares, Real(1.0f)), one_sided);
-  Real place = clamp(select(exact, t, mean), Real(-0.5f), Real(1.499f));
+  // A rim passes between the two pixels, also where its neighbours turn around a corner.
+  Real place = clamp(mean, select(exact, Real(-0.5f), Real(0.0f)), select(exact, Real(1.499f), Real(1.0f)));
   // A step of a line of the other kind has its next ones a pixel or more aside, and soon none.
   Bool aside = (!joined || abs(slope) > 0.75f) && pairs < 1.5f;
   aside = aside || abs(slope) > kSteepHere;
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
-  Bool speck = side == Real(kMiddle) && length < 1.5f;  // of a crease
-  Bool keep = v > 0.0f && clear && !step && !speck;
-  Real code = level + level + 1.0f + (place + 0.5f) * 0.5f;
+  Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
+  Bool keep = v > 0.0f && clear && !step && !speck && !shadow;
+  Real code = select(keep, level + level + 1.0f + (place + 0.5f) * 0.5f, Real(kOnlyEnds));
+  Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
   Real lean = rsqrt(mad(slope, slope, Real(1.0f)));
-  return Vec2(select(keep, select(ends, -code, code), Real(0.0f)),
-              select(keep, select(slope < 0.0f, -lean, lean), Real(0.0f)));
+  return Vec2(select(known, select(ends && keep, -code, code), Real(0.0f)),
+              select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
 }
 
 FN void outline_refine_pixel(Int px, Int py) {
