@@ -83,7 +83,8 @@ FN Real end_cover(Real v, Real lean, Real across, Real along, Real depth1, Real 
   if (F.orthographic == 0) behind = predicted * nearer < Real(1.0f) - allowed;
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
-  return select(off > 0.0f && !behind, inner, outer);
+  Real cover = select(off > 0.0f, inner, outer);
+  return select(behind && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
 }
 
 // This pixel's nearness, and how it changes by one pixel to the right and down on its own plane.

@@ -8,10 +8,11 @@
 //             nearer side predicts, by more than `depth` pixel sizes. A side predicts with the milder of its last two
 //             pixels' planes, since the last one before a rim is so steep that it explains anything, and with the
 //             measured slope, since interpolated normals of coarse meshes are not their surface's
-//   a crease  normals that turn by the crease angle within three steps, most of it in this one, and hardly before and
-//             after: a sharp edge or a bevelled one; noise, roughness and round things are none
+//   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
+//             a sharp edge or a bevelled one; noise, roughness and round things are none
 //   an id     another object or material
 // A crease lies where its two planes meet, to a fraction of a pixel; a jump lies halfway until outline_refine.
+// Most pixels have no edge: each kind asks first for what it cannot be without.
 //
 // The planes hold 0 for no edge, or 1 + 2 level + (t + 1/2) / 2: t in [-1/2, 3/2) from the pixel to its neighbour, 1/2
 // where that is not known; level 0 to 64, of which 64 is a line wholly on this pixel's side (it is nearer), 0 wholly on
@@ -23,16 +24,22 @@ IN_REAL(material_id)
 OUT_REAL(outline_right)
 OUT_REAL(outline_below)
 
-CONST float kLevels = 32.0f;  // of side, to either side of the middle
-// Squared share of a crease's turn that its surroundings may turn by a step: 1/5.
-CONST float kSteady = 0.04f;
-// Squared share of the crease angle from which on a crease is faint.
-CONST float kFaintTurn = 0.5f;
-CONST float kDeep = 2.0f;  // a jump within one object is clear from so many times `depth` on
-CONST float kSure = 0.9f;  // share of a threshold that tells without rounding that it is not reached
-// Squared share of the crease angle that the step in the middle of a crease makes at least: a third, of a faint one.
-CONST float kLeastPeak = 0.05f;
+CONST float kLevels = 32.0f;       // of side, to either side of the middle
+CONST float kDeep = 2.0f;          // a jump within one object is clear from so many times `depth` on
+CONST float kSure = 0.9f;          // share of a threshold that tells without rounding that it is not reached
 CONST float kLeastFacing = 0.01f;  // cosine to the eye below which a plane's slope is not trusted further
+CONST float kSteepest = 10.0f;     // depth, in pixel sizes, of a step on a surface that still tells its shape
+
+// Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
+// three off may turn (round things have 1/5: 0.04), and those beside a sharp edge.
+CONST float kFaintTurn = 0.5f;
+CONST float kSteady = 0.026f;
+CONST float kSharp = 0.1f;
+// Weights of a step's turn and of those one and two steps off. Two like steps up to four apart are one peak in their
+// middle, farther ones are two.
+CONST float kWeight0 = 9.0f;
+CONST float kWeight1 = 8.5f;
+CONST float kWeight2 = 7.0f;
 
 FN Bool is_surface(Real depth) { return is_finite(depth) && depth > 0.0f; }
 
@@ -57,7 +64,22 @@ FN Bool same_object(int i, int j, int k, int l) {
   return near_object_id(i, j) == near_object_id(k, l) && is_surface(near_depth(i, j)) && is_surface(near_depth(k, l));
 }
 
+// Whether a surface goes on from pixel (i, j) to the next one: not to another object, and not far behind.
+FN Bool goes_on(int i, int j, int k, int l) {
+  Real depth1 = near_depth(i, j);
+  Real depth2 = near_depth(k, l);
+  Real bound = Real(F.ray_scale_x * kSteepest);
+  if (F.orthographic == 0) bound = bound * min(depth1, depth2);
+  return abs(depth1 - depth2) < bound && near_object_id(i, j) == near_object_id(k, l);
+}
+
 FN Real square(Vec3 v) { return dot(v, v); }
+
+// How much normals turn about the step from n2 to n3, squared: the weighted sum of the turns of five steps.
+FN Real smooth_turn(Vec3 n0, Vec3 n1, Vec3 n2, Vec3 n3, Vec3 n4, Vec3 n5) {
+  return square((n5 - n0) * Real(kWeight2) + (n4 - n1) * Real(kWeight1 - kWeight2) +
+                (n3 - n2) * Real(kWeight0 - kWeight1));
+}
 
 FN Real milder(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
 
@@ -69,127 +91,152 @@ FN Real window_depth(Real depth) {
   return select(is_surface(depth), window, Real(1.0f));
 }
 
-// The edge between pixel (0, 0) and (i, j), which is the right or the lower one. c and g: nearness, and its slope along
-// the step, of the pixel before, the pixel, its neighbour and the one after.
-FN Real edge(Int px, Int py, int i, int j) {
+// How far, in pixel sizes, this pixel lies in front of its neighbour (i, j), the right or the lower one; below 0 if the
+// neighbour is in front. 0 where one surface goes on.
+FN Real jump_between(Int px, Int py, int i, int j) {
   Vec2 plane0 = nearness(px, py, -i, -j, i);
   Vec2 plane1 = nearness(px, py, 0, 0, i);
   Vec2 plane2 = nearness(px, py, i, j, i);
-  Vec2 plane3 = nearness(px, py, i + i, j + j, i);
-  Real c0 = plane0.x;
-  Real c1 = plane1.x;
-  Real c2 = plane2.x;
-  Real c3 = plane3.x;
-  Real g0 = plane0.y;
-  Real g1 = plane1.y;
-  Real g2 = plane2.y;
-  Real g3 = plane3.y;
-  Real depth1 = near_depth(0, 0);
-  Real depth2 = near_depth(i, j);
-  Bool surface1 = is_surface(depth1);
-  Bool surface2 = is_surface(depth2);
-  Bool both = surface1 && surface2;
+  Vec2 plane3 = nearness(px, py, 2 * i, 2 * j, i);
   Bool before = same_object(0, 0, -i, -j) && near_inside(-i, -j);
-  Bool after = same_object(i, j, i + i, j + j) && near_inside(i + i, j + j);
+  Bool after = same_object(i, j, 2 * i, 2 * j) && near_inside(2 * i, 2 * j);
   Real pixel = Real(F.ray_scale_x);
-  if (F.orthographic == 0) pixel = pixel * min(c1, c2);
-
+  if (F.orthographic == 0) pixel = pixel * min(plane1.x, plane2.x);
   // What each side says of the other: below 0 it lies behind.
-  Real step = c2 - c1;
-  Real of_neighbour = step - select(before, milder(g0, g1), g1);
-  of_neighbour = select(before, milder(of_neighbour, step - (c1 - c0)), of_neighbour);
-  Real of_pixel = select(after, milder(g2, g3), g2) - step;
-  of_pixel = select(after, milder(of_pixel, (c3 - c2) - step), of_pixel);
-  Real pixel_before = select(step < 0.0f, min(of_pixel, -of_neighbour), Real(0.0f));      // this one stands out
-  Real neighbour_before = select(step > 0.0f, min(of_neighbour, -of_pixel), Real(0.0f));  // or the other
-  Real gap = max(pixel_before, neighbour_before) / max(pixel, Real(1e-30f));
-  Bool jump = both && gap > Real(C.depth);
-
-  Bool other = (!(near_object_id(0, 0) == near_object_id(i, j)) && Int(C.objects) > Int(0)) ||
-               (!(near_material_id(0, 0) == near_material_id(i, j)) && Int(C.materials) > Int(0));
-  other = other && both;
-
-  Vec3 n1 = near_normal(0, 0);
-  Vec3 n2 = near_normal(i, j);
-  Vec3 n0 = select(before, near_normal(-i, -j), n1);
-  Vec3 n3 = select(after, near_normal(i + i, j + j), n2);
-  Vec3 first = select(before && same_object(-i, -j, -i - i, -j - j), near_normal(-i - i, -j - j), n0);
-  Vec3 last = select(after && same_object(i + i, j + j, i + i + i, j + j + j), near_normal(i + i + i, j + j + j), n3);
-  // Squared chords stand for angles.
-  Real turn = square(n3 - n0);
-  Real here = square(n2 - n1);
-  Real turn_before = square(n1 - n0);
-  Real turn_after = square(n3 - n2);
-  Real outer_before = square(n0 - first);
-  Real outer_after = square(last - n3);
-  Real outer = min(outer_before, outer_after);
-  Bool peak = both && here >= turn_before && here > turn_after;
-  Bool clear = peak && turn > Real(C.crease_chord) && outer < turn * kSteady;
-  Bool crease = peak && turn > Real(C.crease_chord) * kFaintTurn;
-  Real d1 = select(surface1, depth1, Real(1.0f));
-  Real d2 = select(surface2, depth2, Real(1.0f));
-  Vec3 apart = view_position(px + Int(i), py + Int(j), d2) - view_position(px, py, d1);
-  Bool convex = dot(n2 - n1, apart) > 0.0f;
-  crease = crease && ((convex && Int(C.convex) > Int(0)) || (!convex && Int(C.concave) > Int(0)));
-
-  // A crease lies where the planes before and after it meet, or else where most of the turn is made.
-  Real bend = g0 - g3;
-  Real t = (c3 - g3 - g3 - c0 - g0) / select(abs(bend) > 1e-30f, bend, Real(1.0f));
-  Bool plain = max(outer_before, outer_after) < turn * kSteady && abs(bend) > 1e-30f;
-  Real weight_before = sqrt(turn_before);
-  Real weight_after = sqrt(turn_after);
-  Real weight = sqrt(here) + weight_before + weight_after;
-  Real middle = Real(0.5f) + (weight_after - weight_before) / max(weight, Real(1e-20f));
-  t = select(plain && t > -0.5f && t < 1.5f, t, middle);
-  t = select(crease && !jump && !other, t, Real(0.5f));
-  t = clamp(t, Real(-0.5f), Real(1.499f));
-
-  Real side = clamp(gap / max(Real(C.depth), Real(1e-3f)), Real(0.0f), Real(1.0f));
-  side = select(neighbour_before > pixel_before, -side, side);
-  side = select(both, side, select(surface1, Real(1.0f), Real(-1.0f)));
-  t = select(both, t, Real(0.5f));
-  Real level = floor(side * kLevels + (kLevels + 0.5f));
-  Bool rim = (surface1 && !surface2) || (surface2 && !surface1);
-  Bool any = jump || other || crease || rim;
-  Real code = level + level + 1.0f + (t + 0.5f) * 0.5f;
-  Bool deep = both && gap > Real(C.depth) * kDeep;
-  code = select(deep || other || rim || clear, code, -code);
-  return select(any && near_inside(i, j), code, Real(0.0f));
+  Real step = plane2.x - plane1.x;
+  Real of_neighbour = step - select(before, milder(plane0.y, plane1.y), plane1.y);
+  of_neighbour = select(before, milder(of_neighbour, step - (plane1.x - plane0.x)), of_neighbour);
+  Real of_pixel = select(after, milder(plane2.y, plane3.y), plane2.y) - step;
+  of_pixel = select(after, milder(of_pixel, (plane3.x - plane2.x) - step), of_pixel);
+  Real gap = select(step < 0.0f, max(min(of_pixel, -of_neighbour), Real(0.0f)), Real(0.0f));
+  gap = select(step > 0.0f, -max(min(of_neighbour, -of_pixel), Real(0.0f)), gap);
+  return gap / max(pixel, Real(1e-30f));
 }
 
-// Whether there may be an edge between pixel (0, 0) and (i, j): no edge fails this, few other pixels pass, and it takes
-// no division. The nearness of a plane is affine: where the pixel, the one before and the neighbour are of one object
-// and on one line, there is no jump. That is compared after multiplication by the three depths; a depth that is none
-// makes it false.
-FN Bool may_part(int i, int j) {
-  Real depth0 = near_depth(-i, -j);
+// The crease between pixel (0, 0) and (i, j): 0 for none, 1 for a faint one, 2 for a clear one; and t.
+FN Vec2 crease_between(Int px, Int py, int i, int j) {
+  // Normals from four pixels before to four after, as long as they are of one surface, and squared chords between them,
+  // which stand for angles.
+  Bool before1 = goes_on(0, 0, -i, -j);
+  Bool before2 = before1 && goes_on(-i, -j, -2 * i, -2 * j);
+  Bool before3 = before2 && goes_on(-2 * i, -2 * j, -3 * i, -3 * j);
+  Bool before4 = before3 && goes_on(-3 * i, -3 * j, -4 * i, -4 * j);
+  Bool after1 = goes_on(i, j, 2 * i, 2 * j);
+  Bool after2 = after1 && goes_on(2 * i, 2 * j, 3 * i, 3 * j);
+  Bool after3 = after2 && goes_on(3 * i, 3 * j, 4 * i, 4 * j);
+  Bool after4 = after3 && goes_on(4 * i, 4 * j, 5 * i, 5 * j);
+  Vec3 a0 = near_normal(0, 0);
+  Vec3 b0 = near_normal(i, j);
+  Vec3 a1 = select(before1, near_normal(-i, -j), a0);
+  Vec3 b1 = select(after1, near_normal(2 * i, 2 * j), b0);
+  Vec3 a2 = select(before2, near_normal(-2 * i, -2 * j), a1);
+  Vec3 b2 = select(after2, near_normal(3 * i, 3 * j), b1);
+  Vec3 a3 = select(before3, near_normal(-3 * i, -3 * j), a2);
+  Vec3 b3 = select(after3, near_normal(4 * i, 4 * j), b2);
+  Vec3 a4 = select(before4, near_normal(-4 * i, -4 * j), a3);
+  Vec3 b4 = select(after4, near_normal(5 * i, 5 * j), b3);
+  Real here = square(b0 - a0);
+  Real turn_a1 = square(a0 - a1);
+  Real turn_b1 = square(b1 - b0);
+  Real turn_a2 = square(a1 - a2);
+  Real turn_b2 = square(b2 - b1);
+  Real turn_a3 = square(a2 - a3);
+  Real turn_b3 = square(b3 - b2);
+  Real turn = max(here, square(b2 - a2));
+  // The crease is at the peak of the smoothed turn: steps that make a bevel are one.
+  Real strength = smooth_turn(a2, a1, a0, b0, b1, b2);
+  Bool peak = strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3) &&
+              strength >= smooth_turn(a4, a3, a2, a1, a0, b0) && strength > smooth_turn(a0, b0, b1, b2, b3, b4);
+  peak = peak && same_object(0, 0, i, j);
+  Bool steady = max(turn_a3, turn_b3) < turn * kSteady;
+  Bool sharp = max(turn_a1, turn_b1) < here * kSharp;
+  Bool clear = turn > Real(C.crease_chord) && (sharp || (steady && before3 && after3));
+  peak = peak && turn > Real(C.crease_chord) * kFaintTurn;
+  if (C.convex == 0 || C.concave == 0) {
+    Real depth1 = select(peak, near_depth(0, 0), Real(1.0f));
+    Real depth2 = select(peak, near_depth(i, j), Real(1.0f));
+    Vec3 apart = view_position(px + Int(i), py + Int(j), depth2) - view_position(px, py, depth1);
+    Bool convex = dot(b2 - a2, apart) > 0.0f;
+    if (C.convex == 0) peak = peak && !convex;
+    if (C.concave == 0) peak = peak && convex;
+  }
+
+  // It lies where the planes before and after it meet, or else in the middle of the turn.
+  Real weight1 = sqrt(turn_b1) - sqrt(turn_a1);
+  Real weight2 = sqrt(turn_b2) - sqrt(turn_a2);
+  Real weight = sqrt(here) + sqrt(turn_b1) + sqrt(turn_a1) + sqrt(turn_b2) + sqrt(turn_a2);
+  Real t = Real(0.5f) + (weight1 + weight2 + weight2) / max(weight, Real(1e-20f));
+  Bool plain = max(max(turn_a2, turn_b2), max(turn_a3, turn_b3)) < turn * kSteady;
+  if (some(plain && peak)) {
+    Vec2 plane_a = nearness(px, py, -i, -j, i);
+    Vec2 plane_b = nearness(px, py, 2 * i, 2 * j, i);
+    Real bend = plane_a.y - plane_b.y;
+    plain = plain && abs(bend) > 1e-30f;
+    Real meet = (plane_b.x - plane_b.y - plane_b.y - plane_a.x - plane_a.y) / select(plain, bend, Real(1.0f));
+    t = select(plain && meet > -0.5f && meet < 1.5f, meet, t);
+  }
+  return Vec2(select(peak, select(clear, Real(2.0f), Real(1.0f)), Real(0.0f)), t);
+}
+
+// The edge between pixel (0, 0) and (i, j), which is the right or the lower one.
+FN Real edge(Int px, Int py, int i, int j) {
   Real depth1 = near_depth(0, 0);
   Real depth2 = near_depth(i, j);
-  Real id = near_object_id(0, 0);
+  Real id1 = near_object_id(0, 0);
+  Real id2 = near_object_id(i, j);
+  Bool inside = near_inside(i, j);
+  Bool some_surface = inside && (is_finite(depth1) || is_finite(depth2));
+
+  // The nearness of a plane is affine: where the pixel, the one before and the neighbour are of one object and on one
+  // line, there is no jump. That is compared after multiplication by the three depths, to spare divisions; a depth that
+  // is none makes it false.
+  Real depth0 = near_depth(-i, -j);
   Real bend = depth0 - (depth1 + depth1) + depth2;
   Real bound = Real(F.ray_scale_x * C.depth * kSure);
   if (F.orthographic == 0) {
     bend = mad(depth0, depth1 - depth2 - depth2, depth1 * depth2);
     bound = bound * depth0 * min(depth1, depth2);
   }
-  Bool plain = abs(bend) < bound && near_object_id(-i, -j) == id;
-  plain = plain && square(near_normal(i, j) - near_normal(0, 0)) < Real(C.crease_chord * kLeastPeak);
-  if (C.objects > 0) plain = plain && near_object_id(i, j) == id;
-  if (C.materials > 0) plain = plain && near_material_id(i, j) == near_material_id(0, 0);
-  return !plain && (is_finite(depth1) || is_finite(depth2));
+  Bool parted = !(abs(bend) < bound && near_object_id(-i, -j) == id1 && id1 == id2);
+  if (C.materials > 0) parted = parted || !(near_material_id(0, 0) == near_material_id(i, j));
+  parted = parted && some_surface;
+  Bool turned =
+      max(square(near_normal(i, j) - near_normal(0, 0)),
+          square(near_normal(3 * i, 3 * j) - near_normal(-2 * i, -2 * j))) > Real(C.crease_chord * kFaintTurn);
+  turned = turned && some_surface;
+
+  Real code = Real(0.0f);
+  if (some(turned)) {
+    Vec2 crease = crease_between(px, py, i, j);
+    code = Real(2.0f * kLevels + 1.0f) + (clamp(crease.y, Real(-0.5f), Real(1.499f)) + 0.5f) * 0.5f;
+    code = select(crease.x > 1.5f, code, -code);
+    code = select(turned && crease.x > 0.5f, code, Real(0.0f));
+  }
+  if (some(parted)) {
+    Bool surface1 = is_surface(depth1);
+    Bool surface2 = is_surface(depth2);
+    Bool both = surface1 && surface2;
+    Bool other = !(id1 == id2) && Int(C.objects) > Int(0);
+    if (C.materials > 0) other = other || !(near_material_id(0, 0) == near_material_id(i, j));
+    Real gap = jump_between(px, py, i, j) * Real(1.0f / C.depth);
+    Real side = clamp(gap, Real(-1.0f), Real(1.0f));
+    side = select(both, side, select(surface1, Real(1.0f), Real(-1.0f)));
+    Real level = floor(side * kLevels + (kLevels + 0.5f));
+    Bool certain = other || !both || abs(gap) > kDeep;
+    Real rim = level + level + 1.5f;
+    rim = select(certain || code > 0.0f, rim, -rim);
+    Bool any = (surface1 || surface2) && (!both || other || abs(gap) > 1.0f);
+    code = select(parted && any, rim, code);
+  }
+  return code;
 }
 
 FN void outline_find_pixel(Int px, Int py) {
-  Real right = Real(0.0f);
-  Real below = Real(0.0f);
   if (C.mode == kOutlinePaper) {
-    right = window_depth(near_depth(0, 0));
-  } else {
-    Bool part_right = may_part(1, 0);
-    Bool part_below = may_part(0, 1);
-    if (some(part_right)) right = select(part_right, edge(px, py, 1, 0), Real(0.0f));
-    if (some(part_below)) below = select(part_below, edge(px, py, 0, 1), Real(0.0f));
+    store_outline_right(window_depth(near_depth(0, 0)));
+    store_outline_below(Real(0.0f));
+    return;
   }
-  store_outline_right(right);
-  store_outline_below(below);
+  store_outline_right(edge(px, py, 1, 0));
+  store_outline_below(edge(px, py, 0, 1));
 }

@@ -115,7 +115,7 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   // A rim passes between the two pixels, also where its neighbours turn around a corner.
   Real place = clamp(mean, select(exact, Real(-0.5f), Real(0.0f)), select(exact, Real(1.499f), Real(1.0f)));
   // A step of a line of the other kind has its next ones a pixel or more aside, and soon none.
-  Bool aside = (!joined || abs(slope) > 0.75f) && pairs < 1.5f;
+  Bool aside = (!joined || abs(slope) > 0.75f) && pairs < 1.5f && length < kLeastLength;
   aside = aside || abs(slope) > kSteepHere;
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease

@@ -520,7 +520,8 @@ TEST(Outline, BevelledEdgesAreOneLine) {
       const Lens lens{256, 256, orthographic};
       const dvec3 center(0.0, 0.0, -kFocus);
       const dmat3 turn = rotation(33.0, 38.0, 7.0);
-      const double bevel = bevel_px * lens.pixel() * (orthographic ? 1.0 : kFocus);
+      // So wide at the nearest corner, and less elsewhere.
+      const double bevel = bevel_px * lens.pixel() * (orthographic ? 1.0 : kFocus - std::sqrt(3.0));
       const Plane lines = lines_of(seen(lens, box(center, turn, 1.0, bevel)), {{"width", "2"}});
       std::vector<Edge> creases;
       for (const Edge& edge : cube_edges(lens, center, turn, 1.0))
