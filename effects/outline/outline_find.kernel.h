@@ -35,6 +35,8 @@ CONST float kSteepest = 10.0f;     // depth, in pixel sizes, of a step on a surf
 CONST float kFaintTurn = 0.5f;
 CONST float kSteady = 0.026f;
 CONST float kSharp = 0.1f;
+// What a turn that takes five steps counts: 45 degrees as 30.
+CONST float kSoft = 0.45f;
 // Weights of a step's turn and of those one and two steps off. Two like steps up to four apart are one peak in their
 // middle, farther ones are two.
 CONST float kWeight0 = 9.0f;
@@ -142,7 +144,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
   Real turn_b2 = square(b2 - b1);
   Real turn_a3 = square(a2 - a3);
   Real turn_b3 = square(b3 - b2);
-  Real turn = max(here, square(b2 - a2));
+  Real turn = max(max(here, square(b1 - a1)), square(b2 - a2) * kSoft);
   // The crease is at the peak of the smoothed turn: steps that make a bevel are one.
   Real strength = smooth_turn(a2, a1, a0, b0, b1, b2);
   Bool peak = strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3) &&
