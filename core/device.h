@@ -49,7 +49,8 @@ class Device {
   /// guard band included.
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
   /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
-  virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) = 0;
+  /// On layer n > 0 all its inputs and outputs are that layer's.
+  virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0) = 0;
   /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
   /// for one that is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;

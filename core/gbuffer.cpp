@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <glm/matrix.hpp>
+
 namespace umbrage {
 namespace {
 
@@ -35,6 +37,20 @@ PictureInfo inner_info(const PictureInfo& info) {
   inner.height = info.inner_height();
   inner.guard = 0;
   return inner;
+}
+
+PictureInfo layer_info(const PictureInfo& info, int layer) {
+  PictureInfo out = info;
+  if (layer == 0 || layer > int(info.more_layers.size())) return out;
+  const LayerInfo& shown = info.more_layers[std::size_t(layer) - 1];
+  if (shown.kind != LayerKind::kOther) return out;
+  out.camera = shown.camera;
+  const glm::mat4 other_from_view = shown.camera.view_from_world * glm::inverse(info.camera.view_from_world);
+  for (Light& light : out.lights) {
+    light.direction = glm::mat3(other_from_view) * light.direction;
+    light.position = glm::vec3(other_from_view * glm::vec4(light.position, 1.0f));
+  }
+  return out;
 }
 
 std::string layer_plane(int layer, std::string_view name) {

@@ -19,12 +19,27 @@
 
 namespace umbrage {
 
+/// What a depth layer beyond the first shows.
+enum class LayerKind {
+  kBehind,  ///< the surface behind that of layer `of`, along the same rays
+  kBack,    ///< the other side of the surfaces of layer `of`: normals face away from the camera, light and shadow are
+            ///< those of that side
+  kOther,   ///< what another camera sees
+};
+
+struct LayerInfo {
+  LayerKind kind = LayerKind::kBehind;
+  int of = 0;     ///< a layer
+  Camera camera;  ///< kOther: its own, with the picture's size; otherwise unused
+};
+
 /// What an effect may know of a picture besides its planes.
 struct PictureInfo {
   int width = 0, height = 0;  ///< with the guard band
   int guard = 0;  ///< pixels on each side that are drawn for the sake of those inside, and cut off at the end
   Camera camera;  ///< of the whole picture, guard band included
-  std::vector<Light> lights;  ///< in view space
+  std::vector<Light> lights;           ///< in view space
+  std::vector<LayerInfo> more_layers;  ///< what the layers beyond the first are; empty for a bare first layer
   glm::vec3 ambient{0.3f};
   float scene_radius = 1.0f;  ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
   float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
@@ -42,6 +57,9 @@ Camera inner_camera(const PictureInfo& info);
 
 /// The picture once its guard band is cut off, as planes are that a device hands out.
 PictureInfo inner_info(const PictureInfo& info);
+
+/// The picture as layer `layer` shows it: of another camera, lights are in that one's view space.
+PictureInfo layer_info(const PictureInfo& info, int layer);
 
 /// The name of a plane of a depth layer in a picture that holds them all: `depth`, `layer1.depth`.
 std::string layer_plane(int layer, std::string_view name);

@@ -5,6 +5,9 @@
 //   orthographic  ( X ray_scale_x + ray_offset_x,     Y ray_scale_y + ray_offset_y,    -d)
 #ifndef UMBRAGE_MACHINE_FRAME_CONSTANTS_H
 #define UMBRAGE_MACHINE_FRAME_CONSTANTS_H
+// Layers of a G-buffer that a kernel can read, the first included.
+const int kLayersRead = 8;
+
 struct FrameConstants {
   int width, height;
   int stride;        // floats from one row of a plane to the next

@@ -57,6 +57,58 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
   vec3 near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }
 #define IN_VECTOR(name) IN_TRIPLE(name, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE(name, r, g, b)
+// A plane of every layer: load_NAME_of(layer, X, Y), layer the same for all pixels.
+#define OF_LAYERS(type, name)                      \
+  type load_##name##_of(int layer, int X, int Y) { \
+    switch (layer) {                               \
+      case 0:                                      \
+        return load_##name(X, Y);                  \
+      case 1:                                      \
+        return load_layer1_##name(X, Y);           \
+      case 2:                                      \
+        return load_layer2_##name(X, Y);           \
+      case 3:                                      \
+        return load_layer3_##name(X, Y);           \
+      case 4:                                      \
+        return load_layer4_##name(X, Y);           \
+      case 5:                                      \
+        return load_layer5_##name(X, Y);           \
+      case 6:                                      \
+        return load_layer6_##name(X, Y);           \
+      default:                                     \
+        return load_layer7_##name(X, Y);           \
+    }                                              \
+  }
+#define IN_LAYERS_REAL(name) \
+  IN_REAL(name)              \
+  IN_REAL(layer1_##name)     \
+  IN_REAL(layer2_##name)     \
+  IN_REAL(layer3_##name)     \
+  IN_REAL(layer4_##name)     \
+  IN_REAL(layer5_##name)     \
+  IN_REAL(layer6_##name)     \
+  IN_REAL(layer7_##name)     \
+  OF_LAYERS(float, name)
+#define IN_LAYERS_VECTOR(name) \
+  IN_VECTOR(name)              \
+  IN_VECTOR(layer1_##name)     \
+  IN_VECTOR(layer2_##name)     \
+  IN_VECTOR(layer3_##name)     \
+  IN_VECTOR(layer4_##name)     \
+  IN_VECTOR(layer5_##name)     \
+  IN_VECTOR(layer6_##name)     \
+  IN_VECTOR(layer7_##name)     \
+  OF_LAYERS(vec3, name)
+#define IN_LAYERS_COLOR(name) \
+  IN_COLOR(name)              \
+  IN_COLOR(layer1_##name)     \
+  IN_COLOR(layer2_##name)     \
+  IN_COLOR(layer3_##name)     \
+  IN_COLOR(layer4_##name)     \
+  IN_COLOR(layer5_##name)     \
+  IN_COLOR(layer6_##name)     \
+  IN_COLOR(layer7_##name)     \
+  OF_LAYERS(vec3, name)
 #define OUT_REAL(name)                                                    \
   layout(scalar) writeonly buffer name##_block { float name##_plane[]; }; \
   void store_##name(float v) { name##_plane[here.y * F.stride + here.x] = v; }

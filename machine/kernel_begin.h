@@ -22,6 +22,27 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
   }
 #define IN_VECTOR(name) IN_TRIPLE(name, "x", "y", "z")
 #define IN_COLOR(name) IN_TRIPLE(name, "r", "g", "b")
+// A plane of every layer, of which a kernel reads those that its constants name: load_NAME_of(layer, X, Y).
+#define OF_LAYERS(text)                                                                                                \
+  {                                                                                                                    \
+    view.plane(text), view.plane("layer1." text), view.plane("layer2." text), view.plane("layer3." text),              \
+        view.plane("layer4." text), view.plane("layer5." text), view.plane("layer6." text), view.plane("layer7." text) \
+  }
+#define IN_LAYERS_REAL(name)                                        \
+  IN_REAL(name)                                                     \
+  const float* const name##_layers[kLayersRead] = OF_LAYERS(#name); \
+  FN Real load_##name##_of(int layer, Int X, Int Y) const { return view.load(name##_layers[layer], X, Y); }
+#define IN_LAYERS_TRIPLE(name, a, b, c)                                                           \
+  IN_TRIPLE(name, a, b, c)                                                                        \
+  const float* const name##_layers_0[kLayersRead] = OF_LAYERS(#name "." a);                       \
+  const float* const name##_layers_1[kLayersRead] = OF_LAYERS(#name "." b);                       \
+  const float* const name##_layers_2[kLayersRead] = OF_LAYERS(#name "." c);                       \
+  FN Vec3 load_##name##_of(int layer, Int X, Int Y) const {                                       \
+    return Vec3{view.load(name##_layers_0[layer], X, Y), view.load(name##_layers_1[layer], X, Y), \
+                view.load(name##_layers_2[layer], X, Y)};                                         \
+  }
+#define IN_LAYERS_VECTOR(name) IN_LAYERS_TRIPLE(name, "x", "y", "z")
+#define IN_LAYERS_COLOR(name) IN_LAYERS_TRIPLE(name, "r", "g", "b")
 #define OUT_REAL(name)                     \
   float* name##_plane = view.plane(#name); \
   FN void store_##name(Real v) const { view.store(name##_plane, v); }

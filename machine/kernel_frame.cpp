@@ -2,6 +2,9 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <mutex>
+#include <set>
+#include <string>
 
 namespace umbrage {
 
@@ -11,6 +14,17 @@ float* KernelFrame::plane(std::string_view name) const {
   std::fprintf(stderr, "umbrage: internal error: a kernel reads plane '%.*s', which its pass does not list\n",
                int(name.size()), name.data());
   std::abort();
+}
+
+std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes) {
+  static std::set<std::string> names;  // keeps what the views point into
+  static std::mutex guard;
+  const std::lock_guard lock(guard);
+  std::vector<std::string_view> all = planes;
+  for (int layer = 1; layer < kLayersRead; ++layer)
+    for (std::string_view plane : planes)
+      all.push_back(*names.insert("layer" + std::to_string(layer) + "." + std::string(plane)).first);
+  return all;
 }
 
 }  // namespace umbrage

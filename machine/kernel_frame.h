@@ -2,6 +2,7 @@
 #pragma once
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "machine/frame_constants.h"
 
@@ -25,6 +26,10 @@ struct KernelFrame {
   /// The plane of that name; aborts where the effect's table does not list it.
   float* plane(std::string_view name) const;
 };
+
+/// Planes of which a kernel reads every layer (IN_LAYERS_REAL and its like), as a pass lists them: `depth`,
+/// `layer1.depth` and so on.
+std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes);
 
 }  // namespace umbrage
 

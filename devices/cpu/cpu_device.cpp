@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -41,6 +42,13 @@ FrameConstants frame_constants(const PictureInfo& info, int stride) {
 
 /// What a plane of a bare G-buffer is when it does not have it, or nothing where no value would do.
 std::optional<float> neutral_value(std::string_view plane) {
+  // A layer that is not there has no surface.
+  if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
+  if (plane.starts_with("layer")) {
+    const std::size_t dot = plane.find('.');
+    plane = plane.substr(dot == std::string_view::npos ? plane.size() : dot + 1);
+    if (plane.starts_with("normal.")) return 0.0f;
+  }
   if (plane.starts_with("albedo.")) return 0.8f;
   if (plane == "specular") return 0.0f;
   if (plane == "shininess") return 1.0f;
@@ -120,15 +128,16 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame) override {
+  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer) override {
     check_equal(params.size(), effect.params_size, effect.name);
     if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
     std::vector<std::byte> constants(effect.constants_size);
-    effect.constants(params, frame.info, constants.data());
+    const PictureInfo info = layer_info(frame.info, layer);
+    effect.constants(params, info, constants.data());
     const int rounds = effect.rounds ? effect.rounds(params) : 1;
     for (int round = 0; round < rounds; ++round)
       for (const Pass& pass : effect.passes)
-        if (Result<void> done = run_pass(effect, pass, constants, frame.info, planes_of(frame)); !done) return done;
+        if (Result<void> done = run_pass(effect, pass, constants, info, planes_of(frame), layer); !done) return done;
     return {};
   }
 
@@ -152,21 +161,23 @@ class CpuDevice final : public Device {
 
  private:
   Result<void> run_pass(const Effect& effect, const Pass& pass, const std::vector<std::byte>& constants,
-                        const PictureInfo& info, Planes& planes) {
+                        const PictureInfo& info, Planes& planes, int layer) {
     for (std::string_view input : pass.inputs) {
-      if (find_plane(planes, input)) continue;
-      const auto value = neutral_value(input);
-      if (!value) return usage_error("{} needs the plane '{}', which this picture does not have", effect.name, input);
+      const std::string name = layer_plane(layer, input);
+      if (find_plane(planes, name)) continue;
+      const auto value = neutral_value(name);
+      if (!value) return usage_error("{} needs the plane '{}', which this picture does not have", effect.name, name);
       if (!planes.constants.count(*value)) planes.constants.emplace(*value, Plane(info.width, info.height, *value));
-      planes.neutral.emplace_back(input);
+      planes.neutral.push_back(name);
     }
-    for (std::string_view output : pass.outputs) planes.image.add(output);
+    for (std::string_view output : pass.outputs) planes.image.add(layer_plane(layer, output));
     std::vector<KernelPlane> kernel_planes;
     // A kernel stores to its outputs alone, which are nobody else's.
     for (std::string_view name : pass.inputs)
-      kernel_planes.push_back({name, const_cast<float*>(find_plane(planes, name)->data())});
-    for (std::string_view name : pass.outputs) kernel_planes.push_back({name, planes.image.plane(name).data()});
-    const int stride = planes.image.plane(pass.outputs[0]).stride;
+      kernel_planes.push_back({name, const_cast<float*>(find_plane(planes, layer_plane(layer, name))->data())});
+    for (std::string_view name : pass.outputs)
+      kernel_planes.push_back({name, planes.image.plane(layer_plane(layer, name)).data()});
+    const int stride = planes.image.plane(layer_plane(layer, pass.outputs[0])).stride;
     const KernelFrame kernel_frame{frame_constants(info, stride), constants.data(), kernel_planes};
     const CpuKernel kernel = settings_.scalar ? pass.scalar : settings_.tuned && pass.tuned ? pass.tuned : pass.lanes;
 
