@@ -21,11 +21,12 @@ using CpuKernel = void (*)(const KernelFrame&, const Tile&);
 struct Pass {
   std::string_view name;
   /// An effect that reads `shadow` leaves it out where it has a parameter of that name and it is 0.
-  std::vector<std::string_view> inputs, outputs;  ///< planes; a colour or vector counts as its three planes
-  CpuKernel scalar = nullptr, lanes = nullptr;    ///< the kernel text as plain C++ and as SIMD lanes
-  CpuKernel tuned = nullptr;                      ///< another way to the same bits, or null
-  std::span<const std::uint32_t> spirv;           ///< the kernel text as a compute shader
-  int tile_width = 1 << 20, tile_height = 16;     ///< tile that the CPU likes
+  std::vector<std::string_view> inputs, outputs;           ///< planes; a colour or vector counts as its three planes
+  CpuKernel scalar = nullptr, lanes = nullptr;             ///< the kernel text as plain C++ and as SIMD lanes
+  CpuKernel tuned = nullptr;                               ///< another way to the same bits, or null
+  std::span<const std::uint32_t> spirv;                    ///< the kernel text as a compute shader
+  bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always
+  int tile_width = 1 << 20, tile_height = 16;              ///< tile that the CPU likes
 };
 
 enum class EffectKind {

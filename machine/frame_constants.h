@@ -12,6 +12,7 @@ struct FrameConstants {
   int width, height;
   int stride;        // floats from one row of a plane to the next
   int orthographic;  // 0 or 1
+  int round;         // of an effect whose passes run several times: 0 in the first
   float ray_scale_x, ray_offset_x, ray_scale_y, ray_offset_y;
 };
 

@@ -28,12 +28,13 @@ struct Planes {
 
 Planes& planes_of(const Frame& frame) { return *static_cast<Planes*>(frame.storage.get()); }
 
-FrameConstants frame_constants(const PictureInfo& info, int stride) {
+FrameConstants frame_constants(const PictureInfo& info, int stride, int round) {
   const Camera& camera = info.camera;
   return {.width = info.width,
           .height = info.height,
           .stride = stride,
           .orthographic = camera.projection == Projection::kOrthographic ? 1 : 0,
+          .round = round,
           .ray_scale_x = (camera.right - camera.left) / float(info.width),
           .ray_offset_x = camera.left,
           .ray_scale_y = -(camera.top - camera.bottom) / float(info.height),
@@ -136,8 +137,10 @@ class CpuDevice final : public Device {
     effect.constants(params, info, constants.data());
     const int rounds = effect.rounds ? effect.rounds(params) : 1;
     for (int round = 0; round < rounds; ++round)
-      for (const Pass& pass : effect.passes)
-        if (Result<void> done = run_pass(effect, pass, constants, info, planes_of(frame), layer); !done) return done;
+      for (const Pass& pass : effect.passes) {
+        if (pass.needed && !pass.needed(params)) continue;
+        if (auto done = run_pass(effect, pass, constants, info, planes_of(frame), layer, round); !done) return done;
+      }
     return {};
   }
 
@@ -161,7 +164,7 @@ class CpuDevice final : public Device {
 
  private:
   Result<void> run_pass(const Effect& effect, const Pass& pass, const std::vector<std::byte>& constants,
-                        const PictureInfo& info, Planes& planes, int layer) {
+                        const PictureInfo& info, Planes& planes, int layer, int round) {
     for (std::string_view input : pass.inputs) {
       const std::string name = layer_plane(layer, input);
       if (find_plane(planes, name)) continue;
@@ -178,7 +181,7 @@ class CpuDevice final : public Device {
     for (std::string_view name : pass.outputs)
       kernel_planes.push_back({name, planes.image.plane(layer_plane(layer, name)).data()});
     const int stride = planes.image.plane(layer_plane(layer, pass.outputs[0])).stride;
-    const KernelFrame kernel_frame{frame_constants(info, stride), constants.data(), kernel_planes};
+    const KernelFrame kernel_frame{frame_constants(info, stride, round), constants.data(), kernel_planes};
     const CpuKernel kernel = settings_.scalar ? pass.scalar : settings_.tuned && pass.tuned ? pass.tuned : pass.lanes;
 
     const int tile_width = std::min(pass.tile_width, stride);
