@@ -6,6 +6,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "machine/cpu_target.h"
+#include "run_effect.h"
 #include "support.h"
 
 namespace umbrage {
@@ -56,9 +57,8 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
   auto frame = device->upload(gbuffer);
   const auto done = device->run(effect, params, *frame);
   EXPECT_TRUE(done) << (done ? "" : done.error().message);
-  std::vector<std::string> names;
-  for (const Pass& pass : effect.passes)
-    for (std::string_view name : pass.outputs) names.emplace_back(name);
+  const auto names = test::made_planes(effect, params);
+  if (names.empty()) return Image(gbuffer.info.inner_width(), gbuffer.info.inner_height());
   auto image = device->download(*frame, names);
   EXPECT_TRUE(image);
   return *image;

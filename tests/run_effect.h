@@ -2,6 +2,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <utility>
@@ -28,16 +29,26 @@ inline ParameterBytes parameters_of(const Effect& effect, const Settings& settin
   return bytes;
 }
 
+/// The planes that an effect makes: those of the passes that it needs, each once.
+inline std::vector<std::string> made_planes(const Effect& effect, const ParameterBytes& params) {
+  std::vector<std::string> names;
+  for (const Pass& pass : effect.passes) {
+    if (pass.needed && !pass.needed(params)) continue;
+    for (std::string_view name : pass.outputs)
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  }
+  return names;
+}
+
 /// The planes that `effect` makes of `gbuffer`.
 inline Image run_effect(const Effect& effect, const GBuffer& gbuffer, const Settings& settings,
                         const CpuSettings& cpu) {
   const auto device = make_cpu_device(cpu);
   auto frame = device->upload(gbuffer);
-  const auto done = device->run(effect, parameters_of(effect, settings), *frame);
+  const ParameterBytes params = parameters_of(effect, settings);
+  const auto done = device->run(effect, params, *frame);
   EXPECT_TRUE(done) << (done ? "" : done.error().message);
-  std::vector<std::string> names;
-  for (const Pass& pass : effect.passes) names.insert(names.end(), pass.outputs.begin(), pass.outputs.end());
-  return *device->download(*frame, names);
+  return *device->download(*frame, made_planes(effect, params));
 }
 
 /// Calls `check` with the planes that the scalar kernel makes, and those of the lanes on every SIMD target.

@@ -1,0 +1,111 @@
+#include "effects/box/box.h"
+
+#include <cstddef>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(box_ao_across)
+UMBRAGE_DECLARE_KERNEL(box_ao_down)
+UMBRAGE_DECLARE_KERNEL(box_indirect_across)
+UMBRAGE_DECLARE_KERNEL(box_indirect_down)
+
+namespace {
+
+constexpr std::uint32_t kAoAcrossSpirv[] = {
+#include "spirv/box_ao_across.inc"
+};
+constexpr std::uint32_t kAoDownSpirv[] = {
+#include "spirv/box_ao_down.inc"
+};
+constexpr std::uint32_t kIndirectAcrossSpirv[] = {
+#include "spirv/box_indirect_across.inc"
+};
+constexpr std::uint32_t kIndirectDownSpirv[] = {
+#include "spirv/box_indirect_down.inc"
+};
+
+const std::vector<Parameter> kTable = {
+    {.name = "size",
+     .help = "side of the window: that of the noise's tile, whose noise then leaves no trace on flat surfaces",
+     .type = ParameterType::kInt,
+     .offset = offsetof(BoxParams, size),
+     .initial = 4,
+     .least = 1,
+     .most = 15,
+     .unit = "px"},
+    {.name = "background",
+     .help = "what lies where there is no surface: left out of the mean, or mixed in as in the paper",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(BoxParams, background),
+     .choices = {"skip", "mix"}},
+    {.name = "ao",
+     .help = "blur the occlusion",
+     .type = ParameterType::kBool,
+     .offset = offsetof(BoxParams, ao),
+     .initial = 1},
+    {.name = "indirect",
+     .help = "blur the reflected light",
+     .type = ParameterType::kBool,
+     .offset = offsetof(BoxParams, indirect),
+     .initial = 1},
+};
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
+  const auto& params = as<BoxParams>(bytes);
+  // A window of even size reaches one pixel farther to the left and upwards.
+  const int first = -(params.size / 2);
+  *static_cast<BoxConstants*>(out) = {first, first + params.size - 1, params.background == 0 ? 1 : 0};
+}
+
+bool blurs_ao(const ParameterBytes& bytes) { return as<BoxParams>(bytes).ao != 0; }
+bool blurs_indirect(const ParameterBytes& bytes) { return as<BoxParams>(bytes).indirect != 0; }
+
+}  // namespace
+
+const Effect& effect_box() {
+  static const Effect effect = {
+      .name = "box",
+      .summary = "averages occlusion and reflected light over a small square",
+      .source = "Colliander and Törnquist 2015",
+      .kind = EffectKind::kShading,
+      .parameters = kTable,
+      .params_size = sizeof(BoxParams),
+      .constants_size = sizeof(BoxConstants),
+      .constants = fill_constants,
+      .variants = {"", "indirect=off", "size=8"},
+      .passes = {{.name = "ao across",
+                  .inputs = {"ao", "depth"},
+                  .outputs = {"box_ao", "box_count"},
+                  .scalar = run_scalar_box_ao_across,
+                  .lanes = run_lanes_box_ao_across,
+                  .spirv = kAoAcrossSpirv,
+                  .needed = blurs_ao},
+                 {.name = "ao down",
+                  .inputs = {"box_ao", "box_count"},
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_box_ao_down,
+                  .lanes = run_lanes_box_ao_down,
+                  .spirv = kAoDownSpirv,
+                  .needed = blurs_ao},
+                 {.name = "indirect across",
+                  .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
+                  .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                  .scalar = run_scalar_box_indirect_across,
+                  .lanes = run_lanes_box_indirect_across,
+                  .spirv = kIndirectAcrossSpirv,
+                  .needed = blurs_indirect},
+                 {.name = "indirect down",
+                  .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                  .outputs = {"indirect.r", "indirect.g", "indirect.b"},
+                  .scalar = run_scalar_box_indirect_down,
+                  .lanes = run_lanes_box_indirect_down,
+                  .spirv = kIndirectDownSpirv,
+                  .needed = blurs_indirect}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage

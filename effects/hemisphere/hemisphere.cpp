@@ -1,0 +1,403 @@
+#include "effects/hemisphere/hemisphere.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/matrix.hpp>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(hemisphere_sent)
+UMBRAGE_DECLARE_KERNEL(hemisphere_occlusion)
+UMBRAGE_DECLARE_KERNEL(hemisphere_bleeding)
+
+namespace {
+
+constexpr std::uint32_t kSentSpirv[] = {
+#include "spirv/hemisphere_sent.inc"
+};
+constexpr std::uint32_t kOcclusionSpirv[] = {
+#include "spirv/hemisphere_occlusion.inc"
+};
+constexpr std::uint32_t kBleedingSpirv[] = {
+#include "spirv/hemisphere_bleeding.inc"
+};
+
+// The paper's switches: its sample and noise tables, comparison of depths alone, a range in window depth that falls
+// with the square of the depth, a fixed size of fragment.
+constexpr std::string_view kPaper =
+    "distribution=paper range=quadratic range_depth=window bias_of=depth bias=0 border=clamp bleeding=1 area=paper "
+    "floor=0 weight=1 ambient_bounce=0";
+constexpr float kLeastInner = 1e-3f;      // of R: the logarithm of the lengths needs an end
+constexpr float kOpenness = 0.7f;         // of ambient light, where nobody has measured it: typical of a room
+constexpr float kLeastNearShare = 1e-4f;  // of the far plane: window depth divides by the near plane's distance
+
+const std::vector<Parameter> kTable = {
+    {.name = "samples",
+     .help = "sample points per pixel",
+     .type = ParameterType::kInt,
+     .offset = offsetof(HemisphereParams, samples),
+     .initial = 16,
+     .least = 1,
+     .most = kHemisphereMostSamples},
+    {.name = "shape",
+     .help = "sample the half of a ball above the surface, or the whole of it",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(HemisphereParams, shape),
+     .choices = {"hemisphere", "sphere"}},
+    {.name = "radius",
+     .help = "radius of the hemisphere, in scene units or as a share of the scene's radius",
+     .type = ParameterType::kLength,
+     .offset = offsetof(HemisphereParams, radius),
+     .initial = 10.0,
+     .least = 0.0,
+     .most = 1e12,
+     .unit = "scene units",
+     .initially_relative = true,
+     .above_zero = true},
+    {.name = "distribution",
+     .help = "lengths of the sample points: evenly by their logarithm, or random directions with the paper's lengths",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(HemisphereParams, distribution),
+     .choices = {"even", "paper"}},
+    {.name = "seed",
+     .help = "another number gives other sample points and other noise",
+     .type = ParameterType::kInt,
+     .offset = offsetof(HemisphereParams, seed),
+     .least = 0,
+     .most = 1e6},
+    {.name = "noise",
+     .help = "side of the tile of noise that turns the sample points; 1: none",
+     .type = ParameterType::kInt,
+     .offset = offsetof(HemisphereParams, noise),
+     .initial = 4,
+     .least = 0,
+     .most = 64,
+     .unit = "px",
+     .zero_means = "as large as the picture"},
+    {.name = "range",
+     .help =
+         "how far in depth an occluder may be: anywhere, within a limit that is constant or falls with the depth or "
+         "with its square, or fading beyond the limit",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(HemisphereParams, range),
+     .initial = kHemisphereRangeSmoothstep,
+     .choices = {"none", "constant", "linear", "quadratic", "smoothstep"}},
+    {.name = "range_depth",
+     .help = "the depth that the range is one of: distance along the view axis, or window depth in [0, 1]",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(HemisphereParams, range_depth),
+     .choices = {"view", "window"}},
+    {.name = "range_factor",
+     .help = "the range's limit in radii; of window depth: in radii over the depth span, far - near",
+     .offset = offsetof(HemisphereParams, range_factor),
+     .initial = 1.0,
+     .least = 0.0,
+     .most = 100.0},
+    {.name = "near",
+     .help = "distance of window depth's near plane",
+     .offset = offsetof(HemisphereParams, near_depth),
+     .least = 0.0,
+     .most = 1e12,
+     .unit = "scene units",
+     .zero_means = "automatic"},
+    {.name = "far",
+     .help = "distance of window depth's far plane",
+     .offset = offsetof(HemisphereParams, far_depth),
+     .least = 0.0,
+     .most = 1e12,
+     .unit = "scene units",
+     .zero_means = "automatic"},
+    {.name = "bias",
+     .help = "what rises less than this share of the radius (over the surface, or before the sample: see bias_of) does "
+             "not occlude",
+     .offset = offsetof(HemisphereParams, bias),
+     .initial = 0.02,
+     .least = 0.0,
+     .most = 1.0},
+    {.name = "bias_of",
+     .help = "what an occluder must rise above: the surface's plane, which leaves planes open, or only the sample's "
+             "depth, as in the paper",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(HemisphereParams, bias_of),
+     .choices = {"surface", "depth"}},
+    {.name = "weight",
+     .help = "how much one occluder adds to the occlusion",
+     .offset = offsetof(HemisphereParams, weight),
+     .initial = 1.0,
+     .least = 0.0,
+     .most = 10.0},
+    {.name = "border",
+     .help = "what a sample outside the picture is: left out of the count, or the nearest pixel",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(HemisphereParams, border),
+     .choices = {"skip", "clamp"}},
+    {.name = "occlusion",
+     .help = "write occlusion; off: all is open",
+     .type = ParameterType::kBool,
+     .offset = offsetof(HemisphereParams, occlusion),
+     .initial = 1},
+    {.name = "bleeding",
+     .help = "factor of the light that occluders reflect",
+     .offset = offsetof(HemisphereParams, bleeding),
+     .initial = 0.0,
+     .least = 0.0,
+     .most = 100.0,
+     .zero_means = "off"},
+    {.name = "area",
+     .help = "surface that an occluding sample stands for: measured from the samples' density, an equal share of the "
+             "radius's disc, or the paper's fixed fragment",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(HemisphereParams, area),
+     .choices = {"measured", "equal", "paper"}},
+    {.name = "fragment_area",
+     .help = "area paper: size of a fragment, in squares of the radius",
+     .offset = offsetof(HemisphereParams, fragment_area),
+     .initial = 0.05,
+     .least = 0.0,
+     .most = 100.0},
+    {.name = "floor",
+     .help =
+         "share of the radius: length of the shortest sample of distribution even, and least distance of an emitter "
+         "elsewhere",
+     .offset = offsetof(HemisphereParams, floor),
+     .initial = 0.02,
+     .least = 0.0,
+     .most = 0.5},
+    {.name = "layers",
+     .help = "depth layers in which occluders are sought, of those that were captured",
+     .type = ParameterType::kInt,
+     .offset = offsetof(HemisphereParams, layers),
+     .initial = 0,
+     .least = 0,
+     .most = kLayersRead,
+     .zero_means = "all"},
+    {.name = "ambient_bounce",
+     .help = "factor of the ambient light that surfaces send on",
+     .offset = offsetof(HemisphereParams, ambient_bounce),
+     .initial = 1.0,
+     .least = 0.0,
+     .most = 10.0},
+    {.name = "bounces",
+     .help = "how often light is reflected: 1, or more with what arrived the time before",
+     .type = ParameterType::kInt,
+     .offset = offsetof(HemisphereParams, bounces),
+     .initial = 1,
+     .least = 1,
+     .most = 16},
+};
+
+// One flipped sample of one, the fewest, turns occlusion and light from nothing to whole: two quanta.
+constexpr double kQuantum = 0.5;
+
+double share_of_one(double v) { return v - std::floor(v); }
+
+/// The paper's kernel texture: x and y uniform in [-1, 1], z in [0.05, 1] (the whole ball: in [-1, 1]), scaled to
+/// length 1 and then by a quadratic. The paper names the quadratic and not its factors; these are those of the tutorial
+/// that it follows, 0.1 + 0.9 (i/N)^2 [learnopengl.com, "SSAO"].
+void fill_paper_points(const HemisphereParams& params, float* points) {
+  std::mt19937 random(std::uint32_t(params.seed) + 1u);
+  const auto uniform = [&](double least, double most) { return least + (most - least) * (random() * 0x1p-32); };
+  for (int i = 0; i < params.samples; ++i) {
+    const double x = uniform(-1.0, 1.0), y = uniform(-1.0, 1.0);
+    const double z = params.shape == 0 ? uniform(0.05, 1.0) : uniform(-1.0, 1.0);
+    const double share = double(i) / params.samples;
+    const double scale = (0.1 + 0.9 * share * share) / std::sqrt(std::max(x * x + y * y + z * z, 1e-12));
+    const double row[5] = {x * scale, y * scale, z * scale, 1.0, 1.0};
+    for (int k = 0; k < 5; ++k) points[5 * i + k] = float(row[k]);
+  }
+}
+
+/// Ours: heights in equal steps (equal solid angles), in an order that goes with neither azimuth nor length; lengths in
+/// equal steps of their logarithm, which the kernel shortens by a pixel's own share of all of it; azimuths by the
+/// golden ratio's two-dimensional sequence [Roberts 2018]. Each counts by its cosine to the normal, since light from
+/// the side matters less; in the whole ball all count alike.
+void fill_even_points(const HemisphereParams& params, double inner, float* points) {
+  constexpr double kPlastic = 1.32471795724474602596;  // x^3 = x + 1
+  const int n = params.samples;
+  std::vector<int> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [](int i) { return share_of_one(0.5 + (i + 1) / (kPlastic * kPlastic)); };
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  for (int rank = 0; rank < n; ++rank) {
+    const int i = order[rank];
+    const double height = (rank + 0.5) / n;
+    const double z = params.shape == 0 ? height : 2.0 * height - 1.0;
+    const double azimuth = 2.0 * std::numbers::pi * share_of_one(0.5 + (i + 1) / kPlastic);
+    const double across = std::sqrt(1.0 - z * z);
+    const double length = std::pow(inner, double(i) / n);
+    const double row[5] = {across * std::cos(azimuth), across * std::sin(azimuth), z, length,
+                           params.shape == 0 ? 2.0 * z : 1.0};
+    for (int k = 0; k < 5; ++k) points[5 * i + k] = float(row[k]);
+  }
+}
+
+/// Which layers are looked through, in which order, and by which cameras they are seen.
+void fill_layers(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
+  const int there = std::min(int(info.more_layers.size()) + 1, params.layers > 0 ? params.layers : kLayersRead);
+  const int most = std::min(there, kLayersRead);
+  const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
+  // The layer through whose camera a layer is seen: 0, or one of another camera.
+  const auto view_of = [&](int layer) {
+    for (int step = 0; layer > 0 && step < kLayersRead && info_of(layer).kind != LayerKind::kOther; ++step)
+      layer = std::clamp(info_of(layer).of, 0, int(info.more_layers.size()));
+    return layer;
+  };
+  int view_before = -1;
+  for (int view = 0; view < most; ++view)  // layers of one camera follow each other
+    for (int layer = 0; layer < most; ++layer) {
+      if (view_of(layer) != view || (layer > 0 && info_of(layer).kind == LayerKind::kBack)) continue;
+      const int i = c.layer_count++;
+      c.layer[i] = layer;
+      c.back[i] = -1;
+      for (int k = 1; k < most; ++k)
+        if (info_of(k).kind == LayerKind::kBack && info_of(k).of == layer) c.back[i] = k;
+      c.other[i] = view > 0 ? 1 : 0;
+      c.new_view[i] = view != view_before ? 1 : 0;
+      view_before = view;
+      const Camera& camera = view > 0 ? info_of(view).camera : info.camera;
+      c.orthographic[i] = camera.projection == Projection::kOrthographic ? 1 : 0;
+      c.ray_scale_x[i] = (camera.right - camera.left) / float(info.width);
+      c.ray_offset_x[i] = camera.left;
+      c.ray_scale_y[i] = -(camera.top - camera.bottom) / float(info.height);
+      c.ray_offset_y[i] = camera.top;
+      c.scale_x[i] = float(info.width) / (camera.right - camera.left);
+      c.offset_x[i] = -camera.left * c.scale_x[i];
+      c.scale_y[i] = -float(info.height) / (camera.top - camera.bottom);
+      c.offset_y[i] = -camera.top * c.scale_y[i];
+      const glm::mat4 move = camera.view_from_world * glm::inverse(info.camera.view_from_world);
+      for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 4; ++column) c.move[12 * i + 4 * row + column] = move[column][row];
+    }
+}
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  const auto& params = as<HemisphereParams>(bytes);
+  auto& c = *static_cast<HemisphereConstants*>(out);
+  c = {};
+  c.samples = params.samples;
+  c.radius = params.radius.relative ? params.radius.value / 100.0f * info.scene_radius : params.radius.value;
+  c.even = params.distribution == kHemisphereEven ? 1 : 0;
+  c.seed = params.seed;
+  c.noise = params.noise;
+  c.inner = std::max(params.floor, kLeastInner);
+  c.one_over_inner = 1.0f / c.inner;
+  c.log_inner = std::log(c.inner);
+
+  // The tightest frustum around the scene, where nobody says: window depth is finest there.
+  float far_depth = params.far_depth > 0.0f ? params.far_depth : info.depth_max;
+  float near_depth = params.near_depth > 0.0f ? params.near_depth : info.depth_min;
+  // Kernels are total: a near plane at or behind the far plane leaves a sliver between them.
+  far_depth = std::max(far_depth, 1e-30f);
+  near_depth = std::clamp(near_depth, far_depth * kLeastNearShare, far_depth * 0.999f);
+  const double n = near_depth, f = far_depth;
+  c.near_depth = near_depth;
+  c.far_depth = far_depth;
+  c.window_one = float(f / (f - n));
+  c.window_inverse = float(f * n / (f - n));
+  c.range = params.range;
+  c.window = params.range_depth;
+  // The depth span, f - n, is what window depth's [0, 1] is long: there and at the planes' geometric mean the three
+  // limits are one. The quadratic one is then R times the slope of window depth everywhere, a constant distance.
+  c.limit = float(c.radius * double(params.range_factor) / (c.window ? f - n : 1.0));
+  c.depth_at_limit = float(std::sqrt(f * n));
+
+  const bool whole = params.shape != 0;
+  c.above = whole ? 0 : 1;
+  c.rises = !whole && params.bias_of == 0 ? 1 : 0;
+  c.least_height = c.rises ? params.bias * c.radius : 0.0f;
+  c.least_nearer = c.rises ? 0.0f : params.bias * c.radius;
+  c.weight = params.weight;
+  c.clamp_border = params.border;
+  c.occlusion = params.occlusion;
+  c.bleeding = params.bleeding;
+  // The paper's points have no density that could be integrated.
+  c.area = params.area == kHemisphereAreaMeasured && !c.even ? kHemisphereAreaEqual : params.area;
+  const double r2 = double(c.radius) * c.radius;
+  c.area_factor = float(c.area == kHemisphereAreaPaper   ? params.fragment_area * r2
+                        : c.area == kHemisphereAreaEqual ? r2 / params.samples
+                                                         : (whole ? -4.0 : -2.0) * c.log_inner / params.samples);
+  c.least_distance = std::max(params.floor * c.radius, c.radius * 1e-6f);
+  c.ambient_bounce = params.ambient_bounce;
+  c.openness = kOpenness;
+  fill_layers(params, info, c);
+  if (c.even)
+    fill_even_points(params, c.inner, c.points);
+  else
+    fill_paper_points(params, c.points);
+}
+
+void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
+  as<HemisphereParams>(bytes).radius = {radius, 0};
+}
+
+bool bleeds(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
+bool occludes_alone(const ParameterBytes& bytes) { return !bleeds(bytes); }
+int rounds(const ParameterBytes& bytes) { return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1; }
+
+std::vector<std::string_view> bleeding_inputs() {
+  auto inputs = of_all_layers({"depth", "normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b",
+                               "ambient.r", "ambient.g", "ambient.b"});
+  inputs.insert(inputs.end(), {"hemisphere_sent.r", "hemisphere_sent.g", "hemisphere_sent.b"});
+  return inputs;
+}
+
+std::vector<std::string_view> occlusion_inputs() {
+  auto inputs = of_all_layers({"depth"});
+  inputs.insert(inputs.end(), {"normal.x", "normal.y", "normal.z"});
+  return inputs;
+}
+
+}  // namespace
+
+const Effect& effect_hemisphere() {
+  static const Effect effect = {
+      .name = "hemisphere",
+      .summary = "sample points above the surface: darker where they are hidden, coloured by what hides them",
+      .source = "Colliander and Törnquist 2015",
+      .kind = EffectKind::kOcclusion,
+      .parameters = kTable,
+      .params_size = sizeof(HemisphereParams),
+      .constants_size = sizeof(HemisphereConstants),
+      .constants = fill_constants,
+      .set_radius = set_radius,
+      .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
+      .quantum = kQuantum,
+      .passes = {{.name = "sent",
+                  .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "albedo.r",
+                             "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"},
+                  .outputs = {"hemisphere_sent.r", "hemisphere_sent.g", "hemisphere_sent.b"},
+                  .scalar = run_scalar_hemisphere_sent,
+                  .lanes = run_lanes_hemisphere_sent,
+                  .spirv = kSentSpirv,
+                  .needed = bleeds},
+                 {.name = "occlusion",
+                  .inputs = occlusion_inputs(),
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_hemisphere_occlusion,
+                  .lanes = run_lanes_hemisphere_occlusion,
+                  .spirv = kOcclusionSpirv,
+                  .needed = occludes_alone,
+                  .tile_width = 128,
+                  .tile_height = 32},
+                 {.name = "bleeding",
+                  .inputs = bleeding_inputs(),
+                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                  .scalar = run_scalar_hemisphere_bleeding,
+                  .lanes = run_lanes_hemisphere_bleeding,
+                  .spirv = kBleedingSpirv,
+                  .needed = bleeds,
+                  .tile_width = 256,
+                  .tile_height = 32}},
+      .rounds = rounds,
+  };
+  return effect;
+}
+
+}  // namespace umbrage

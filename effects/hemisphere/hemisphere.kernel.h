@@ -1,0 +1,330 @@
+// Occlusion and reflected light by points in a hemisphere: sample points above a pixel's surface that lie behind what
+// the depth buffer holds at their place are occluded, and what hides them sends its light to the pixel. Based on
+// [Colliander and Törnquist 2015], "SSAO Pass" and "Calculating Colour Bleed", equation 1.
+//
+// The text is included by two kernels. They differ in what they define before: normal_of and sent_of, the normal of a
+// layer's surface and the light that it sends, store_light, and kGathersLight.
+//
+// Whether a sample counts hangs on which pixel it falls into, so positions use operations alone that round alike on
+// every machine: no rsqrt here before that.
+//
+// Ours, `measured`: equation 1 is a sum over emitting surface, so each sample must know how much of it stands for. A
+// patch dA at Q hides all samples behind it along the ray of sight that are still in the hemisphere. With N samples of
+// density p, it is found N dA cos(view) int p dz times on average; so one find stands for 1 / (N cos(view) int p dz).
+// Radii here are log-uniform between r0 and R, hence p = 1/(2 pi ln(R/r0) r^3). With b the distance from P to the ray
+// and t the length along it from there, int dt / (b^2 + t^2)^(3/2) = sin(phi)/b^2, sin(phi) = t/sqrt(b^2 + t^2). The
+// light of one find, divided by pi, is then
+//   2 ln(R/r0)/N  L cos(or) cos(oc)/cos(view)  b^2/d^2 / (sin(phi_end) - sin(phi_Q))
+// and since b^2/d^2 = cos^2(phi_Q), it is bounded however near Q is.
+CONST float kDepthRounding = 2e-6f;  // share of the depth: 16 to 32 steps of a float
+CONST float kLeastDepth = 1e-3f;     // a sample behind the eye is moved to this share of the pixel's depth
+CONST float kLeastSpan = 0.04f;      // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
+CONST float kLeastCosine = 0.1f;     // of the angle at which the camera sees an emitter
+CONST float kLeastOfInner = 0.1f;    // rays pass P at this share of r0 at least
+CONST float kMostLight = 1e18f;      // what a pixel gets stays a number
+
+// The integer hash "lowbias32", found by search [Wellons 2018].
+FN Uint scrambled(Uint v) {
+  v = (v ^ (v >> 16)) * Uint(0x7feb352du);
+  v = (v ^ (v >> 15)) * Uint(0x846ca68bu);
+  return v ^ (v >> 16);
+}
+
+// In [0, 1).
+FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
+
+FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
+
+// Scaled to length 1; towards the eye where it is 0 or no number.
+FN Vec3 unit_normal(Vec3 n, Vec3 position) {
+  Real squared = dot(n, n);
+  Bool usable = squared > 1e-20f && squared < 1e20f;
+  Vec3 eye = F.orthographic != 0 ? Vec3(Real(0.0f), Real(0.0f), Real(1.0f)) : -position;
+  n = select(usable, n, eye);
+  Real length = sqrt(max(dot(n, n), Real(1e-30f)));
+  return n * (Real(1.0f) / length);
+}
+
+// The remainder of a pixel's coordinate by the tile's side.
+FN Int in_tile(Int x) {
+  Real size = Real(float(C.noise));
+  return to_int(to_real(x) - size * floor((to_real(x) + 0.5f) / size));
+}
+
+// e^x for x in [-8, 0] by operations that round alike everywhere: the series for x/16, squared four times.
+FN Real exp_of(Real x) {
+  Real y = x * 0.0625f;
+  Real sum = mad(y, Real(1.0f / 120.0f), Real(1.0f / 24.0f));
+  sum = mad(sum, y, Real(1.0f / 6.0f));
+  sum = mad(sum, y, Real(0.5f));
+  sum = mad(sum, y, Real(1.0f));
+  sum = mad(sum, y, Real(1.0f));
+  sum = sum * sum;
+  sum = sum * sum;
+  sum = sum * sum;
+  return sum * sum;
+}
+
+// Half of pi times (u - 0.5) in [-0.5, 0.5): its sine, by series; error below 1e-7.
+FN Real sine_of_quarters(Real u) {
+  Real x = u * 1.57079633f;
+  Real squared = x * x;
+  Real sum = mad(squared, Real(2.7557319e-6f), Real(-1.9841270e-4f));
+  sum = mad(sum, squared, Real(8.3333333e-3f));
+  sum = mad(sum, squared, Real(-0.16666667f));
+  return mad(sum * squared, x, x);
+}
+
+// How each pixel turns its sample points about the normal: cosine and sine (x, y); and z in [0, 1), by how much of the
+// logarithm of R/r0 it shortens them. The tile repeats.
+FN Vec3 noise_at(Int px, Int py) {
+  Uint seed = scrambled(Uint(0x9e3779b9u) + to_uint(Int(C.seed)));
+  Int x = px;
+  Int y = py;
+  if (C.noise > 0) {
+    x = in_tile(px);
+    y = in_tile(py);
+  }
+  Uint first = scrambled(to_uint(x) ^ scrambled(to_uint(y) + seed));
+  Uint second = scrambled(first + Uint(1u));
+  if (C.even == 0) {
+    // The paper's noise texture: x and y uniform in [-1, 1], then scaled to length 1.
+    Real a = mad(share_of_one(first), Real(2.0f), Real(-1.0f + 5.9604645e-8f));  // half a step off 0
+    Real b = mad(share_of_one(second), Real(2.0f), Real(-1.0f));
+    Real scale = Real(1.0f) / sqrt(mad(a, a, b * b));
+    return Vec3(a * scale, b * scale, Real(0.0f));
+  }
+  if (C.noise > 0) {
+    // The pixels of a tile share the angles and lengths among them: points of the golden ratio's two-dimensional
+    // sequence [Roberts 2018].
+    Uint index = to_uint(y * Int(C.noise) + x);
+    first = index * Uint(0xc13fa9a9u) + seed;
+    second = index * Uint(0x91e10da6u) + scrambled(seed);
+  }
+  // A turn in four quarters: the quarter's middle turned by up to an eighth of a turn to either side.
+  Real turn = share_of_one(first) * 4.0f;
+  Real quarter = floor(turn);
+  Real rest = turn - quarter - 0.5f;
+  Real s = sine_of_quarters(rest);
+  Real c = sqrt(max(mad(-s, s, Real(1.0f)), Real(0.0f)));
+  Real across = select(quarter == 1.0f || quarter == 3.0f, s, c);
+  Real along = select(quarter == 1.0f || quarter == 3.0f, c, s);
+  across = select(quarter == 1.0f || quarter == 2.0f, -across, across);
+  along = select(quarter == 2.0f || quarter == 3.0f, -along, along);
+  return Vec3(across, along, share_of_one(second));
+}
+
+// Window depth: what a depth buffer of the frustum between near and far holds.
+FN Real window_depth(Real depth) {
+  Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));
+  return Real(C.window_one) - Real(C.window_inverse) / between;
+}
+
+// By how much depths may differ at a pixel for one to occlude the other.
+FN Real range_limit(Real depth) {
+  Real fall = Real(C.depth_at_limit) / max(depth, Real(1e-30f));
+  Real limit = Real(C.limit);
+  if (C.range == kHemisphereRangeLinear) limit = limit * fall;
+  if (C.range == kHemisphereRangeQuadratic) limit = limit * fall * fall;
+  return clamp(limit, Real(1e-30f), Real(1e30f));
+}
+
+// How much an occluder counts by the difference of its depth to the pixel's.
+FN Real range_weight(Real depth, Real tap, Real limit) {
+  if (C.range == kHemisphereRangeNone) return Real(1.0f);
+  Real difference = abs(depth - tap);
+  if (C.window != 0) difference = abs(window_depth(depth) - window_depth(tap));
+  if (C.range == kHemisphereRangeSmoothstep) {
+    Real t = limit / max(difference, limit);  // 1 within the limit
+    return t * t * (3.0f - (t + t));
+  }
+  return select(difference < limit, Real(1.0f), Real(0.0f));
+}
+
+// A position as the camera of the i-th layer sees it, or a direction.
+FN Vec3 turned_to(int i, Vec3 v) {
+  return Vec3(dot(Vec3(Real(C.move[12 * i]), Real(C.move[12 * i + 1]), Real(C.move[12 * i + 2])), v),
+              dot(Vec3(Real(C.move[12 * i + 4]), Real(C.move[12 * i + 5]), Real(C.move[12 * i + 6])), v),
+              dot(Vec3(Real(C.move[12 * i + 8]), Real(C.move[12 * i + 9]), Real(C.move[12 * i + 10])), v));
+}
+FN Vec3 added_to(int i) { return Vec3(Real(C.move[12 * i + 3]), Real(C.move[12 * i + 7]), Real(C.move[12 * i + 11])); }
+FN Vec3 turned_back(int i, Vec3 v) {
+  return Vec3(dot(Vec3(Real(C.move[12 * i]), Real(C.move[12 * i + 4]), Real(C.move[12 * i + 8])), v),
+              dot(Vec3(Real(C.move[12 * i + 1]), Real(C.move[12 * i + 5]), Real(C.move[12 * i + 9])), v),
+              dot(Vec3(Real(C.move[12 * i + 2]), Real(C.move[12 * i + 6]), Real(C.move[12 * i + 10])), v));
+}
+
+// Antiderivative of the samples' density along a ray of sight, times b^2: sin(phi), without what lies within r0.
+FN Real passed(Real sine, Real inner_sine) {
+  Real beyond = max(abs(sine) - inner_sine, Real(0.0f));
+  return select(sine < 0.0f, -beyond, beyond);
+}
+
+// What one find stands for: the light that arrives by it over pi, for emitted light 1. `way` leads from the pixel to
+// the emitter, whose normal is `facing`; `sight` is the unit direction in which the camera sees it, `widening` how much
+// farther away than the emitter the sample is.
+FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real widening) {
+  Real squared = max(dot(way, way), Real(1e-30f));
+  Real one_over = Real(1.0f) / sqrt(squared);
+  Real height = dot(way, normal);
+  Real cos_receiver = height * one_over;
+  Real cos_emitter = -dot(way, facing) * one_over;
+  Bool sees = cos_receiver > 0.0f && cos_emitter > 0.0f;
+  Real share = cos_receiver * cos_emitter * Real(C.area_factor);
+  if (C.area == kHemisphereAreaMeasured) {
+    Real r = Real(C.radius);
+    Real t = dot(way, sight);
+    Real inner = Real(C.inner) * r;
+    Real b2 = max(squared - t * t, Real(kLeastOfInner * kLeastOfInner) * (inner * inner));
+    Real end = sqrt(max(r * r - b2, Real(0.0f)));
+    if (C.above != 0) {
+      // Where the ray dives below the surface there are no samples any more.
+      Real dive = -dot(sight, normal);
+      Real below = t + height / max(dive, Real(1e-6f));
+      end = select(dive > 1e-6f, min(end, below), end);
+    }
+    Real inner_sine = sqrt(max(Real(1.0f) - b2 / (inner * inner), Real(0.0f)));
+    Real from = passed(t / sqrt(b2 + t * t), inner_sine);
+    Real to = passed(end / sqrt(b2 + end * end), inner_sine);
+    Real cos_view = max(abs(dot(sight, facing)), Real(kLeastCosine));
+    Real least = Real(kLeastSpan) * min(Real(1.0f), b2 / (inner * inner));
+    // Rays of sight part from each other: farther away there are more samples between them.
+    share = share * (b2 / (b2 + t * t)) / (cos_view * max(to - from, least) * (widening * widening));
+    sees = sees && squared <= r * r;
+  } else {
+    share = share / max(squared, Real(C.least_distance * C.least_distance));
+  }
+  return select(sees, share, Real(0.0f));
+}
+
+// A position that the camera of the i-th layer sees at the middle of a pixel, in that camera's space.
+FN Vec3 seen_position(int i, Int x, Int y, Real depth) {
+  Real spread = C.orthographic[i] != 0 ? Real(1.0f) : depth;
+  return Vec3(mad(to_real(x) + 0.5f, Real(C.ray_scale_x[i]), Real(C.ray_offset_x[i])) * spread,
+              mad(to_real(y) + 0.5f, Real(C.ray_scale_y[i]), Real(C.ray_offset_y[i])) * spread, -depth);
+}
+
+FN void gather(Int px, Int py) {
+  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  if (!some(surface)) {
+    store_ao(Real(1.0f));
+    store_light(none);
+    return;
+  }
+  depth = select(surface, depth, Real(1.0f));
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = unit_normal(near_normal(0, 0), position);
+  // A basis about the normal from a fixed vector, or from another one where they are parallel; turned by the noise.
+  Bool parallel = abs(normal.y) > 0.99f;
+  Vec3 fixed_vector =
+      Vec3(select(parallel, Real(1.0f), Real(0.0f)), select(parallel, Real(0.0f), Real(1.0f)), Real(0.0f));
+  Vec3 tangent = cross(fixed_vector, normal);
+  tangent = tangent * (Real(1.0f) / sqrt(max(dot(tangent, tangent), Real(1e-30f))));
+  Vec3 noise = noise_at(px, py);
+  Vec3 along_z = normal * Real(C.radius);
+  Vec3 along_x = (tangent * noise.x + cross(normal, tangent) * noise.y) * Real(C.radius);
+  Vec3 along_y = cross(normal, along_x);
+  Real shorter = C.even != 0 ? exp_of(noise.z * Real(C.log_inner)) : Real(1.0f);
+
+  Real rounding = depth * kDepthRounding;
+  Real least_height = rounding + Real(C.least_height);
+  Real least_nearer = rounding + Real(C.least_nearer);
+  Real least_depth = depth * kLeastDepth;
+  Real hidden = Real(0.0f);
+  Real count = Real(0.0f);
+  Vec3 light = none;
+  for (int k = 0; k < C.samples; ++k) {
+    Vec3 v =
+        along_x * Real(C.points[5 * k]) + along_y * Real(C.points[5 * k + 1]) + along_z * Real(C.points[5 * k + 2]);
+    if (C.even != 0) {
+      // Lengths that would be shorter than r0 go on at R.
+      Real scale = shorter * Real(C.points[5 * k + 3]);
+      v = v * select(scale < Real(C.inner), scale * Real(C.one_over_inner), scale);
+    }
+    Real counts = Real(C.points[5 * k + 4]);
+    Vec3 point = position + v;
+    Bool found = surface && !surface;  // nowhere yet
+    Bool known = found;
+    // As the layer's camera sees it; the same for layers of one camera.
+    Real point_depth = depth;
+    Real own_depth = depth;
+    Real limit = depth;
+    Bool inside = surface;
+    Int column = px;
+    Int row = py;
+    for (int i = 0; i < C.layer_count; ++i) {
+      if (C.new_view[i] != 0) {
+        Vec3 there = point;
+        own_depth = depth;
+        if (C.other[i] != 0) {
+          there = turned_to(i, point) + added_to(i);
+          own_depth = -(turned_to(i, position) + added_to(i)).z;
+        }
+        limit = range_limit(own_depth);
+        point_depth = max(-there.z, least_depth);
+        Real shrunk = Real(1.0f);
+        if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
+        Real x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
+        Real y = mad(there.y * shrunk, Real(C.scale_y[i]), Real(C.offset_y[i]));
+        x = floor(clamp(x, Real(-1.0f), Real(float(F.width))));
+        y = floor(clamp(y, Real(-1.0f), Real(float(F.height))));
+        column = to_int(x);
+        row = to_int(y);
+        inside = surface;
+        if (C.clamp_border == 0 || C.other[i] != 0)
+          inside = surface && x >= 0.0f && x < float(F.width) && y >= 0.0f && y < float(F.height);
+        if (C.other[i] != 0) inside = inside && own_depth > 0.0f && -there.z > 0.0f;
+        // Where a clamped sample is read.
+        column = clamp(column, Int(0), Int(F.width - 1));
+        row = clamp(row, Int(0), Int(F.height - 1));
+        known = known || inside;
+      }
+      Real tap = load_depth_of(C.layer[i], column, row);
+      Bool before = inside && tap > 0.0f && point_depth - tap > least_nearer;
+      if (some(before)) {
+        Vec3 seen = seen_position(i, column, row, tap);
+        Vec3 occluder = seen;
+        if (C.other[i] != 0) occluder = turned_back(i, seen - added_to(i));
+        Vec3 way = occluder - position;
+        if (C.rises != 0) before = before && dot(way, normal) > least_height;
+        Real weight = range_weight(own_depth, tap, limit);
+        before = before && weight > 0.0f;
+        hidden = hidden + select(before && !found, weight * counts, Real(0.0f));
+        found = found || before;
+        if (kGathersLight && some(before)) {
+          Vec3 facing = normal_of(C.layer[i], column, row);
+          Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
+          if (C.orthographic[i] == 0) sight = seen * (Real(1.0f) / sqrt(dot(seen, seen)));
+          if (C.other[i] != 0) {
+            facing = turned_back(i, facing);
+            sight = turned_back(i, sight);
+          }
+          Bool away = dot(way, facing) >= 0.0f;
+          bool both_sides = C.back[i] >= 0 && some(before && away);
+          if (both_sides) {
+            Vec3 back = normal_of(C.back[i], column, row);
+            if (C.other[i] != 0) back = turned_back(i, back);
+            facing = select(away, back, facing);
+          }
+          Real widening = C.orthographic[i] != 0 ? Real(1.0f) : point_depth / tap;
+          Real share = arriving_share(way, normal, facing, sight, widening) * weight;
+          before = before && share > 0.0f;
+          if (some(before)) {
+            Vec3 sent = sent_of(C.layer[i], column, row);
+            if (both_sides) sent = select(away, sent_of(C.back[i], column, row), sent);
+            light = light + sent * select(before, share, Real(0.0f));
+          }
+        }
+      }
+    }
+    count = count + select(known, counts, Real(0.0f));
+  }
+  Real closed = hidden * Real(C.weight) / max(count, Real(1e-6f));
+  bool darkens = C.occlusion != 0;
+  store_ao(select(surface, darkens ? max(Real(0.0f), 1.0f - closed) : Real(1.0f), Real(1.0f)));
+  light = light * Real(C.bleeding);
+  light = Vec3(min(light.x, Real(kMostLight)), min(light.y, Real(kMostLight)), min(light.z, Real(kMostLight)));
+  store_light(select(surface, finite_or_zero(light), none));
+}

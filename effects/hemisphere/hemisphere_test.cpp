@@ -1,0 +1,2 @@
+// `hemisphere` against the paper's description, ported literally in double, and against quadrature.
+#include "effects/hemisphere/hemisphere.h"
