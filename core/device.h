@@ -22,12 +22,22 @@ struct Frame {
 
 inline constexpr int kMostLayers = 16;
 
+inline constexpr int kMostExtraViews = 4;
+/// The most layers, all kinds together, of a capture with back sides or extra views: as many as kernels read.
+inline constexpr int kMostMixedLayers = 8;
+
 struct CaptureSettings {
   int width = 1024, height = 1024;  ///< without the guard band
-  bool shadow = true;               ///< trace the key light's shadow
-  int layers = 1;                   ///< surfaces along each primary ray, 1 to kMostLayers
-  int guard = 0;                    ///< pixels drawn beyond each side: see PictureInfo::guard
+  int shadows = kMostShadows;  ///< of how many lights, from the first on, shadows are traced: 1 is the key light alone
+  // Layers come in this order: `layers`, then as many of `back_sides`, then `extra_views`.
+  int layers = 1;           ///< surfaces along each primary ray, 1 to kMostLayers
+  bool back_sides = false;  ///< a layer of the other side of each of those too
+  int extra_views = 0;      ///< further cameras, one layer each, 0 to kMostExtraViews
+  int guard = 0;            ///< pixels drawn beyond each side: see PictureInfo::guard
 };
+
+/// How many layers such a capture has. Errors: kUsage where they are too many.
+Result<int> layer_count(const CaptureSettings& settings);
 
 class Device {
  public:

@@ -36,6 +36,8 @@ PictureInfo inner_info(const PictureInfo& info) {
   inner.width = info.inner_width();
   inner.height = info.inner_height();
   inner.guard = 0;
+  for (LayerInfo& layer : inner.more_layers)
+    if (layer.kind == LayerKind::kOther) layer.camera = widened(layer.camera, info.width, info.height, -info.guard);
   return inner;
 }
 
@@ -46,12 +48,15 @@ PictureInfo layer_info(const PictureInfo& info, int layer) {
   if (shown.kind != LayerKind::kOther) return out;
   out.camera = shown.camera;
   const glm::mat4 other_from_view = shown.camera.view_from_world * glm::inverse(info.camera.view_from_world);
+  out.view_from_first = other_from_view;
   for (Light& light : out.lights) {
     light.direction = glm::mat3(other_from_view) * light.direction;
     light.position = glm::vec3(other_from_view * glm::vec4(light.position, 1.0f));
   }
   return out;
 }
+
+std::string shadow_plane(int light) { return light == 0 ? "shadow" : fmt::format("shadow{}", light); }
 
 std::string layer_plane(int layer, std::string_view name) {
   return layer == 0 ? std::string(name) : fmt::format("layer{}.{}", layer, name);

@@ -6,7 +6,9 @@
 //   albedo.r .g .b    diffuse reflectance, linear
 //   specular          peak of the highlight, 0 to 1
 //   shininess         Blinn-Phong exponent
-//   shadow            share of the key light that arrives, 0 to 1
+//   shadow            share of the key light, the first one, that arrives, 0 to 1
+//   shadow1 to shadow7   the same of the lights of these indices, where they cast shadows
+//   emission.r .g .b  light that the surface sends out by itself, linear; where any material of the scene does
 //   object_id, material_id   whole numbers; -1 where nothing was hit
 #pragma once
 #include <string>
@@ -39,6 +41,7 @@ struct PictureInfo {
   int guard = 0;  ///< pixels on each side that are drawn for the sake of those inside, and cut off at the end
   Camera camera;  ///< of the whole picture, guard band included
   std::vector<Light> lights;           ///< in view space
+  glm::mat4 view_from_first{1.0f};     ///< from the view space of the first layer's camera; see layer_info
   std::vector<LayerInfo> more_layers;  ///< what the layers beyond the first are; empty for a bare first layer
   glm::vec3 ambient{0.3f};
   float scene_radius = 1.0f;  ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
@@ -60,6 +63,9 @@ PictureInfo inner_info(const PictureInfo& info);
 
 /// The picture as layer `layer` shows it: of another camera, lights are in that one's view space.
 PictureInfo layer_info(const PictureInfo& info, int layer);
+
+/// The plane of the light of that index: `shadow`, `shadow1`.
+std::string shadow_plane(int light);
 
 /// The name of a plane of a depth layer in a picture that holds them all: `depth`, `layer1.depth`.
 std::string layer_plane(int layer, std::string_view name);

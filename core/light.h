@@ -19,7 +19,10 @@ struct Light {
   float reach = 0.0f;         ///< (point) distance at which `color` holds; 0 means no falloff
   float angle_deg = 0.0f;     ///< (directional) what its disc spans in the sky; 0: a point, with hard shadows
   float radius = 0.0f;        ///< (point) of the ball that shines, scene units; 0: a point, with hard shadows
-  bool casts_shadow = false;  ///< only the first light's shadow is captured
+  bool casts_shadow = false;  ///< its shadow is captured if it is one of the first kMostShadows lights
 };
+
+/// Lights whose shadows a capture can hold, one plane each.
+inline constexpr int kMostShadows = 8;
 
 }  // namespace umbrage

@@ -13,6 +13,10 @@ struct Look {
   std::vector<std::string_view> effects;
   /// Settings that differ from the effects' own: "effect.parameter" and its text.
   std::vector<std::pair<std::string_view, std::string_view>> presets;
+  // What it wants captured unless the user says otherwise: see CaptureSettings.
+  int layers = 1;
+  bool back_sides = false;
+  int extra_views = 0;
 };
 
 }  // namespace umbrage

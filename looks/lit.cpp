@@ -1,4 +1,4 @@
-// The scene as it is: its materials, its lights and the key light's shadow, darkened by occlusion.
+// The scene as it is: its materials, its lights with their shadows, darkened by occlusion.
 #include "core/look.h"
 
 namespace umbrage {

@@ -46,7 +46,8 @@ struct LookRun {
   RunHandedIn run_handed_in = {};  ///< of the techniques in `handed_in`
 };
 
-/// Runs a look's effects on a frame; afterwards the frame has color.r, color.g, color.b and color.a.
+/// Runs a look's effects on a frame; afterwards the frame has color.r, color.g, color.b and color.a. An effect whose
+/// planes a later one reads on further layers, `layer1.direct.r`, runs on all that the frame has, else on the first.
 Result<void> run_look(const LookRun& run, Device& device, Frame& frame);
 
 }  // namespace umbrage

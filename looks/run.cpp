@@ -85,20 +85,47 @@ Result<void> apply_setting(EffectSettings& settings, std::string_view assignment
   return set_parameter(owner, *row, assignment.substr(equals + 1), settings.find(owner)->second);
 }
 
+namespace {
+
+/// Whether a pass reads, on a layer beyond the first, what `effect` makes.
+bool reads_on_layers(const Effect& reader, const ParameterBytes& params, const Effect& effect) {
+  for (const Pass& pass : reader.passes) {
+    if (pass.needed && !pass.needed(params)) continue;
+    for (const Pass& made : effect.passes)
+      for (const std::string_view output : made.outputs)
+        if (std::find(pass.inputs.begin(), pass.inputs.end(), layer_plane(1, output)) != pass.inputs.end()) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 Result<void> run_look(const LookRun& run, Device& device, Frame& frame) {
+  std::vector<const Effect*> steps;
   for (std::string_view name : run.look->effects) {
     if (name == "occlusion") {
       if (run.occlusion == kNoOcclusion) continue;  // `ao` is then the device's neutral 1
       name = run.occlusion;
     }
     const Effect* of_others = find_in(run.handed_in, name);
-    const Effect* effect = of_others ? of_others : find_effect(name);
+    steps.push_back(of_others ? of_others : find_effect(name));
     if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", name));
-    if (!effect) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
-    const ParameterBytes& params = run.settings->find(name)->second;
-    auto done = of_others ? run.run_handed_in(*effect, params, frame) : device.run(*effect, params, frame);
-    if (!done) return done;
-    run.after(name);
+    if (!steps.back()) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
+  }
+  for (auto step = steps.begin(); step != steps.end(); ++step) {
+    const Effect& effect = **step;
+    const ParameterBytes& params = run.settings->find(effect.name)->second;
+    if (find_in(run.handed_in, effect.name)) {
+      if (auto done = run.run_handed_in(effect, params, frame); !done) return done;
+    } else {
+      const bool on_layers = std::any_of(step + 1, steps.end(), [&](const Effect* later) {
+        return reads_on_layers(*later, run.settings->find(later->name)->second, effect);
+      });
+      const int layers = on_layers ? 1 + int(frame.info.more_layers.size()) : 1;
+      for (int layer = 0; layer < layers; ++layer)
+        if (auto done = device.run(effect, params, frame, layer); !done) return done;
+    }
+    run.after(effect.name);
   }
   return {};
 }

@@ -438,7 +438,7 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
         const glm::vec3 to_eye = orthographic ? rays.world_from_view[2] : glm::normalize(rays.eye - surface.position);
         const glm::vec3 albedo = pixel_albedo(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
         const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);
-        direct.store(x, y, light.diffuse * albedo + light.highlight);
+        direct.store(x, y, light.diffuse * albedo + light.highlight + surface.material->emission);
         shadow.at(x, y) = light.key_arrives;
         if (settings.bounce)
           indirect.store(x, y, bounced_light(traced, rays, surface, lights, table, settings.samples, seed));

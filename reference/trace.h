@@ -57,10 +57,10 @@ Result<Image> trace_occlusion(const TracedScene& scene, const PictureInfo& info,
                               const TraceControl& control = {});
 
 /// Light: planes, of the picture's whole size, 0 without surface and in the guard band:
-///   direct.r .g .b     what the lights send to the eye by diffuse reflection and highlight, as effects/lighting has
-///   it,
-///                      with shadows as soft as the lights are large. A light's size does not change its brightness: a
-///                      surface that sees all of it gets what a point of the same colour would give
+///   direct.r .g .b     what the surface emits, and what the lights send to the eye by diffuse reflection and
+///                      highlight, as effects/lighting has it, with shadows as soft as the lights are large. A light's
+///                      size does not change its brightness: a surface that sees all of it gets what a point of the
+///                      same colour would give
 ///   shadow             share of the key light that arrives; 1 without surface
 ///   indirect.r .g .b   (with bounce) mean radiance from the shading normal's hemisphere, cosine-weighted: what the
 ///                      surfaces in sight reflect diffusely of the lights, and emit. Times the albedo it is light to

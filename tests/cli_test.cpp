@@ -572,6 +572,25 @@ TEST_F(Cli, RefusesLayers) {
   bad("nothere.obj -o out.png --guard-band 100% --resolution 8192x8192", 2, {"24576 x 24576", "at most"});
 }
 
+TEST_F(Cli, ExtraViewsAreLayers) {
+  good(kSolids + " --layers 2 --extra-views 2 --passes depth,layer1.depth,layer2.depth,layer3.normal -o x.exr" +
+       kSmall);
+  const Image planes = image("x.exr");
+  long others = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      others += std::isfinite(planes.plane("layer2.depth").at(x, y)) &&
+                planes.plane("layer2.depth").at(x, y) != planes.plane("depth").at(x, y);
+  EXPECT_GT(others, 500);
+  // They do not change a picture that reads one layer.
+  good(kSolids + " -o one.png" + kSmall);
+  good(kSolids + " -o many.png --extra-views 4" + kSmall);
+  EXPECT_EQ(text_of(folder_ / "one.png"), text_of(folder_ / "many.png"));
+  for (const char* text : {"5", "-1", "1.5", "x", "nan"})
+    bad_option(fmt::format("--extra-views {}", text), {"--extra-views", fmt::format("'{}'", text), "from 0 to 4"});
+  bad("nothere.obj -o out.png --layers 8 --extra-views 1", 2, {"8 layers and 1 extra view are 9", "at most 8"});
+}
+
 TEST_F(Cli, RefusesGuardBands) {
   for (const char* text : {"-1", "-1%", "101%", "5%%", "5%5", "abc", "%", "nan%", "5 %"})
     bad(Words{"tri.obj", "-o", "out.png", "--guard-band", text}, 2,

@@ -84,7 +84,8 @@ Result<void> bench(const BenchOptions& o) {
     if (o.effect.empty() || o.effect == "capture")
       for (const bool shadow : {false, true}) {
         const auto times = time_of(o.runs, [&, width = width, height = height]() -> Result<void> {
-          const auto drawn = device.capture(frame->info.camera, {width, height, shadow});
+          const auto drawn =
+              device.capture(frame->info.camera, {.width = width, .height = height, .shadows = shadow ? 1 : 0});
           return drawn ? Result<void>() : drawn.error();
         });
         if (!times) return times.error();

@@ -84,14 +84,20 @@ void add_technique_options(CLI::App& command, CommonOptions& o) {
       .add_option("--guard-band", o.guard_band,
                   "draw so much more on each side and cut it off, as a share of the longer side [0%]")
       ->group(technique);
+  command
+      .add_option(
+          "--layers", o.layers,
+          "surfaces captured along each ray: layer1.depth is the second one's depth [1, or what the look wants]")
+      ->group(technique);
+  command
+      .add_option("--extra-views", o.extra_views,
+                  "further cameras that see what the first cannot, 0 to 4 [0, or what the look wants]")
+      ->group(technique);
 }
 
 void add_picture_options(CLI::App& command, CommonOptions& o) {
   const auto picture = "Picture";
   command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
-  command
-      .add_option("--layers", o.layers, "surfaces captured along each ray: layer1.depth is the second one's depth [1]")
-      ->group(picture);
   command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
   command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
   command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
@@ -171,11 +177,19 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
         number("--camera-zoom-factor", o.zoom, 1e-3, 1e3, framing.zoom)})
     if (!done) return done.error();
   framing.orthographic = o.orthographic;
-  const auto layers = parse_number("--layers", o.layers, 1, kMostLayers);
-  if (!layers) return layers.error();
-  if (*layers != std::floor(*layers))
-    return usage_error("--layers cannot be '{}': it takes a whole number from 1 to {}", o.layers, kMostLayers);
-  draw.layers = int(*layers);
+  const auto whole = [](std::string_view option, const std::string& text, int least, int most,
+                        std::optional<int>& out) -> Result<void> {
+    if (text.empty()) return {};
+    const auto value = parse_number(option, text, least, most);
+    if (!value) return value.error();
+    if (*value != std::floor(*value))
+      return usage_error("{} cannot be '{}': it takes a whole number from {} to {}", option, text, least, most);
+    out = int(*value);
+    return {};
+  };
+  if (auto done = whole("--layers", o.layers, 1, kMostLayers, draw.layers); !done) return done.error();
+  if (auto done = whole("--extra-views", o.extra_views, 0, kMostExtraViews, draw.extra_views); !done)
+    return done.error();
   constexpr double kWidestGuard = 100.0;
   const std::string_view share = std::string_view(o.guard_band).substr(0, o.guard_band.find('%'));
   const auto guard = parse_number("--guard-band", share, 0.0, kWidestGuard);

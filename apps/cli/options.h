@@ -18,7 +18,7 @@ struct CommonOptions {
   bool orthographic = false;
   std::string look = "ao", occlusion, radius;
   std::vector<std::string> settings;
-  std::string layers = "1", guard_band = "0%";
+  std::string layers, extra_views, guard_band = "0%";
   std::string background;
   bool no_background = false;
   std::string device = "auto", threads = "0";

@@ -48,14 +48,15 @@ int layers_for(std::string_view pass, std::span<const std::string> names) {
 }
 
 /// Checks the words of --passes against what the look will make, before any work.
-Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
+Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int captured_layers) {
   if (!o.passes || *o.passes == "all") return {};
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
-  const std::vector<std::string> captured = {"depth",     "normal", "albedo",    "specular",
-                                             "shininess", "shadow", "object_id", "material_id"};
+  std::vector<std::string> captured = {"depth",     "normal",    "albedo",      "specular",
+                                       "shininess", "object_id", "material_id", "emission"};
+  for (int light = 0; light < kMostShadows; ++light) captured.push_back(shadow_plane(light));
   std::vector<std::string> names;
-  for (int layer = 0; layer < draw.layers; ++layer)
+  for (int layer = 0; layer < captured_layers; ++layer)
     for (const std::string& name : captured) names.push_back(layer_plane(layer, name));
   const auto all = every_effect();
   for (std::string_view effect : recipe->look->effects) {
@@ -75,7 +76,8 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw) {
   for (const std::string& word : words) {
     if (std::find(names.begin(), names.end(), word) == names.end()) {
       if (const int layers = layers_for(word, captured); layers > 0)
-        return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, draw.layers, layers);
+        return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, captured_layers,
+                           layers);
       return usage_error("there is no pass '{}'{}", word, suggestion(word, names));
     }
     if (std::count(words.begin(), words.end(), word) > 1) return usage_error("--passes names '{}' twice", word);
@@ -137,7 +139,8 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
   std::vector<std::string> names;
   for (const std::string& word : split(*o.passes)) {
     const auto group = groups.find(word);
-    if (group == groups.end()) return usage_error("there is no pass '{}' in this picture", word);
+    if (group == groups.end())
+      return usage_error("there is no pass '{}' in this picture: nothing in the scene makes it", word);
     names.insert(names.end(), group->second.begin(), group->second.end());
   }
   if (extension == "png" && *o.passes == "outline")
@@ -181,14 +184,17 @@ Result<void> render(const RenderOptions& o) {
   if (!draw_with) return draw_with.error();
   if (o.passes) {
     const auto words = split(*o.passes);
-    draw_with->shadow = std::any_of(words.begin(), words.end(), [](const std::string& word) {
-      return word == "all" || word == "shadow" || word.ends_with(".shadow");
-    });
+    for (int light = 0; light < kMostShadows; ++light)
+      if (std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+            return word == "all" || word == shadow_plane(light) || word.ends_with("." + shadow_plane(light));
+          }))
+        draw_with->shadows = light + 1;
   }
   const auto recipe = make_recipe(*draw_with);
   if (!recipe) return recipe.error();
-  if (const auto capture_with = capture_settings(*draw_with, true); !capture_with) return capture_with.error();
-  if (auto fine = check_passes(o, *draw_with); !fine) return fine;
+  const auto capture_with = capture_settings(*draw_with, *recipe->look, kMostShadows);
+  if (!capture_with) return capture_with.error();
+  if (auto fine = check_passes(o, *draw_with, *layer_count(*capture_with)); !fine) return fine;
   const std::string_view extension = (*format)->extension;
   if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
     return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", *o.passes);

@@ -178,7 +178,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   DrawSettings draw = run.settings.draw;
   std::tie(draw.width, draw.height) = size;
   const std::string what = fmt::format("{}, camera {}, {}x{}", model, shot.name, size.first, size.second);
-  const auto capture_with = capture_settings(draw, false);
+  const auto capture_with = capture_settings(draw, *run.recipe.look, 0);
   if (!capture_with) return capture_with.error();
   auto frame = run.device.capture(frame_scene(scene, shot.framing, draw.width, draw.height), *capture_with);
   if (!frame) return frame.error();
@@ -241,12 +241,13 @@ Result<void> check_compare(const CompareSettings& settings) {
   for (const std::string& model : settings.models)
     if (std::count(settings.models.begin(), settings.models.end(), model) > 1)
       return usage_error("the model '{}' is named twice", model);
-  if (const auto recipe = make_recipe(settings.draw); !recipe) return recipe.error();
+  const auto recipe = make_recipe(settings.draw);
+  if (!recipe) return recipe.error();
   for (const auto& [width, height] : settings.sizes) {
     DrawSettings draw = settings.draw;
     draw.width = width;
     draw.height = height;
-    if (const auto capture = capture_settings(draw, false); !capture) return capture.error();
+    if (const auto capture = capture_settings(draw, *recipe->look, 0); !capture) return capture.error();
   }
   return {};
 }
@@ -264,7 +265,9 @@ Terms terms_of(const CompareSettings& settings) {
           .normal = said("normal"),
           .samples = settings.samples,
           .settings = fmt::format("{}", fmt::join(settings.draw.settings, " ")),
-          .guard = fmt::format("{:g}%", settings.draw.guard_percent)};
+          .guard = fmt::format("{:g}%", settings.draw.guard_percent),
+          .layers = settings.draw.layers.value_or(recipe->look->layers),
+          .extra_views = settings.draw.extra_views.value_or(recipe->look->extra_views)};
 }
 
 Result<Comparison> compare(Device& device, const CompareSettings& settings) {

@@ -53,6 +53,8 @@ struct Terms {
   int samples = 0;                      ///< of the truth
   std::string settings;                 ///< --set, joined by spaces
   std::string guard;                    ///< --guard-band
+  int layers = 1;                       ///< --layers
+  int extra_views = 0;                  ///< --extra-views
 
   bool operator==(const Terms&) const = default;
 };

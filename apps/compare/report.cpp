@@ -55,8 +55,12 @@ Plane class_picture(const ClassMap& classes) {
 }
 
 nlohmann::json terms_json(const Terms& terms) {
-  return {{"radius", terms.radius}, {"samples", terms.samples},   {"falloff", terms.falloff},
-          {"normal", terms.normal}, {"settings", terms.settings}, {"guard", terms.guard}};
+  nlohmann::json json = {{"radius", terms.radius}, {"samples", terms.samples},   {"falloff", terms.falloff},
+                         {"normal", terms.normal}, {"settings", terms.settings}, {"guard", terms.guard}};
+  // Named only where there is more than one layer.
+  if (terms.layers != 1) json["layers"] = terms.layers;
+  if (terms.extra_views != 0) json["extra_views"] = terms.extra_views;
+  return json;
 }
 
 /// What makes two records the same measurement.
@@ -184,12 +188,17 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
 }
 
 Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, const std::string& name) {
-  const nlohmann::json now = terms_json(terms);
+  nlohmann::json now = terms_json(terms);
+  now["layers"] = terms.layers;
+  now["extra_views"] = terms.extra_views;
+  const nlohmann::json seldom_named = {{"layers", 1}, {"extra_views", 0}};
   for (const nlohmann::json& record : baseline)
-    for (const auto& [field, value] : now.items())
-      if (record.at(field) != value)
-        return file_error("{}: it was measured on other terms: {} {}, now {}", name, field, record.at(field).dump(),
+    for (const auto& [field, value] : now.items()) {
+      const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);
+      if (before != value)
+        return file_error("{}: it was measured on other terms: {} {}, now {}", name, field, before.dump(),
                           value.dump());
+    }
   return {};
 }
 

@@ -106,29 +106,42 @@ Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::
   return {};
 }
 
-Result<CaptureSettings> capture_settings(const DrawSettings& draw, bool shadow) {
+Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows) {
   const int guard = int(std::ceil(draw.guard_percent / 100.0f * float(std::max(draw.width, draw.height))));
   const long width = draw.width + 2L * guard, height = draw.height + 2L * guard;
-  if (width * height * draw.layers > kMostPixels)
+  const CaptureSettings settings{.width = draw.width,
+                                 .height = draw.height,
+                                 .shadows = shadows,
+                                 .layers = draw.layers.value_or(look.layers),
+                                 .back_sides = look.back_sides,
+                                 .extra_views = draw.extra_views.value_or(look.extra_views),
+                                 .guard = guard};
+  const auto layers = layer_count(settings);
+  if (!layers) return layers.error();
+  if (width * height * *layers > kMostPixels)
     return usage_error("{} of {} x {} pixels {} too many: together at most {} pixels",
-                       draw.layers == 1 ? "one layer" : fmt::format("{} layers", draw.layers), width, height,
-                       draw.layers == 1 ? "is" : "are", kMostPixels);
-  return CaptureSettings{draw.width, draw.height, shadow, draw.layers, guard};
+                       *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
+                       *layers == 1 ? "is" : "are", kMostPixels);
+  return settings;
 }
 
 namespace {
 
-/// Whether any effect of the look reads the key light's shadow and does not leave it out: it is not traced otherwise.
-bool wants_shadow(const Recipe& recipe) {
+/// The shadows that effects of the look read and do not leave out, as so many of the first lights: others are not
+/// traced.
+int wanted_shadows(const Recipe& recipe) {
+  int wanted = 0;
   for (const std::string_view name : recipe.look->effects) {
-    const Effect* effect = find_effect(name);
+    const Effect* effect = find_effect(name == "occlusion" ? std::string_view(recipe.occlusion) : name);
     if (!effect) continue;
     const Parameter* strength = find_parameter(*effect, "shadow");
-    if (strength && parameter_text(*strength, recipe.settings.find(name)->second) == "0") continue;
+    if (strength && parameter_text(*strength, recipe.settings.find(effect->name)->second) == "0") continue;
     for (const Pass& pass : effect->passes)
-      if (std::find(pass.inputs.begin(), pass.inputs.end(), "shadow") != pass.inputs.end()) return true;
+      for (int light = wanted; light < kMostShadows; ++light)
+        if (std::find(pass.inputs.begin(), pass.inputs.end(), shadow_plane(light)) != pass.inputs.end())
+          wanted = light + 1;
   }
-  return false;
+  return wanted;
 }
 
 /// Applies --ao-radius to every technique that has one.
@@ -170,7 +183,8 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   if (!recipe) return recipe.error();
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty()) scene.lights = default_lights(scene, camera);
-  const auto capture_with = capture_settings(settings, settings.shadow || wants_shadow(*recipe));
+  const auto capture_with =
+      capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();
   auto frame = device.capture(camera, *capture_with);
   if (!frame) return frame;

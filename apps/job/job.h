@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,10 +41,11 @@ struct DrawSettings {
   std::string look = "ao";
   std::string occlusion;              ///< empty: the look's own
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
-  std::string radius;   ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
-  bool shadow = false;  ///< trace the key light's shadow though no effect of the look reads it
-  int layers = 1;       ///< surfaces captured along each primary ray
-  float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
+  std::string radius;  ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
+  int shadows = 0;     ///< trace the shadows of so many lights though no effect of the look reads them
+  std::optional<int> layers;       ///< surfaces captured along each primary ray; nothing: as many as the look wants
+  std::optional<int> extra_views;  ///< further cameras; nothing: as many as the look wants
+  float guard_percent = 0.0f;      ///< band drawn beyond each side and cut off, as a share of the picture's longer side
   std::function<bool(double)> progress = [](double) { return true; };  ///< see TraceControl
 };
 
@@ -76,8 +78,9 @@ struct Recipe {
 };
 Result<Recipe> make_recipe(const DrawSettings& draw);
 
-/// What the device is to capture. Errors: kUsage for a picture that is too large with its layers and guard band.
-Result<CaptureSettings> capture_settings(const DrawSettings& draw, bool shadow);
+/// What the device is to capture for a look. Errors: kUsage for too many layers, or a picture that is too large with
+/// them and its guard band.
+Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows);
 
 /// Draws a prepared scene: captures, runs the look. Scene must be the one that the device was prepared with; lights are
 /// added to it where it has none.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -13,6 +14,7 @@
 #include <limits>
 
 #include "rays/camera_rays.h"
+#include "rays/extra_cameras.h"
 #include "rays/traced_scene.h"
 
 namespace umbrage {
@@ -24,55 +26,147 @@ constexpr int kTileBlocks = 8;  // blocks per side of a tile that one task draws
 // behind the last one: two triangles that share an edge are one surface, and a sheet of paper has two sides.
 constexpr float kLayerStep = 1e-5f;
 
-/// The planes that are drawn, in this order.
-constexpr std::array kPlaneNames = {"depth",    "normal.x", "normal.y",  "normal.z", "albedo.r",  "albedo.g",
-                                    "albedo.b", "specular", "shininess", "shadow",   "object_id", "material_id"};
-
 /// A block of pixels on its way to the planes: stored row by row at the end, since single floats scattered over a dozen
 /// planes cost more than shading.
 struct alignas(64) Block {
   float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
-  float specular[kPacket], shininess[kPacket], shadow[kPacket], object[kPacket], material[kPacket];
+  float specular[kPacket], shininess[kPacket], shadow[kMostShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
+  float object[kPacket], material[kPacket];
 };
-static_assert(sizeof(Block) == kPlaneNames.size() * kPacket * sizeof(float));
 
 void clear(Block& block) {
   block = {};
   std::fill_n(block.depth, kPacket, std::numeric_limits<float>::infinity());
-  std::fill_n(block.shadow, kPacket, 1.0f);
+  std::fill_n(block.shadow[0], kMostShadows * kPacket, 1.0f);
   std::fill_n(block.object, kPacket, -1.0f);
   std::fill_n(block.material, kPacket, -1.0f);
 }
 
+/// A plane that is drawn, and where a block holds its pixels.
+struct DrawnPlane {
+  std::string name;
+  std::size_t offset;
+};
+
+/// A light whose shadow is traced.
+struct ShadowLight {
+  int index = 0;
+  bool point = false;
+  glm::vec3 where{0.0f};  ///< in unit space: where it stands, or the direction to it
+};
+
+/// What all blocks of a view share.
+struct Drawing {
+  const TracedScene& traced;
+  PictureInfo info;  ///< as the view's camera sees it
+  CameraRays rays;
+  std::vector<ShadowLight> lights;
+  std::vector<DrawnPlane> planes;  ///< of each layer, in this order
+};
+
+bool casts_from_afar(const Light& light) {
+  return light.casts_shadow && light.kind != LightKind::kHead;  // a head light shines from the eye: what is seen is lit
+}
+
+/// The planes of a layer. That of the key light's shadow is always there.
+std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, int shadows) {
+  std::vector<DrawnPlane> planes = {
+      {"depth", offsetof(Block, depth)},         {"normal.x", offsetof(Block, nx)},
+      {"normal.y", offsetof(Block, ny)},         {"normal.z", offsetof(Block, nz)},
+      {"albedo.r", offsetof(Block, ar)},         {"albedo.g", offsetof(Block, ag)},
+      {"albedo.b", offsetof(Block, ab)},         {"specular", offsetof(Block, specular)},
+      {"shininess", offsetof(Block, shininess)}, {"shadow", offsetof(Block, shadow)},
+      {"object_id", offsetof(Block, object)},    {"material_id", offsetof(Block, material)}};
+  for (int k = 1; k < std::min({int(info.lights.size()), shadows, kMostShadows}); ++k)
+    if (casts_from_afar(info.lights[k]))
+      planes.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0])});
+  const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                 [](const Material& material) { return material.emission != glm::vec3(0.0f); });
+  if (emits)
+    planes.insert(planes.end(), {{"emission.r", offsetof(Block, er)},
+                                 {"emission.g", offsetof(Block, eg)},
+                                 {"emission.b", offsetof(Block, eb)}});
+  return planes;
+}
+
+/// The lights are in view space; shadow rays run along world axes.
+std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
+                                       int shadows) {
+  std::vector<ShadowLight> lights;
+  for (int k = 0; k < std::min({int(info.lights.size()), shadows, kMostShadows}); ++k) {
+    const Light& light = info.lights[k];
+    if (!casts_from_afar(light)) continue;
+    const bool point = light.kind == LightKind::kPoint;
+    const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
+    lights.push_back({k, point, point ? where + rays.eye : where});
+  }
+  return lights;
+}
+
 /// Rows are padded to kRowAlignment floats, so that a block may be stored over the picture's right side.
-void store(const Block& block, int x0, int y0, int layer, Image& image) {
-  const float* values = block.depth;
-  for (std::size_t p = 0; p < kPlaneNames.size(); ++p) {
-    Plane& plane = image.planes[std::size_t(layer) * kPlaneNames.size() + p];
+void store(const Drawing& drawing, const Block& block, int x0, int y0, int layer, Image& image) {
+  for (std::size_t p = 0; p < drawing.planes.size(); ++p) {
+    Plane& plane = image.planes[std::size_t(layer) * drawing.planes.size() + p];
+    const float* values =
+        reinterpret_cast<const float*>(reinterpret_cast<const char*>(&block) + drawing.planes[p].offset);
     for (int j = 0; j < kBlock && y0 + j < image.height; ++j)
       std::memcpy(plane.row(y0 + j) + x0, values + j * kBlock, kBlock * sizeof(float));
-    values += kPacket;
+  }
+}
+
+/// The surfaces of a block, of those pixels that have one.
+struct Surfaces {
+  std::array<Surface, kPacket> at;
+  std::array<bool, kPacket> there{};
+};
+
+/// Fills in what arrives of each light.
+void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
+  alignas(64) RTCRay16 to_light;
+  for (const ShadowLight& light : drawing.lights) {
+    alignas(64) std::array<int, kPacket> wants_shadow{};
+    bool any_shadow = false;
+    for (int k = 0; k < kPacket; ++k) {
+      if (!surfaces.there[k]) continue;
+      const Surface& surface = surfaces.at[k];
+      const glm::vec3 toward = light.point ? light.where - surface.position : light.where;
+      if (!(glm::dot(surface.geometric, toward) > 0.0f)) {
+        out.shadow[light.index][k] = 0.0f;
+        continue;
+      }
+      // A point light's ray ends there.
+      set_ray(to_light, k, start_above(surface, drawing.rays.eye), toward,
+              light.point ? 1.0f : std::numeric_limits<float>::infinity());
+      wants_shadow[k] = -1;
+      any_shadow = true;
+    }
+    if (!any_shadow) continue;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcOccluded16(wants_shadow.data(), drawing.traced.rtc, &context, &to_light);
+    for (int k = 0; k < kPacket; ++k)
+      if (wants_shadow[k] && to_light.tfar[k] < 0.0f) out.shadow[light.index][k] = 0.0f;
   }
 }
 
 /// Fills a block from the hits of its primary rays; `valid` names the pixels that the picture has.
-void shade_block(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info, bool trace_shadow, int x0,
-                 int y0, const RTCRayHit16& rh, const std::array<int, kPacket>& valid, Block& out) {
+void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, const std::array<int, kPacket>& valid,
+                 Surfaces& surfaces, Block& out) {
   clear(out);
-  const glm::mat3 view(info.camera.view_from_world);
-  alignas(64) RTCRay16 to_light;
-  alignas(64) std::array<int, kPacket> wants_shadow{};
-  bool any_shadow = false;
-  const Light* key = trace_shadow && !info.lights.empty() && info.lights[0].casts_shadow ? &info.lights[0] : nullptr;
+  const glm::mat3 view(drawing.info.camera.view_from_world);
+  surfaces.there = {};
   for (int k = 0; k < kPacket; ++k) {
     if (!valid[k] || rh.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-    const Surface surface = surface_at(traced, rh.hit.geomID[k], rh.hit.primID[k], rh.hit.u[k], rh.hit.v[k],
-                                       {rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]},
-                                       {rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]},
-                                       {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]);
+    Surface& surface = surfaces.at[k];
+    surface = surface_at(drawing.traced, rh.hit.geomID[k], rh.hit.primID[k], rh.hit.u[k], rh.hit.v[k],
+                         {rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]},
+                         {rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]},
+                         {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]);
+    surfaces.there[k] = true;
     const glm::vec3 n = view * surface.normal;
-    const glm::vec3 albedo =
-        pixel_albedo(traced, rays, surface, float(x0 + k % kBlock) + 0.5f, float(y0 + k / kBlock) + 0.5f);
+    const glm::vec3 albedo = pixel_albedo(drawing.traced, drawing.rays, surface, float(x0 + k % kBlock) + 0.5f,
+                                          float(y0 + k / kBlock) + 0.5f);
     out.depth[k] = rh.ray.tfar[k];
     out.nx[k] = n.x;
     out.ny[k] = n.y;
@@ -80,41 +174,42 @@ void shade_block(const TracedScene& traced, const CameraRays& rays, const Pictur
     out.ar[k] = albedo.r;
     out.ag[k] = albedo.g;
     out.ab[k] = albedo.b;
+    out.er[k] = surface.material->emission.r;
+    out.eg[k] = surface.material->emission.g;
+    out.eb[k] = surface.material->emission.b;
     out.specular[k] = surface.material->specular_strength;
     out.shininess[k] = surface.material->specular_exponent;
     out.object[k] = float(surface.mesh->object);
     out.material[k] = float(surface.mesh->material);
-    if (!key) continue;
-
-    // The key light is in view space; shadow rays run along world axes.
-    glm::vec3 light =
-        rays.world_from_view * (key->kind == LightKind::kPoint ? key->position * traced.scale : key->direction);
-    float far_end = std::numeric_limits<float>::infinity();
-    if (key->kind == LightKind::kPoint) {
-      light = light + rays.eye - surface.position;
-      far_end = 1.0f;
-    }
-    if (key->kind == LightKind::kHead) continue;  // it shines from the eye: what is seen is lit
-    if (!(glm::dot(surface.geometric, light) > 0.0f)) {
-      out.shadow[k] = 0.0f;
-      continue;
-    }
-    set_ray(to_light, k, start_above(surface, rays.eye), light, far_end);
-    wants_shadow[k] = -1;
-    any_shadow = true;
   }
-  if (!any_shadow) return;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcOccluded16(wants_shadow.data(), traced.rtc, &context, &to_light);
-  for (int k = 0; k < kPacket; ++k)
-    if (wants_shadow[k] && to_light.tfar[k] < 0.0f) out.shadow[k] = 0.0f;
+  trace_shadows(drawing, surfaces, out);
 }
 
+/// The same surfaces from their other side, which has its own shadows. No camera sees it: it has no highlight.
+void turn_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
+  std::fill_n(block.shadow[0], kMostShadows * kPacket, 1.0f);
+  for (int k = 0; k < kPacket; ++k) {
+    if (!surfaces.there[k]) continue;
+    block.nx[k] = -block.nx[k];
+    block.ny[k] = -block.ny[k];
+    block.nz[k] = -block.nz[k];
+    block.specular[k] = 0.0f;
+    surfaces.at[k].geometric = -surfaces.at[k].geometric;
+    surfaces.at[k].normal = -surfaces.at[k].normal;
+  }
+  trace_shadows(drawing, surfaces, block);
+}
+
+/// Which layers of the image a camera's rays fill.
+struct DrawnLayers {
+  int first = 0;   ///< of the nearest surfaces
+  int count = 1;   ///< one behind the other, in layers that follow each other
+  int backs = -1;  ///< the first of as many layers of their other sides, or -1
+};
+
 /// Draws the 4 x 4 pixels from (x0, y0) on, all layers.
-void draw_block(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
-                const CaptureSettings& settings, int x0, int y0, Image& image) {
+void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y0, Image& image) {
+  const CameraRays& rays = drawing.rays;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -132,12 +227,13 @@ void draw_block(const TracedScene& traced, const CameraRays& rays, const Picture
   fill(rh.ray.dir_y, rays.direction.y, rays.direction_x.y, rays.direction_y.y);
   fill(rh.ray.dir_z, rays.direction.z, rays.direction_x.z, rays.direction_y.z);
   for (int k = 0; k < kPacket; ++k) {
-    valid[k] = x0 + k % kBlock < info.width && y0 + k / kBlock < info.height ? -1 : 0;
+    valid[k] = x0 + k % kBlock < image.width && y0 + k / kBlock < image.height ? -1 : 0;
     set_length(rh.ray, k, std::numeric_limits<float>::infinity());
     rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
   }
   Block block;
-  for (int layer = 0; layer < settings.layers; ++layer) {
+  Surfaces surfaces;
+  for (int layer = 0; layer < layers.count; ++layer) {
     if (layer > 0) {
       bool any = false;
       for (int k = 0; k < kPacket; ++k) {
@@ -155,14 +251,43 @@ void draw_block(const TracedScene& traced, const CameraRays& rays, const Picture
       }
       if (!any) {
         clear(block);
-        store(block, x0, y0, layer, image);
+        store(drawing, block, x0, y0, layers.first + layer, image);
+        if (layers.backs >= 0) store(drawing, block, x0, y0, layers.backs + layer, image);
         continue;
       }
     }
-    rtcIntersect16(valid.data(), traced.rtc, &context, &rh);
-    shade_block(traced, rays, info, settings.shadow, x0, y0, rh, valid, block);
-    store(block, x0, y0, layer, image);
+    rtcIntersect16(valid.data(), drawing.traced.rtc, &context, &rh);
+    shade_block(drawing, x0, y0, rh, valid, surfaces, block);
+    store(drawing, block, x0, y0, layers.first + layer, image);
+    if (layers.backs < 0) continue;
+    turn_block(drawing, surfaces, block);
+    store(drawing, block, x0, y0, layers.backs + layer, image);
   }
+}
+
+/// Draws what the picture's camera, or that of layer `view`, sees.
+void draw_view(const TracedScene& traced, const PictureInfo& info, const std::vector<DrawnPlane>& planes, int shadows,
+               int view, const DrawnLayers& layers, Image& image) {
+  Drawing drawing{.traced = traced, .info = layer_info(info, view), .rays = {}, .lights = {}, .planes = planes};
+  drawing.rays = camera_rays(traced, drawing.info);
+  drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, shadows);
+  if (!within_reach(drawing.rays, drawing.info)) {
+    // From there nothing is seen.
+    Block background;
+    clear(background);
+    for (int y = 0; y < info.height; y += kBlock)
+      for (int x = 0; x < info.width; x += kBlock)
+        for (int layer = 0; layer < layers.count; ++layer)
+          for (const int first : {layers.first, layers.backs})
+            if (first >= 0) store(drawing, background, x, y, first + layer, image);
+    return;
+  }
+  const int columns = (info.width + kBlock - 1) / kBlock, rows = (info.height + kBlock - 1) / kBlock;
+  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
+    for (int r = range.rows().begin(); r < range.rows().end(); ++r)
+      for (int c = range.cols().begin(); c < range.cols().end(); ++c)
+        draw_block(drawing, layers, c * kBlock, r * kBlock, image);
+  });
 }
 
 }  // namespace
@@ -192,27 +317,31 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   return info;
 }
 
+void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info) {
+  for (int layer = 1; layer < settings.layers; ++layer) info.more_layers.push_back({LayerKind::kBehind, layer - 1, {}});
+  for (int layer = 0; settings.back_sides && layer < settings.layers; ++layer)
+    info.more_layers.push_back({LayerKind::kBack, layer, {}});
+  for (const Camera& camera : extra_cameras(traced, info, settings.extra_views))
+    info.more_layers.push_back({LayerKind::kOther, 0, camera});
+}
+
 Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings) {
+  const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings.shadows);
+  const int all = 1 + int(info.more_layers.size());
   Image image(info.width, info.height);
-  image.planes.reserve(std::size_t(settings.layers) * kPlaneNames.size());
-  for (int layer = 0; layer < settings.layers; ++layer)
-    for (const char* name : kPlaneNames) image.add(layer_plane(layer, name));
-  const CameraRays rays = camera_rays(traced, info);
-  if (!within_reach(rays, info)) {
-    // From there nothing is seen.
-    Block background;
-    clear(background);
-    for (int y = 0; y < info.height; y += kBlock)
-      for (int x = 0; x < info.width; x += kBlock)
-        for (int layer = 0; layer < settings.layers; ++layer) store(background, x, y, layer, image);
-    return image;
+  image.planes.reserve(std::size_t(all) * planes.size());
+  for (int layer = 0; layer < all; ++layer)
+    for (const DrawnPlane& plane : planes) image.add(layer_plane(layer, plane.name));
+  DrawnLayers own;
+  for (int layer = 1; layer < all; ++layer) {
+    const LayerKind kind = info.more_layers[std::size_t(layer) - 1].kind;
+    if (kind == LayerKind::kBehind) ++own.count;
+    if (kind == LayerKind::kBack && own.backs < 0) own.backs = layer;
   }
-  const int columns = (info.width + kBlock - 1) / kBlock, rows = (info.height + kBlock - 1) / kBlock;
-  tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
-    for (int r = range.rows().begin(); r < range.rows().end(); ++r)
-      for (int c = range.cols().begin(); c < range.cols().end(); ++c)
-        draw_block(traced, rays, info, settings, c * kBlock, r * kBlock, image);
-  });
+  draw_view(traced, info, planes, settings.shadows, 0, own, image);
+  for (int layer = 1; layer < all; ++layer)
+    if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
+      draw_view(traced, info, planes, settings.shadows, layer, {.first = layer}, image);
   return image;
 }
 

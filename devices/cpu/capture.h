@@ -10,10 +10,14 @@ namespace umbrage {
 /// without its guard band.
 PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings);
 
-/// The planes of core/gbuffer.h for the nearest surfaces along each pixel centre's ray, one set per layer: the n-th
-/// surface that the ray meets, fronts and backs alike. Surfaces nearer to each other than a hundred-thousandth of their
-/// distances from the eye and from the scene's middle, added up, are one; which of them it is, rounding decides. Uses
-/// all threads of the calling task arena; the result does not depend on their number.
+/// Says in `info` which layers a capture with these settings has: see CaptureSettings.
+void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info);
+
+/// The planes of core/gbuffer.h for each pixel centre's ray, one set per layer that `info` names: first the surfaces
+/// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a
+/// hundred-thousandth of their distances from the eye and from the scene's middle, added up, are one; which of them it
+/// is, rounding decides. Of the settings only `shadows` counts. Uses all threads of the calling task arena; the result
+/// does not depend on their number.
 Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings);
 
 }  // namespace umbrage

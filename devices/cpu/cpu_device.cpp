@@ -53,10 +53,12 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane.starts_with("albedo.")) return 0.8f;
   if (plane == "specular") return 0.0f;
   if (plane == "shininess") return 1.0f;
-  if (plane == "shadow") return 1.0f;
+  if (plane.starts_with("shadow")) return 1.0f;
   if (plane == "ao") return 1.0f;
   if (plane == "outline" || plane == "object_id" || plane == "material_id") return 0.0f;
-  if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.")) return 0.0f;
+  if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
+      plane.starts_with("emission."))
+    return 0.0f;
   return std::nullopt;
 }
 
@@ -98,8 +100,13 @@ class CpuDevice final : public Device {
     check_less(0, settings.layers, "layers of a capture");
     check_less(settings.layers, kMostLayers + 1, "layers of a capture");
     check_less(-1, settings.guard, "guard band of a capture");
+    check_less(-1, settings.extra_views, "extra views of a capture");
+    check_less(settings.extra_views, kMostExtraViews + 1, "extra views of a capture");
+    static_assert(kMostMixedLayers == kLayersRead);
+    if (const auto count = layer_count(settings); !count) return count.error();
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
+    add_layers(*traced_, settings, frame.info);
     frame.storage = std::make_shared<Planes>(
         Planes{arena_.execute([&] { return capture_planes(*traced_, frame.info, settings); })});
     return frame;

@@ -1,10 +1,9 @@
 #include "effects/lighting/lighting.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <glm/geometric.hpp>
 
 #include "core/effect.h"
+#include "core/light_rig.h"
 #include "machine/kernel_frame.h"
 
 namespace umbrage {
@@ -35,8 +34,13 @@ const std::vector<Parameter> kTable = {
      .offset = offsetof(LightingParams, specular),
      .initial = 1.0,
      .most = kMostFactor},
+    {.name = "emission",
+     .help = "factor on the light that surfaces send out by themselves",
+     .offset = offsetof(LightingParams, emission),
+     .initial = 1.0,
+     .most = kMostFactor},
     {.name = "shadow",
-     .help = "how dark the key light's shadow is",
+     .help = "how dark shadows are",
      .offset = offsetof(LightingParams, shadow),
      .initial = 1.0,
      .most = 1.0},
@@ -57,39 +61,26 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   auto& c = *static_cast<LightingConstants*>(out);
   c = {};
   c.clay = params.material;
-  c.ambient_r = info.ambient.r * params.ambient;
-  c.ambient_g = info.ambient.g * params.ambient;
-  c.ambient_b = info.ambient.b * params.ambient;
   c.diffuse = params.diffuse;
   c.specular = params.specular;
-  c.shadow = params.shadow;
-
-  std::vector<Light> lights = info.lights;
-  if (params.rig != 0) {
-    // The light of [Chamberlin 2011]: ambient 0.3 and diffuse 0.7, so that white seen head on is white.
-    constexpr float kAmbient = 0.3f, kLight = 0.7f;
-    const glm::vec3 above_left = glm::normalize(glm::vec3(-0.45f, 0.65f, 0.62f));
-    const LightKind kind = params.rig == 1 ? LightKind::kHead : LightKind::kDirectional;
-    lights.assign(1, Light{.kind = kind, .direction = above_left, .color = glm::vec3(kLight)});
-    c.ambient_r = c.ambient_g = c.ambient_b = kAmbient * params.ambient;
-    c.shadow = 0.0f;  // the captured shadow is another light's
-  }
-  c.light_count = std::min(int(lights.size()), kLightingMostLights);
+  c.emission = params.material == 0 ? params.emission : 0.0f;  // clay does not shine
+  const LightRig rig = light_rig(Rig(params.rig), info);
+  c.ambient_r = rig.ambient.r * params.ambient;
+  c.ambient_g = rig.ambient.g * params.ambient;
+  c.ambient_b = rig.ambient.b * params.ambient;
+  c.shadow = rig.shadows ? params.shadow : 0.0f;
+  static_assert(kLightingMostLights == kMostRigLights);
+  c.light_count = int(rig.lights.size());
   for (int k = 0; k < c.light_count; ++k) {
-    const Light& light = lights[k];
-    // A head light is parallel along the view axis for an orthographic camera and a point at the eye otherwise.
-    const bool head = light.kind == LightKind::kHead;
-    const bool point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
-    const glm::vec3 where =
-        head ? (point ? glm::vec3(0.0f) : glm::vec3(0.0f, 0.0f, 1.0f)) : (point ? light.position : light.direction);
-    c.kind[k] = point ? 1 : 0;
-    c.x[k] = where.x;
-    c.y[k] = where.y;
-    c.z[k] = where.z;
+    const RigLight& light = rig.lights[k];
+    c.kind[k] = light.point ? 1 : 0;
+    c.x[k] = light.where.x;
+    c.y[k] = light.where.y;
+    c.z[k] = light.where.z;
     c.r[k] = light.color.r;
     c.g[k] = light.color.g;
     c.b[k] = light.color.b;
-    c.reach_squared[k] = head ? 0.0f : light.reach * light.reach;
+    c.reach_squared[k] = light.reach_squared;
   }
 }
 
@@ -106,8 +97,9 @@ const Effect& effect_lighting() {
       .constants_size = sizeof(LightingConstants),
       .constants = fill_constants,
       .passes = {{.name = "lighting",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "albedo.r", "albedo.g", "albedo.b",
-                             "specular", "shininess", "shadow"},
+                  .inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
+                             "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
+                             "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
                   .scalar = run_scalar_lighting,
                   .lanes = run_lanes_lighting,

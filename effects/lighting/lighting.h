@@ -6,7 +6,8 @@ const int kLightingMostLights = 16;
 // One row of the table in lighting.cpp per field.
 struct LightingParams {
   float ambient, diffuse, specular;  // factors
-  float shadow;                      // how much of the key light's shadow is applied
+  float emission;                    // factor on what surfaces send out by themselves
+  float shadow;                      // how much of the lights' shadows is applied
   int material;                      // 0 the scene's, 1 white clay
   int rig;                           // 0 the scene's lights, 1 a head light, 2 a key light
 };
@@ -15,7 +16,7 @@ struct LightingConstants {
   int light_count;
   int clay;  // 0 or 1
   float ambient_r, ambient_g, ambient_b;
-  float diffuse, specular, shadow;
+  float diffuse, specular, emission, shadow;
   // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
   int kind[kLightingMostLights];
   float x[kLightingMostLights], y[kLightingMostLights], z[kLightingMostLights];

@@ -1,6 +1,7 @@
 // Lambert and Blinn-Phong from the G-buffer. Based on [Blinn 1977].
 //
-// Radiance is kept apart by what occlusion may darken: `direct` from the lights, `ambient` from everywhere.
+// Radiance is kept apart by what occlusion may darken: `direct` from the lights and from the surface itself, `ambient`
+// from everywhere.
 // What is not a finite number in the end is 0.
 // Differs: Lambert's reflectance is not divided by pi; lights' colours are the radiance of a white surface facing them.
 IN_REAL(depth)
@@ -9,8 +10,29 @@ IN_COLOR(albedo)
 IN_REAL(specular)
 IN_REAL(shininess)
 IN_REAL(shadow)
+IN_REAL(shadow1)
+IN_REAL(shadow2)
+IN_REAL(shadow3)
+IN_REAL(shadow4)
+IN_REAL(shadow5)
+IN_REAL(shadow6)
+IN_REAL(shadow7)
+IN_COLOR(emission)
 OUT_COLOR(direct)
 OUT_COLOR(ambient)
+
+// The share of a light that arrives; lights after those that have a plane have no shadow.
+FN Real shadow_of(int light) {
+  if (light == 0) return near_shadow(0, 0);
+  if (light == 1) return near_shadow1(0, 0);
+  if (light == 2) return near_shadow2(0, 0);
+  if (light == 3) return near_shadow3(0, 0);
+  if (light == 4) return near_shadow4(0, 0);
+  if (light == 5) return near_shadow5(0, 0);
+  if (light == 6) return near_shadow6(0, 0);
+  if (light == 7) return near_shadow7(0, 0);
+  return Real(1.0f);
+}
 
 FN void lighting_pixel(Int px, Int py) {
   Real depth = near_depth(0, 0);
@@ -26,6 +48,7 @@ FN void lighting_pixel(Int px, Int py) {
     strength = Real(0.0f);
   }
   Vec3 sum = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  if (C.emission > 0.0f) sum = near_emission(0, 0) * Real(C.emission);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
     Real arrives = Real(1.0f);
@@ -35,7 +58,7 @@ FN void lighting_pixel(Int px, Int py) {
       light = away * rsqrt(squared);
       if (C.reach_squared[k] > 0.0f) arrives = Real(C.reach_squared[k]) / squared;
     }
-    if (k == 0) arrives = arrives * mad(near_shadow(0, 0) - 1.0f, Real(C.shadow), Real(1.0f));
+    if (C.shadow > 0.0f) arrives = arrives * mad(shadow_of(k) - 1.0f, Real(C.shadow), Real(1.0f));
     Real lambert = max(dot(normal, light), Real(0.0f));
     Real highlight = Real(0.0f);
     if (C.specular > 0.0f) {

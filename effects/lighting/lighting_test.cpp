@@ -21,7 +21,7 @@ constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
 // --------------------------------------------------------------------------------------------
 
 struct Factors {
-  double ambient = 1.0, diffuse = 1.0, specular = 1.0, shadow = 1.0;
+  double ambient = 1.0, diffuse = 1.0, specular = 1.0, emission = 1.0, shadow = 1.0;
   bool clay = false;
 };
 
@@ -53,6 +53,9 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
   Lit lit;
   lit.ambient = albedo * glm::dvec3(g.info.ambient) * f.ambient;
   lit.error = 1e-6;
+  if (image.find("emission.r") && !f.clay)
+    lit.direct = f.emission * glm::dvec3(value("emission.r"), value("emission.g"), value("emission.b"));
+  lit.error += 2e-7 * std::max({lit.direct.r, lit.direct.g, lit.direct.b});
   for (std::size_t k = 0; k < g.info.lights.size() && k < std::size_t(kMostLights); ++k) {
     const Light& light = g.info.lights[k];
     glm::dvec3 to_light(light.direction);
@@ -64,7 +67,8 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
       to_light = (where - position) / distance;
       if (light.kind == LightKind::kPoint && light.reach > 0.0f) arrives = std::pow(light.reach / distance, 2.0);
     }
-    if (k == 0) arrives *= 1.0 - (1.0 - value("shadow")) * f.shadow;
+    const std::string shadow = k == 0 ? "shadow" : fmt::format("shadow{}", k);
+    if (k < 8 && image.find(shadow)) arrives *= 1.0 - (1.0 - value(shadow.c_str())) * f.shadow;
     const double facing = glm::dot(normal, to_light);
     if (std::fabs(facing) < 1e-5) lit.on_edge = true;
     if (facing <= 0.0) continue;
@@ -161,6 +165,58 @@ TEST(Lighting, FactorsScaleTheirParts) {
   compare(varied(true), settings, {.ambient = 0.5, .diffuse = 2.0, .specular = 0.25, .shadow = 0.6});
   compare(varied(true), {{"specular", "0"}}, {.specular = 0.0});
   compare(varied(false), {{"diffuse", "0"}}, {.diffuse = 0.0});
+}
+
+/// Ten lights; the first eight have a shadow of their own, though the last plane that is there is no light's.
+GBuffer with_shadows() {
+  GBuffer g = varied(true);
+  g.info.lights.clear();
+  for (int k = 0; k < 10; ++k)
+    g.info.lights.push_back({.kind = k % 2 ? LightKind::kPoint : LightKind::kDirectional,
+                             .direction = glm::normalize(glm::vec3(std::cos(1.0f * k), std::sin(1.0f * k), 1.0f)),
+                             .position = {std::cos(2.0f * k), std::sin(2.0f * k), 0.5f},
+                             .color = glm::vec3(0.05f * float(k + 1), 0.2f, 0.3f / float(k + 1)),
+                             .reach = 3.0f});
+  for (int k = 1; k <= 8; ++k) {
+    Plane& plane = g.layers[0].add(fmt::format("shadow{}", k));
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = float(test::hash(x + 101u * y + 10007u * k) % 5) / 4.0f;
+  }
+  return g;
+}
+
+TEST(Lighting, EachLightHasItsOwnShadow) {
+  const GBuffer g = with_shadows();
+  compare(g, {}, {});
+  compare(g, {{"shadow", "0.4"}}, {.shadow = 0.4});
+  compare(g, {{"shadow", "0"}}, {.shadow = 0.0});
+  // One light in its shadow leaves the others as they are.
+  const Effect& effect = *find_effect("lighting");
+  for (int dark = 0; dark < 8; ++dark) {
+    GBuffer lit = uniform(1, 1, 5.0f, {0, 0, 1}, 1.0f);
+    double expected = 0.0;
+    for (int k = 0; k < 9; ++k) {
+      lit.info.lights.push_back({.direction = {0, 0, 1}, .color = glm::vec3(float(1 << k) / 512.0f)});
+      if (k != dark) expected += (1 << k) / 512.0;
+      if (k > 0 && k < 8) lit.layers[0].add(fmt::format("shadow{}", k)) = Plane(1, 1, 1.0f);
+    }
+    lit.layers[0].plane(dark == 0 ? std::string("shadow") : fmt::format("shadow{}", dark)) = Plane(1, 1, 0.0f);
+    EXPECT_NEAR(test::run_effect(effect, lit, {}, {}).plane("direct.r").at(0, 0), expected, 1e-6) << dark;
+  }
+}
+
+TEST(Lighting, EmissionIsDirectLight) {
+  GBuffer g = varied(true);
+  for (const char* name : {"emission.r", "emission.g", "emission.b"}) {
+    Plane& plane = g.layers[0].add(name);
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x)
+        plane.at(x, y) = float(test::hash(x + 977u * y + unsigned(name[9])) % 100) / 20.0f;
+  }
+  compare(g, {}, {});
+  compare(g, {{"emission", "0.5"}}, {.emission = 0.5});
+  compare(g, {{"emission", "0"}}, {.emission = 0.0});
+  compare(g, {{"material", "clay"}}, {.clay = true});
 }
 
 TEST(Lighting, ClayIsWhiteWithoutHighlights) { compare(varied(true), {{"material", "clay"}}, {.clay = true}); }

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include "core/effect.h"
+#include "core/light_rig.h"
 #include "machine/kernel_frame.h"
 
 namespace umbrage {
@@ -115,30 +116,21 @@ const std::vector<Parameter> kTable = {
 float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
 
 void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
-  std::vector<Light> lights = info.lights;
-  if (params.rig != 0) {
-    const glm::vec3 above_left = glm::normalize(glm::vec3(-0.45f, 0.65f, 0.62f));  // as `lighting` has it
-    const LightKind kind = params.rig == 1 ? LightKind::kHead : LightKind::kDirectional;
-    lights.assign(1, Light{.kind = kind, .direction = above_left});
-    c.shadow = 0.0f;  // the captured shadow is another light's
-  }
+  const LightRig rig = light_rig(Rig(params.rig), info);
+  if (!rig.shadows) c.shadow = 0.0f;
   // The paper has one light, which does not fall off.
   const bool paper = params.mode == kToonPaper;
-  c.light_count = std::min(int(lights.size()), paper ? 1 : kToonMostLights);
-  const float key = lights.empty() ? 0.0f : luminance(lights[0].color);
+  static_assert(kToonMostLights == kMostRigLights);
+  c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMostLights);
+  const float key = rig.lights.empty() ? 0.0f : luminance(rig.lights[0].color);
   for (int k = 0; k < c.light_count; ++k) {
-    const Light& light = lights[k];
-    // A head light is parallel along the view axis for an orthographic camera and a point at the eye otherwise.
-    const bool head = light.kind == LightKind::kHead;
-    const bool point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
-    const glm::vec3 where =
-        head ? (point ? glm::vec3(0.0f) : glm::vec3(0.0f, 0.0f, 1.0f)) : (point ? light.position : light.direction);
-    c.kind[k] = point ? 1 : 0;
-    c.x[k] = where.x;
-    c.y[k] = where.y;
-    c.z[k] = where.z;
+    const RigLight& light = rig.lights[k];
+    c.kind[k] = light.point ? 1 : 0;
+    c.x[k] = light.where.x;
+    c.y[k] = light.where.y;
+    c.z[k] = light.where.z;
     c.share[k] = k == 0 ? 1.0f : key > 0.0f ? luminance(light.color) / key : 0.0f;
-    c.reach_squared[k] = head || paper ? 0.0f : light.reach * light.reach;
+    c.reach_squared[k] = paper ? 0.0f : light.reach_squared;
   }
 }
 

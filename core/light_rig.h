@@ -1,0 +1,35 @@
+// Light rig: the lights of a picture as kernels read them, and the rigs that may stand in for the scene's own.
+#pragma once
+#include <vector>
+
+#include "core/gbuffer.h"
+
+namespace umbrage {
+
+/// Values of the parameter `rig` that effects with lights have, in the order of its choices.
+enum class Rig {
+  kScene,  ///< the scene's lights
+  kHead,   ///< one white light at the eye, without shadow
+  kKey,    ///< one white parallel light from above and to the left of the camera, without shadow
+};
+
+/// One light, in view space.
+struct RigLight {
+  bool point = false;  ///< it stands at `where`; otherwise `where` is the unit direction towards it
+  glm::vec3 where{0.0f};
+  glm::vec3 color{1.0f};
+  float reach_squared = 0.0f;  ///< (point) of the distance at which the colour holds; 0: no falloff
+};
+
+struct LightRig {
+  std::vector<RigLight> lights;  ///< the key light first; at most kMostRigLights
+  glm::vec3 ambient{0.0f};
+  bool shadows = true;  ///< whether the captured shadows are those of these lights
+};
+
+/// Lights that shine; those after them do not.
+inline constexpr int kMostRigLights = 16;
+
+LightRig light_rig(Rig rig, const PictureInfo& info);
+
+}  // namespace umbrage

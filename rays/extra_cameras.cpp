@@ -1,0 +1,155 @@
+#include "rays/extra_cameras.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_access.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
+#include <limits>
+
+#include "rays/camera_rays.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr int kSides = 4;
+constexpr int kGrid = 32;                // rays per side of the picture that measure its depth
+constexpr float kShareOfRoom = 0.95f;    // of the free distance: the eye does not stand in the wall
+constexpr float kWidestTan = 1.428148f;  // of half of 110 degrees
+constexpr float kGap = 0.03f;            // between c and a surface, as a share of the median depth
+constexpr float kFarthest = 1.6f;        // c from the eye, in median depths
+constexpr float kClearlyBetter = 1.1f;
+constexpr float kNearest = 1e-3f;  // least distance of an eye from c, as a share of the picture's own
+
+/// Distance to the first surface, in lengths of `direction`.
+float free_distance(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  alignas(16) RTCRayHit hit{};
+  hit.ray.org_x = origin.x;
+  hit.ray.org_y = origin.y;
+  hit.ray.org_z = origin.z;
+  hit.ray.dir_x = direction.x;
+  hit.ray.dir_y = direction.y;
+  hit.ray.dir_z = direction.z;
+  hit.ray.tfar = kInfinity;
+  hit.ray.mask = ~0u;
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(traced.rtc, &context, &hit);
+  return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kInfinity : hit.ray.tfar;
+}
+
+/// Median of the depths that the picture shows, or of nothing the scene's distance.
+float median_depth(const TracedScene& traced, const PictureInfo& info) {
+  const CameraRays rays = camera_rays(traced, info);
+  std::vector<float> depths;
+  if (within_reach(rays, info))
+    for (int j = 0; j < kGrid; ++j)
+      for (int i = 0; i < kGrid; ++i) {
+        const float x = (float(i) + 0.5f) / kGrid * float(info.width),
+                    y = (float(j) + 0.5f) / kGrid * float(info.height);
+        const float depth = free_distance(traced, rays.origin_at(x, y), rays.direction_at(x, y));
+        if (std::isfinite(depth)) depths.push_back(depth);
+      }
+  if (depths.empty()) return 0.5f * (info.depth_min + info.depth_max);
+  const auto middle = depths.begin() + std::ptrdiff_t(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle;
+}
+
+/// Depths of the surfaces that the axis meets, up to `most`.
+std::vector<float> crossings_of(const TracedScene& traced, glm::vec3 start, glm::vec3 axis, float most) {
+  constexpr int kMostCrossings = 16;
+  constexpr float kStep = 1e-4f;  // behind a surface the next one is looked for, as a share of `most`
+  std::vector<float> crossings;
+  for (float from = 0.0f; int(crossings.size()) < kMostCrossings;) {
+    const float depth = from + free_distance(traced, traced.unit_of(start + axis * from), axis * traced.scale);
+    if (!(depth < most)) break;
+    crossings.push_back(depth);
+    from = depth + kStep * most;
+  }
+  return crossings;
+}
+
+/// From c to the eyes, unit: from behind it, both sides, above.
+std::array<glm::vec3, kSides> sides_of(const Camera& camera, glm::vec3 to_eye, glm::vec3 up) {
+  constexpr float kNearlyParallel = 0.95f;
+  // Who looks down on a scene sees its sides from where the picture's edges are.
+  if (!(glm::length(up) > 0.0f) || std::abs(glm::dot(glm::normalize(up), to_eye)) > kNearlyParallel)
+    up = glm::vec3(glm::row(camera.view_from_world, 1));
+  up = glm::normalize(up);
+  const auto turned = [&](float angle_deg) {
+    return glm::vec3(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), up) * glm::vec4(to_eye, 0.0f));
+  };
+  return {turned(180.0f), turned(90.0f), turned(-90.0f), up};
+}
+
+}  // namespace
+
+std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& info, int count) {
+  if (count == 0) return {};
+  const PictureInfo inner = inner_info(info);
+  const Camera& own = inner.camera;
+  const bool orthographic = own.projection == Projection::kOrthographic;
+  const glm::mat3 world_from_view = glm::transpose(glm::mat3(own.view_from_world));
+  const glm::vec2 middle(0.5f * (own.left + own.right), 0.5f * (own.bottom + own.top));
+  const glm::vec2 half(0.5f * (own.right - own.left), 0.5f * (own.top - own.bottom));
+  const glm::vec3 start = own.eye() + (orthographic ? world_from_view * glm::vec3(middle, 0.0f) : glm::vec3(0.0f));
+  const glm::vec3 axis = world_from_view * (orthographic ? glm::vec3(0, 0, -1) : glm::vec3(middle, -1.0f));
+  const float axis_length = glm::length(axis);
+  const std::array<glm::vec3, kSides> sides = sides_of(own, -axis / axis_length, traced.scene->up);
+
+  // c lies a little before the median depth, or else a little behind or before one of the surfaces that the axis meets,
+  // where that leaves clearly more room: a drape that hangs in the middle would stand close behind c.
+  const float median = median_depth(traced, inner);
+  const float gap = kGap * median, own_distance = (median - gap) * axis_length;
+  std::vector<float> depths = {median - gap};
+  const std::vector<float> crossings = crossings_of(traced, start, axis, kFarthest * median);
+  if (!crossings.empty()) depths.push_back(crossings[0] - std::min(gap, 0.5f * crossings[0]));
+  for (const float crossing : crossings) depths.push_back(crossing + gap);
+  std::array<bool, kSides> eye_sees_out{};
+  for (int k = 0; k < kSides; ++k)
+    eye_sees_out[k] = !std::isfinite(free_distance(traced, traced.unit_of(start), sides[k]));
+  glm::vec3 c = start + axis * depths[0];
+  float best_room = -1.0f;
+  std::array<float, kSides> distances{};
+  for (const float depth : depths) {
+    const glm::vec3 point = start + axis * depth;
+    std::array<float, kSides> free{};
+    float room = 0.0f;
+    bool left_the_house = false;
+    for (int k = 0; k < kSides; ++k) {
+      const float ahead = free_distance(traced, traced.unit_of(point), sides[k]) / traced.scale;
+      // From outside a room nothing in it is seen. Straight ahead the way out may be one that the eye has not.
+      left_the_house = left_the_house || (k > 0 && !std::isfinite(ahead) && !eye_sees_out[k]);
+      free[k] = std::clamp(kShareOfRoom * ahead, kNearest * own_distance, depth * axis_length);
+      room +=
+          std::sqrt(std::min(free[k] / own_distance, 1.0f));  // a little room for each is worth more than much for one
+    }
+    if (!(room > best_room * kClearlyBetter) || (left_the_house && best_room >= 0.0f)) continue;
+    best_room = room;
+    c = point;
+    distances = free;
+  }
+
+  const float depth = glm::dot(c - start, axis) / (axis_length * axis_length);
+  std::vector<Camera> cameras;
+  for (int k = 0; k < std::min(count, kSides); ++k) {
+    const glm::vec3 eye = c + sides[k] * distances[k];
+    Camera camera = perspective_camera(eye, c, traced.scene->up, 90.0f, 1.0f);
+    camera.projection = own.projection;
+    float wider = 1.0f;
+    if (!orthographic) wider = std::min(depth / distances[k], kWidestTan / std::max(half.x, half.y));
+    camera.left = -half.x * wider;
+    camera.right = half.x * wider;
+    camera.bottom = -half.y * wider;
+    camera.top = half.y * wider;
+    cameras.push_back(with_guard({.width = inner.width, .height = inner.height, .camera = camera}, info.guard).camera);
+  }
+  return cameras;
+}
+
+}  // namespace umbrage

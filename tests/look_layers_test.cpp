@@ -1,0 +1,93 @@
+// Looks on several depth layers: what runs on which, and what a look wants captured.
+#include <gtest/gtest.h>
+
+#include "apps/job/job.h"
+#include "devices/cpu/cpu_device.h"
+#include "effects/effects.h"
+#include "scene/builtin.h"
+
+namespace umbrage {
+namespace {
+
+bool never(const ParameterBytes&) { return false; }
+
+/// A technique that no device runs and that reads `input`.
+Effect reader_of(std::string_view input, bool (*needed)(const ParameterBytes&) = nullptr) {
+  Effect effect{.name = "reader", .summary = "reads a plane", .kind = EffectKind::kOcclusion};
+  effect.passes = {{.name = "reader", .inputs = {"depth", input}, .outputs = {"ao"}, .needed = needed}};
+  return effect;
+}
+
+/// Names of the planes after the look `lit` with this technique, on so many layers.
+std::vector<std::string> planes_with(const Effect& technique, const CaptureSettings& settings) {
+  const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
+  const auto device = make_cpu_device();
+  EXPECT_TRUE(device->prepare(scene));
+  auto frame = device->capture(frame_scene(scene, {}, settings.width, settings.height), settings);
+  EXPECT_TRUE(frame);
+  const Effect* const handed_in[] = {&technique};
+  EffectSettings effect_settings = look_settings(*find_look("lit"));
+  effect_settings["reader"] = {};
+  std::vector<std::string> stages;
+  const auto done =
+      run_look({.look = find_look("lit"),
+                .occlusion = "reader",
+                .settings = &effect_settings,
+                .after = [&](std::string_view name) { stages.emplace_back(name); },
+                .handed_in = handed_in,
+                .run_handed_in = [](const Effect&, const ParameterBytes&, Frame&) -> Result<void> { return {}; }},
+               *device, *frame);
+  EXPECT_TRUE(done);
+  EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output"}));
+  return device->download(*frame, {})->names;
+}
+
+bool holds(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+TEST(LookLayers, WhatALaterEffectReadsOnLayersIsMadeOnAllOfThem) {
+  const CaptureSettings settings{.width = 16, .height = 16, .layers = 2, .back_sides = true, .extra_views = 1};
+  const auto names = planes_with(reader_of("layer1.direct.r"), settings);
+  for (int layer = 0; layer < 5; ++layer)
+    for (const char* plane : {"direct.r", "ambient.b"}) EXPECT_TRUE(holds(names, layer_plane(layer, plane))) << layer;
+  EXPECT_FALSE(holds(names, "layer5.direct.r"));
+  EXPECT_FALSE(holds(names, "layer1.color.r")) << "nobody reads it there";
+}
+
+TEST(LookLayers, WhatNobodyReadsOnLayersIsMadeOnTheFirstAlone) {
+  const CaptureSettings settings{.width = 16, .height = 16, .layers = 2};
+  for (const Effect& effect : {reader_of("direct.r"), reader_of("layer1.depth"), reader_of("layer1.direct.r", never)}) {
+    const auto names = planes_with(effect, settings);
+    EXPECT_TRUE(holds(names, "direct.r"));
+    EXPECT_FALSE(holds(names, "layer1.direct.r"));
+  }
+}
+
+TEST(LookLayers, TheUserWinsOverTheLook) {
+  const Look look{.name = "deep", .layers = 3, .back_sides = true, .extra_views = 1};
+  DrawSettings draw;
+  auto settings = capture_settings(draw, look, 1);
+  ASSERT_TRUE(settings);
+  EXPECT_EQ(settings->layers, 3);
+  EXPECT_TRUE(settings->back_sides);
+  EXPECT_EQ(settings->extra_views, 1);
+  EXPECT_EQ(settings->shadows, 1);
+  draw.layers = 1;
+  draw.extra_views = 4;
+  settings = capture_settings(draw, look, 1);
+  ASSERT_TRUE(settings);
+  EXPECT_EQ(settings->layers, 1);
+  EXPECT_EQ(settings->extra_views, 4);
+  draw.layers = 3;
+  const auto refused = capture_settings(draw, look, 1);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(refused.error().message.find("4 extra views are 10"), std::string::npos) << refused.error().message;
+  draw.layers = draw.extra_views = 1;
+  draw.width = draw.height = 8192;
+  EXPECT_FALSE(capture_settings(draw, look, 1)) << "three layers of so many pixels";
+}
+
+}  // namespace
+}  // namespace umbrage
