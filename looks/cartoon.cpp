@@ -20,6 +20,8 @@ const Look& look_cartoon() {
                   {"unsharp.strength", "12"},      {"unsharp.background", "ignore"},
                   {"unsharp.white_edge", "off"},   {"gaussian.rounds", "6"},
                   {"gaussian.edges", "on"},        {"outline.width", "0.2%"},
+                  {"outline.ids", "both"},         {"toon.bands", "5"},
+                  {"toon.ambient", "0.25"},        {"toon.extra", "0.1"},
                   {"output.background_r", "0.93"}, {"output.background_g", "0.91"},
                   {"output.background_b", "0.87"}},
   };

@@ -29,8 +29,7 @@ void Run(const KernelFrame& frame, const Tile& tile) {
   Kernel kernel{{frame}};
   for (int y = tile.y0; y < tile.y1; ++y)
     for (int x = tile.x0; x < tile.x1; x += kLanes) {
-      kernel.view.x = x;
-      kernel.view.y = y;
+      kernel.view.move(x, y);
       kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(hn::Iota(DI(), x), Int(y));
     }
 }

@@ -16,9 +16,22 @@ namespace umbrage {
 namespace HWY_NAMESPACE {
 namespace {
 
+// Neighbours up to so many pixels away are read without looking for the border, where it is farther.
+constexpr int kMargin = 32;
+
 struct LanesView {
   const KernelFrame& frame;
-  int x = 0, y = 0;  // the first lane's pixel
+  int x = 0, y = 0;         // the first lane's pixel
+  bool inner = false;       // all lanes lie kMargin or more inside the picture
+  std::ptrdiff_t here = 0;  // of pixel (x, y) in a plane
+
+  HWY_INLINE void move(int to_x, int to_y) {
+    x = to_x;
+    y = to_y;
+    inner =
+        x >= kMargin && x + kLanes + kMargin <= frame.frame.width && y >= kMargin && y + kMargin < frame.frame.height;
+    here = std::ptrdiff_t(y) * frame.frame.stride + x;
+  }
 
   float* plane(std::string_view name) const { return frame.plane(name); }
   HWY_INLINE Real load(const float* plane, Int X, Int Y) const {
@@ -27,6 +40,11 @@ struct LanesView {
     return hn::GatherIndex(D(), plane, (row * Int(frame.frame.stride) + column).v);
   }
   HWY_INLINE Real near(const float* plane, int i, int j) const {
+    const bool close = unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin;
+    if (HWY_LIKELY(inner && close)) return hn::LoadU(D(), plane + here + std::ptrdiff_t(j) * frame.frame.stride + i);
+    return near_border(plane, i, j);
+  }
+  HWY_NOINLINE Real near_border(const float* plane, int i, int j) const {
     const int row = HWY_MIN(HWY_MAX(y + j, 0), frame.frame.height - 1);
     const int column = x + i;
     const float* start = plane + std::ptrdiff_t(row) * frame.frame.stride;
@@ -34,13 +52,13 @@ struct LanesView {
     return hn::GatherIndex(D(), start, clamp(Int(hn::Iota(DI(), column)), Int(0), Int(frame.frame.width - 1)).v);
   }
   HWY_INLINE Bool inside(int i, int j) const {
+    if (HWY_LIKELY(inner && unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin))
+      return Int(0) == Int(0);
     const Int column = hn::Iota(DI(), x + i);
     const bool row = y + j >= 0 && y + j < frame.frame.height;
     return column >= Int(row ? 0 : 0x7fffffff) && column < Int(frame.frame.width);
   }
-  HWY_INLINE void store(float* plane, Real v) const {
-    hn::StoreU(v.v, D(), plane + std::ptrdiff_t(y) * frame.frame.stride + x);
-  }
+  HWY_INLINE void store(float* plane, Real v) const { hn::StoreU(v.v, D(), plane + here); }
 };
 
 }  // namespace

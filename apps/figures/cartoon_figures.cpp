@@ -196,11 +196,12 @@ double linear_from_display(double v) { return v > 0.04045 ? std::pow((v + 0.055)
 /// The five values that listing 1 can give: 1 - (n/8)^2 for none and for 5 to 8 of 8 samples.
 constexpr std::array kRawValues = {1.0, 1.0 - 25.0 / 64.0, 1.0 - 36.0 / 64.0, 1.0 - 49.0 / 64.0, 0.0};
 
-/// Green light of the darkest of four bands on white, and from each band to the next: `toon`'s initial values.
-constexpr double kDarkestBand = 0.16, kBandStep = (1.0 - kDarkestBand) / 3.0;
+/// Bands of look `cartoon`, green light of the darkest one on white, and from each band to the next.
+constexpr int kOurBands = 5;
+constexpr double kDarkestBand = 0.16, kBandStep = (1.0 - kDarkestBand) / (kOurBands - 1);
 bool in_a_band(double lit) {
   const double band = (lit - kDarkestBand) / kBandStep;
-  return band > -0.5 && band < 3.5 && std::abs(band - std::round(band)) < 1e-3;
+  return band > -0.5 && band < kOurBands - 0.5 && std::abs(band - std::round(band)) < 1e-3;
 }
 
 const std::vector<std::string> kPlanes = {"object_id", "normal.x", "normal.y", "normal.z", "albedo.g", "ao", "outline"};
@@ -303,8 +304,8 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
         {{"4: noise left on the open ground; of white noise 6 rounds leave 0.161",
           noise(image, parts.open) / noise(raw.image, parts.open), 0.0, blurred_noise(kOurBlurRounds)},
          {"4: share of the background that occlusion creeps onto", dark_background(both), 0.0, 0.0},
-         {"5: share of the surface in one of four bands", band_share(lighting, true), 0.0, 0.1},
-         {"6: share of the surface off the lines in one of four bands", band_share(both, false), 0.8, 1.0}});
+         {"5: share of the surface in one of five bands", band_share(lighting, true), 0.0, 0.1},
+         {"6: share of the surface off the lines in one of five bands", band_share(both, false), 0.8, 1.0}});
   }
   return figure;
 }

@@ -14,6 +14,8 @@ UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
 UMBRAGE_DECLARE_KERNEL(outline_ends)
 UMBRAGE_DECLARE_KERNEL(outline)
+UMBRAGE_DECLARE_KERNEL(outline_window)
+UMBRAGE_DECLARE_KERNEL(outline_paper)
 
 namespace {
 
@@ -28,6 +30,12 @@ constexpr std::uint32_t kEndsSpirv[] = {
 };
 constexpr std::uint32_t kOutlineSpirv[] = {
 #include "spirv/outline.inc"
+};
+constexpr std::uint32_t kWindowSpirv[] = {
+#include "spirv/outline_window.inc"
+};
+constexpr std::uint32_t kPaperSpirv[] = {
+#include "spirv/outline_paper.inc"
 };
 
 // Automatic planes of the paper's window depth, as `unsharp` has them: the farthest corner at 90 % of the range, and
@@ -129,6 +137,10 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.sight = int((c.width_px + kAntialiasing) * kMostStretch) + 1;
 }
 
+bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mode == kOutlinePaper; }
+
+bool is_robust(const ParameterBytes& bytes) { return !is_paper(bytes); }
+
 }  // namespace
 
 const Effect& effect_outline() {
@@ -148,27 +160,44 @@ const Effect& effect_outline() {
                   .outputs = {"outline_right", "outline_below"},
                   .scalar = run_scalar_outline_find,
                   .lanes = run_lanes_outline_find,
-                  .spirv = kFindSpirv},
+                  .spirv = kFindSpirv,
+                  .needed = is_robust},
                  {.name = "outline_refine",
                   .inputs = {"outline_right", "outline_below"},
                   .outputs = {"outline_steep", "outline_steep_lean", "outline_flat", "outline_flat_lean"},
                   .scalar = run_scalar_outline_refine,
                   .lanes = run_lanes_outline_refine,
-                  .spirv = kRefineSpirv},
+                  .spirv = kRefineSpirv,
+                  .needed = is_robust},
                  {.name = "outline_ends",
                   .inputs = {"outline_steep", "outline_flat"},
                   .outputs = {"outline_ends"},
                   .scalar = run_scalar_outline_ends,
                   .lanes = run_lanes_outline_ends,
-                  .spirv = kEndsSpirv},
+                  .spirv = kEndsSpirv,
+                  .needed = is_robust},
                  {.name = "outline",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_right", "outline_steep",
-                             "outline_steep_lean", "outline_flat", "outline_flat_lean", "outline_ends", "lit.r",
-                             "lit.g", "lit.b"},
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep", "outline_steep_lean",
+                             "outline_flat", "outline_flat_lean", "outline_ends", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,
-                  .spirv = kOutlineSpirv}},
+                  .spirv = kOutlineSpirv,
+                  .needed = is_robust},
+                 {.name = "outline_window",
+                  .inputs = {"depth"},
+                  .outputs = {"outline_window"},
+                  .scalar = run_scalar_outline_window,
+                  .lanes = run_lanes_outline_window,
+                  .spirv = kWindowSpirv,
+                  .needed = is_paper},
+                 {.name = "outline_paper",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_window", "lit.r", "lit.g", "lit.b"},
+                  .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
+                  .scalar = run_scalar_outline_paper,
+                  .lanes = run_lanes_outline_paper,
+                  .spirv = kPaperSpirv,
+                  .needed = is_paper}},
   };
   return effect;
 }

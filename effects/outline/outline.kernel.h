@@ -1,17 +1,11 @@
-// Lines drawn over the lit picture. Based on [Lajzer and Nottingham], listing 3, for mode `paper`; the rest is ours.
-//
-// Mode `robust`: a steep line is known by where it passes each row, a flat one by where it passes each column, and by
-// its direction there. So a pixel looks along its own row and column, both ways, and its cover is that of the piece
-// that covers it most: how far its centre lies inside the line's width, counted from half a pixel outside, so that
-// edges are antialiased. A line lies on the nearer surface: it reaches its whole width to that side, and half a pixel's
-// antialiasing to the other. A pixel does not look beyond the end of a surface, so that a line never reaches around a
-// corner onto what lies behind. Where lines end they are round, so that corners close.
-//
-// Mode `paper`: a pixel is black where any of its 8 neighbours differs by 0.05 (1 - Z) in window depth Z or by 0.95 in
-// the dot product of normals. Differs: background has the normal 0 and the depth 1, as a cleared buffer.
+// Lines drawn over the lit picture, in mode `robust`. A steep line is known by where it passes each row, a flat one by
+// where it passes each column, and by its direction there. So a pixel looks along its own row and column, both ways,
+// and its cover is that of the piece that covers it most: how far its centre lies inside the line's width, counted from
+// half a pixel outside, so that edges are antialiased. A line lies on the nearer surface: it reaches its whole width to
+// that side, and half a pixel's antialiasing to the other. A pixel does not look beyond the end of a surface, so that a
+// line never reaches around a corner onto what lies behind. Where lines end they are round, so that corners close.
 IN_REAL(depth)
 IN_VECTOR(normal)
-IN_REAL(outline_right)
 IN_REAL(outline_steep)
 IN_REAL(outline_steep_lean)
 IN_REAL(outline_flat)
@@ -137,33 +131,11 @@ FN Real robust_cover(Int px, Int py) {
   return covered;
 }
 
-FN Real paper_cover() {
-  Real base = near_outline_right(0, 0);
-  Vec3 base_normal = near_normal(0, 0);
-  Real threshold = Real(C.paper_depth) * (Real(1.0f) - base);
-  Bool surface = is_surface(near_depth(0, 0));
-  Bool dark = base > 2.0f;
-  for (int j = -1; j <= 1; ++j)
-    for (int i = -1; i <= 1; ++i) {
-      if (i == 0 && j == 0) continue;
-      Bool either = surface || is_surface(near_depth(i, j));
-      dark = dark || abs(near_outline_right(i, j) - base) > threshold;
-      dark = dark || (dot(near_normal(i, j), base_normal) < C.paper_normal && either);
-    }
-  return select(dark, Real(1.0f), Real(0.0f));
-}
-
 FN void outline_pixel(Int px, Int py) {
-  Real covered = Real(0.0f);
-  if (C.mode == kOutlinePaper)
-    covered = paper_cover();
-  else
-    covered = robust_cover(px, py);
-  covered = covered * C.opacity;
+  Real covered = robust_cover(px, py) * C.opacity;
+  store_outline(covered);
   Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));
   Bool surface = is_surface(near_depth(0, 0));
-  Vec3 lit = finite_or_zero(own_lit());
-  lit = select(surface, lit, Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
+  Vec3 lit = select(surface, finite_or_zero(own_lit()), Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
   store_lit(lit * (Real(1.0f) - covered) + line * covered);
-  store_outline(covered);
 }

@@ -5,8 +5,6 @@ OUT_REAL(outline_ends)
 
 FN void outline_ends_pixel(Int px, Int py) {
   Real least = Real(0.0f);
-  if (C.mode == kOutlineRobust)
-    for (int i = -C.reach; i <= C.reach; ++i)
-      least = min(least, min(near_outline_steep(i, 0), near_outline_flat(i, 0)));
+  for (int i = -C.reach; i <= C.reach; ++i) least = min(least, min(near_outline_steep(i, 0), near_outline_flat(i, 0)));
   store_outline_ends(-least);
 }

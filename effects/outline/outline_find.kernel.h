@@ -85,14 +85,6 @@ FN Real smooth_turn(Vec3 n0, Vec3 n1, Vec3 n2, Vec3 n3, Vec3 n4, Vec3 n5) {
 
 FN Real milder(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
 
-// Window depth in [0, 1], for the paper.
-FN Real window_depth(Real depth) {
-  Real z = clamp(depth, Real(C.near_depth), Real(C.far_depth));
-  Real window = (z - C.near_depth) / Real(C.far_depth - C.near_depth);
-  if (F.orthographic == 0) window = window * Real(C.far_depth) / z;
-  return select(is_surface(depth), window, Real(1.0f));
-}
-
 // How far, in pixel sizes, this pixel lies in front of its neighbour (i, j), the right or the lower one; below 0 if the
 // neighbour is in front. 0 where one surface goes on.
 FN Real jump_between(Int px, Int py, int i, int j) {
@@ -149,11 +141,11 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
   Real strength = smooth_turn(a2, a1, a0, b0, b1, b2);
   Bool peak = strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3) &&
               strength >= smooth_turn(a4, a3, a2, a1, a0, b0) && strength > smooth_turn(a0, b0, b1, b2, b3, b4);
-  peak = peak && same_object(0, 0, i, j);
+  peak = peak && same_object(0, 0, i, j) && turn > Real(C.crease_chord * kFaintTurn);
+  if (!some(peak)) return Vec2(Real(0.0f), Real(0.5f));
   Bool steady = max(turn_a3, turn_b3) < turn * kSteady;
   Bool sharp = max(turn_a1, turn_b1) < here * kSharp;
   Bool clear = turn > Real(C.crease_chord) && (sharp || (steady && before3 && after3));
-  peak = peak && turn > Real(C.crease_chord) * kFaintTurn;
   if (C.convex == 0 || C.concave == 0) {
     Real depth1 = select(peak, near_depth(0, 0), Real(1.0f));
     Real depth2 = select(peak, near_depth(i, j), Real(1.0f));
@@ -202,10 +194,10 @@ FN Real edge(Int px, Int py, int i, int j) {
   Bool parted = !(abs(bend) < bound && near_object_id(-i, -j) == id1 && id1 == id2);
   if (C.materials > 0) parted = parted || !(near_material_id(0, 0) == near_material_id(i, j));
   parted = parted && some_surface;
-  Bool turned =
-      max(square(near_normal(i, j) - near_normal(0, 0)),
-          square(near_normal(3 * i, 3 * j) - near_normal(-2 * i, -2 * j))) > Real(C.crease_chord * kFaintTurn);
-  turned = turned && some_surface;
+  Real turn =
+      max(square(near_normal(i, j) - near_normal(0, 0)), square(near_normal(2 * i, 2 * j) - near_normal(-i, -j)));
+  turn = max(turn, square(near_normal(3 * i, 3 * j) - near_normal(-2 * i, -2 * j)) * kSoft);
+  Bool turned = turn > Real(C.crease_chord * kFaintTurn) && some_surface;
 
   Real code = Real(0.0f);
   if (some(turned)) {
@@ -234,11 +226,14 @@ FN Real edge(Int px, Int py, int i, int j) {
 }
 
 FN void outline_find_pixel(Int px, Int py) {
-  if (C.mode == kOutlinePaper) {
-    store_outline_right(window_depth(near_depth(0, 0)));
-    store_outline_below(Real(0.0f));
-    return;
+  Bool surface = is_finite(near_depth(0, 0));
+  Bool beside = surface || is_finite(near_depth(1, 0)) || is_finite(near_depth(0, 1));
+  Real right = Real(0.0f);
+  Real below = Real(0.0f);
+  if (some(beside)) {
+    right = edge(px, py, 1, 0);
+    below = edge(px, py, 0, 1);
   }
-  store_outline_right(edge(px, py, 1, 0));
-  store_outline_below(edge(px, py, 0, 1));
+  store_outline_right(right);
+  store_outline_below(below);
 }

@@ -27,7 +27,9 @@ CONST float kSameSide = 33.0f;    // as much of it makes one line of a faint cro
 CONST float kLeastLength = 2.5f;  // rows that a crease goes on
 CONST float kOneSided = 25.0f;    // from the middle: a surface ends there
 CONST float kOnlyEnds = 0.5f;
-CONST float kMostTurn = 97.0f;  // of side, as 1 + 2 level: three quarters of the whole range
+CONST int kAround = 8;            // pixels within which a line has
+CONST float kLeastAround = 8.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
+CONST float kMostTurn = 97.0f;    // of side, as 1 + 2 level: three quarters of the whole range
 
 // t from its code.
 FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
@@ -123,24 +125,33 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real code = select(keep, level + level + 1.0f + (place + 0.5f) * 0.5f, Real(kOnlyEnds));
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
-  Real lean = rsqrt(mad(slope, slope, Real(1.0f)));
+  // No rsqrt: near 1 its last bit decides what angle outline gets back.
+  Real lean = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
   return Vec2(select(known, select(ends && keep, -code, code), Real(0.0f)),
               select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
 }
 
+// How many pixels around have crossings, this one included.
+FN Real crossings_around() {
+  Real count = Real(0.0f);
+  for (int j = -kAround; j <= kAround; ++j)
+    for (int i = -kAround; i <= kAround; ++i) {
+      Bool crossed = abs(near_outline_right(i, j)) + abs(near_outline_below(i, j)) > 0.0f;
+      count = count + select(crossed, Real(1.0f), Real(0.0f));
+    }
+  return count;
+}
+
 FN void outline_refine_pixel(Int px, Int py) {
-  if (C.mode == kOutlinePaper) {
-    store_outline_steep(Real(0.0f));
-    store_outline_steep_lean(Real(0.0f));
-    store_outline_flat(Real(0.0f));
-    store_outline_flat_lean(Real(0.0f));
-    return;
-  }
   Real right = near_outline_right(0, 0);
   Real below = near_outline_below(0, 0);
-  Vec2 none = Vec2(Real(0.0f), Real(0.0f));
-  Vec2 steep = none;
-  Vec2 lower = none;
+  Vec2 steep = Vec2(Real(0.0f), Real(0.0f));
+  Vec2 lower = steep;
+  if (some(abs(right) + abs(below) > 0.0f)) {
+    Bool line = crossings_around() > kLeastAround;
+    right = select(line, right, Real(0.0f));
+    below = select(line, below, Real(0.0f));
+  }
   if (some(abs(right) > 0.0f))
     steep = refined(0, right, below, near_outline_below(1, 0), near_outline_below(0, -1), near_outline_below(1, -1));
   if (some(abs(below) > 0.0f))

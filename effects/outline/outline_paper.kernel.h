@@ -1,0 +1,31 @@
+// Lines drawn over the lit picture, in mode `paper`. Based on [Lajzer and Nottingham], listing 3: a pixel is black
+// where any of its 8 neighbours differs by 0.05 (1 - Z) in window depth Z or by 0.95 in the dot product of normals.
+//
+// Differs: background has the normal 0 and the depth 1, as a cleared buffer.
+IN_REAL(depth)
+IN_VECTOR(normal)
+IN_REAL(outline_window)
+INOUT_COLOR(lit)
+OUT_REAL(outline)
+
+FN Bool is_surface(Real depth) { return is_finite(depth) && depth > 0.0f; }
+
+FN void outline_paper_pixel(Int px, Int py) {
+  Real base = near_outline_window(0, 0);
+  Vec3 base_normal = near_normal(0, 0);
+  Real threshold = Real(C.paper_depth) * (Real(1.0f) - base);
+  Bool surface = is_surface(near_depth(0, 0));
+  Bool dark = base > 2.0f;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) {
+      if (i == 0 && j == 0) continue;
+      Bool either = surface || is_surface(near_depth(i, j));
+      dark = dark || abs(near_outline_window(i, j) - base) > threshold;
+      dark = dark || (dot(near_normal(i, j), base_normal) < C.paper_normal && either);
+    }
+  Real covered = select(dark, Real(C.opacity), Real(0.0f));
+  store_outline(covered);
+  Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));
+  Vec3 lit = select(surface, finite_or_zero(own_lit()), Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
+  store_lit(lit * (Real(1.0f) - covered) + line * covered);
+}
