@@ -687,11 +687,11 @@ TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
   for (glm::vec3& p : ground.positions) p = p * scale + middle;
   const glm::vec3 normal = glm::normalize(glm::cross(u1, v1));
   const glm::vec3 along = glm::normalize(u1);
-  for (const bool lamp : {false, true})
+  for (const float lamp : {0.0f, 0.5f, 2.0f, 6.0f, 30.0f})  // how far; 0: the sun
     for (const float sine : {0.06f, 0.3f, 1.0f}) {
       Scene scene = scene_of({ground});
       const glm::vec3 towards = sine * normal + std::sqrt(1.0f - sine * sine) * along;
-      scene.lights = {lamp ? key_lamp(middle + 30.0f * scale * towards) : key_light(towards)};
+      scene.lights = {lamp > 0.0f ? key_lamp(middle + lamp * scale * towards) : key_light(towards)};
       for (const float elevation : {0.15f, 0.9f}) {
         const glm::vec3 eye = middle + scale * (4.0f * elevation * normal - 3.0f * glm::normalize(v1));
         const Picture picture = capture(scene, perspective_camera(eye, middle, normal, 35.0f, 1.0f), 160, 160);
@@ -702,8 +702,8 @@ TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
             ++hits;
             dark += picture["shadow"].at(x, y) != 1.0f;
           }
-        EXPECT_EQ(dark, 0) << "of " << hits << (lamp ? ", lamp" : ", sun") << " at " << sine << ", seen from "
-                           << elevation;
+        EXPECT_EQ(dark, 0) << "of " << hits << (lamp > 0.0f ? ", lamp " : ", sun ") << lamp << " at " << sine
+                           << ", seen from " << elevation;
         EXPECT_GT(hits, 1000);
       }
     }
