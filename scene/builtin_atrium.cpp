@@ -41,9 +41,26 @@ constexpr float kSpringUpper = 8.5f;  // upper arches
 constexpr float kTop = 10.1f;         // of the upper walls
 constexpr float kEaves = 10.5f;       // lowest edge of the roof
 
+/// Lanterns hang in every second arch of the long sides. These burn, behind glass of one of four colours.
+struct Lantern {
+  int side, index, glass;  ///< see Bay
+};
+constexpr std::array<Lantern, 4> kBurning = {{{1, 4, 1}, {1, 2, 2}, {0, 5, 0}, {0, 3, 3}}};
+constexpr std::array<vec3, 4> kGlassColour = {
+    {{1.00f, 0.58f, 0.20f}, {1.00f, 0.24f, 0.22f}, {0.16f, 0.78f, 0.66f}, {0.34f, 0.42f, 1.00f}}};
+constexpr float kGlassHeight = 2.95f;  // of a lantern's middle
+// Glass is brighter than the walls that it lights, and not white in the picture.
+constexpr float kGlassShine = 0.85f;
+// Of a lantern's light at kLanternReach, the distance of the nearest columns: less than the sun's, more than the sky's.
+constexpr float kLanternLight = 0.8f, kLanternReach = 1.3f;
+// The light comes from under the lantern, whose glass and metal would swallow it: from so far that their shadow is
+// narrow and falls on the arch's crown alone.
+constexpr float kFlameDrop = 0.55f, kFlameRadius = 0.05f;
+
 struct Materials {
   int stone, blocks, plaster, vault, court, tiles, wood, roof, iron, terracotta, water, soil, leaf, frond, bark, door,
-      brass, glow;
+      brass, unlit;
+  std::array<int, 4> glow;  ///< by Lantern::glass
   std::array<int, 3> cloth;
 };
 
@@ -87,8 +104,12 @@ Materials add_materials(Scene& scene) {
   m.soil = plain("soil", {0.09f, 0.06f, 0.04f});
   m.water = plain("water", {0.07f, 0.16f, 0.17f}, 0.8f, 200.0f);
   m.brass = plain("brass", {0.45f, 0.30f, 0.10f}, 0.5f, 60.0f);
-  m.glow =
-      add_material(scene, {.name = "lamp glass", .albedo = vec3(0.8f, 0.6f, 0.3f), .emission = {0.5f, 0.33f, 0.12f}});
+  m.unlit = plain("lamp glass", {0.55f, 0.45f, 0.28f});
+  constexpr std::array<const char*, 4> kGlass = {"amber lamp glass", "red lamp glass", "green lamp glass",
+                                                 "blue lamp glass"};
+  for (std::size_t k = 0; k < kGlass.size(); ++k)
+    m.glow[k] = add_material(
+        scene, {.name = kGlass[k], .albedo = 0.3f + 0.4f * kGlassColour[k], .emission = kGlassShine * kGlassColour[k]});
   m.cloth = {textured("red damask", damask(512, {0.46f, 0.025f, 0.02f}, {0.60f, 0.34f, 0.10f})),
              textured("green damask", damask(512, {0.03f, 0.22f, 0.05f}, {0.45f, 0.42f, 0.14f})),
              textured("blue damask", damask(512, {0.02f, 0.07f, 0.36f}, {0.38f, 0.42f, 0.50f}))};
@@ -716,7 +737,7 @@ void add_cloths(Scene& scene, const Materials& m, const std::vector<Bay>& bays, 
 }
 
 void add_lamps(Scene& scene, const Materials& m, const std::vector<Bay>& bays, const Detail& d) {
-  constexpr float kGlass = 2.95f;
+  constexpr float kGlass = kGlassHeight;
   for (const Bay& bay : bays) {
     if (bay.side >= 2 || bay.index % 2 != (bay.side == 0 ? 1 : 0)) continue;
     const Points2 cap = {
@@ -734,7 +755,11 @@ void add_lamps(Scene& scene, const Materials& m, const std::vector<Bay>& bays, c
     }
     const int id = add_mesh(scene, "lantern", transformed(std::move(metal), bay.place), m.brass);
     Mesh glass = moved(cylinder(0.09f, 0.26f, d(16, 8)), {0, kGlass - 0.12f, 0});
-    add_mesh(scene, "lantern glass", transformed(std::move(glass), bay.place), m.glow, id);
+    const auto burning = std::find_if(kBurning.begin(), kBurning.end(), [&](const Lantern& lantern) {
+      return lantern.side == bay.side && lantern.index == bay.index;
+    });
+    add_mesh(scene, "lantern glass", transformed(std::move(glass), bay.place),
+             burning == kBurning.end() ? m.unlit : m.glow[std::size_t(burning->glass)], id);
   }
 }
 
@@ -824,6 +849,22 @@ Scene build(const Materials& m, const Detail& d) {
   return scene;
 }
 
+/// What the lanterns shine.
+std::vector<Light> lantern_lights() {
+  std::vector<Light> lights;
+  for (const Bay& bay : all_bays())
+    for (const Lantern& lantern : kBurning) {
+      if (lantern.side != bay.side || lantern.index != bay.index) continue;
+      lights.push_back({.kind = LightKind::kPoint,
+                        .position = vec3(bay.place * glm::vec4(0.0f, kGlassHeight - kFlameDrop, 0.0f, 1.0f)),
+                        .color = kLanternLight * kGlassColour[std::size_t(lantern.glass)],
+                        .reach = kLanternReach,
+                        .radius = kFlameRadius,
+                        .casts_shadow = true});
+    }
+  return lights;
+}
+
 }  // namespace
 
 Scene make_atrium(int triangles) {
@@ -834,14 +875,15 @@ Scene make_atrium(int triangles) {
   scene.materials = std::move(palette.materials);
   scene.textures = std::move(palette.textures);
   // A high sun from behind the camera's right shoulder: it lights the left side, the far end and part of the floor.
-  // The other light stands for what lit walls send across, and is as wide as they are.
+  // The last light stands for what lit walls send across, and is as wide as they are.
   scene.lights = {{.direction = glm::normalize(vec3(0.41f, 0.84f, 0.36f)),
                    .color = {1.12f, 1.00f, 0.80f},
                    .angle_deg = kSunAngleDeg,
-                   .casts_shadow = true},
-                  {.direction = glm::normalize(vec3(-0.7f, 0.35f, 0.4f)),
-                   .color = {0.10f, 0.085f, 0.07f},
-                   .angle_deg = kFillAngleDeg}};
+                   .casts_shadow = true}};
+  for (const Light& light : lantern_lights()) scene.lights.push_back(light);
+  scene.lights.push_back({.direction = glm::normalize(vec3(-0.7f, 0.35f, 0.4f)),
+                          .color = {0.10f, 0.085f, 0.07f},
+                          .angle_deg = kFillAngleDeg});
   scene.ambient = {0.28f, 0.31f, 0.36f};
   scene.views = {{.eye = {1.3f, 2.4f, 10.6f}, .target = {-0.35f, 3.7f, -6.0f}, .angle_deg = 60.0f},
                  {.eye = {-2.6f, 1.6f, 6.5f}, .target = {3.2f, 1.5f, 0.5f}, .angle_deg = 55.0f}};
