@@ -35,6 +35,7 @@ constexpr std::string_view kPaper =
     "distribution=paper range=quadratic range_depth=window bias_of=depth bias=0 border=clamp bleeding=1 area=paper "
     "floor=0 weight=1 ambient_bounce=0";
 constexpr float kLeastInner = 1e-3f;      // of R: the logarithm of the lengths needs an end
+constexpr double kLeastOfInner = 0.1;     // rays of sight pass a pixel at this share of the shortest length at least
 constexpr float kOpenness = 0.7f;         // of ambient light, where nobody has measured it: typical of a room
 constexpr float kLeastNearShare = 1e-4f;  // of the far plane: window depth divides by the near plane's distance
 
@@ -130,7 +131,7 @@ const std::vector<Parameter> kTable = {
     {.name = "weight",
      .help = "how much one occluder adds to the occlusion",
      .offset = offsetof(HemisphereParams, weight),
-     .initial = 1.0,
+     .initial = 1.5,
      .least = 0.0,
      .most = 10.0},
     {.name = "border",
@@ -214,27 +215,31 @@ void fill_paper_points(const HemisphereParams& params, float* points) {
   }
 }
 
-/// Ours: heights in equal steps (equal solid angles), in an order that goes with neither azimuth nor length; lengths in
-/// equal steps of their logarithm, which the kernel shortens by a pixel's own share of all of it; azimuths by the
-/// golden ratio's two-dimensional sequence [Roberts 2018]. Each counts by its cosine to the normal, since light from
-/// the side matters less; in the whole ball all count alike.
+/// Ours: lengths in equal steps of their logarithm (every other point, which finds what is near) and in equal steps
+/// (the rest, which finds what is far); the kernel shifts both by a pixel's own share of all of it. Heights in equal
+/// steps (equal solid angles), and azimuths, by the golden ratio's two-dimensional sequence [Roberts 2018], so that
+/// neither goes with the length. Each counts by its cosine to the normal, since light from the side matters less; in
+/// the whole ball all count alike.
 void fill_even_points(const HemisphereParams& params, double inner, float* points) {
   constexpr double kPlastic = 1.32471795724474602596;  // x^3 = x + 1
   const int n = params.samples;
-  std::vector<int> order(n);
-  std::iota(order.begin(), order.end(), 0);
-  const auto key = [](int i) { return share_of_one(0.5 + (i + 1) / (kPlastic * kPlastic)); };
-  std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
-  for (int rank = 0; rank < n; ++rank) {
-    const int i = order[rank];
-    const double height = (rank + 0.5) / n;
-    const double z = params.shape == 0 ? height : 2.0 * height - 1.0;
-    const double azimuth = 2.0 * std::numbers::pi * share_of_one(0.5 + (i + 1) / kPlastic);
-    const double across = std::sqrt(1.0 - z * z);
-    const double length = std::pow(inner, double(i) / n);
-    const double row[5] = {across * std::cos(azimuth), across * std::sin(azimuth), z, length,
-                           params.shape == 0 ? 2.0 * z : 1.0};
-    for (int k = 0; k < 5; ++k) points[5 * i + k] = float(row[k]);
+  for (int first = 0; first < 2; ++first) {
+    const int count = (n + 1 - first) / 2;
+    std::vector<int> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    const auto key = [](int i) { return share_of_one(0.5 + (i + 1) / (kPlastic * kPlastic)); };
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+    for (int rank = 0; rank < count; ++rank) {
+      const int i = order[rank];
+      const double height = (rank + (count > 1 ? 0.25 + 0.5 * first : 0.5)) / count;
+      const double z = params.shape == 0 ? height : 2.0 * height - 1.0;
+      const double azimuth = 2.0 * std::numbers::pi * share_of_one(0.5 + (i + 1) / kPlastic + 0.5 * first);
+      const double across = std::sqrt(1.0 - z * z);
+      const double length = first == 0 ? std::pow(inner, double(i) / count) : double(i) / count;
+      const double row[5] = {across * std::cos(azimuth), across * std::sin(azimuth), z, length,
+                             params.shape == 0 ? 2.0 * z : 1.0};
+      for (int k = 0; k < 5; ++k) points[5 * (2 * i + first) + k] = float(row[k]);
+    }
   }
 }
 
@@ -289,6 +294,12 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.inner = std::max(params.floor, kLeastInner);
   c.one_over_inner = 1.0f / c.inner;
   c.log_inner = std::log(c.inner);
+  const double inner = std::max(double(c.inner) * c.radius, 1e-18), radius = std::max(double(c.radius), 1e-18);
+  c.one_over_inner2 = float(std::min(1.0 / (inner * inner), 1e30));
+  c.least_b2 = float(std::max(kLeastOfInner * kLeastOfInner * inner * inner, 1e-30));
+  const double even_share = double(params.samples / 2) / params.samples;
+  c.log_share = float((1.0 - even_share) / -double(c.log_inner));
+  c.even_share_by_radius = float(even_share / radius);
 
   // The tightest frustum around the scene, where nobody says: window depth is finest there.
   float far_depth = params.far_depth > 0.0f ? params.far_depth : info.depth_max;
@@ -322,7 +333,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const double r2 = double(c.radius) * c.radius;
   c.area_factor = float(c.area == kHemisphereAreaPaper   ? params.fragment_area * r2
                         : c.area == kHemisphereAreaEqual ? r2 / params.samples
-                                                         : (whole ? -4.0 : -2.0) * c.log_inner / params.samples);
+                                                         : (whole ? 4.0 : 2.0) / params.samples);
   c.least_distance = std::max(params.floor * c.radius, c.radius * 1e-6f);
   c.ambient_bounce = params.ambient_bounce;
   c.openness = kOpenness;

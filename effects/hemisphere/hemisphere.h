@@ -42,8 +42,13 @@ struct HemisphereConstants {
   float radius;  // scene units
   int even;      // 0: the paper's sample points, 1: ours
   int seed;
-  int noise;                               // as in HemisphereParams
-  float inner, one_over_inner, log_inner;  // ours: the shortest sample, of the radius
+  int noise;  // as in HemisphereParams
+  // Ours: lengths even in their logarithm, and lengths just even, both in radii.
+  float inner, one_over_inner, log_inner;  // the shortest of the first
+  float one_over_inner2;                   // inverse of its square in scene units
+  float log_share;                         // the share of the first among all, over the logarithm of their range
+  float even_share_by_radius;              // the share of the second, over the radius in scene units
+  float least_b2;                          // square of how near to the pixel a ray of sight passes, at least
   int range, window;                       // window: 0 or 1, whether the range is one of window depth
   float limit, depth_at_limit;  // of a difference in depth; where limits that fall with depth have this value
   float near_depth, far_depth;

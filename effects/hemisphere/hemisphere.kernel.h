@@ -10,17 +10,18 @@
 //
 // Ours, `measured`: equation 1 is a sum over emitting surface, so each sample must know how much of it stands for. A
 // patch dA at Q hides all samples behind it along the ray of sight that are still in the hemisphere. With N samples of
-// density p, it is found N dA cos(view) int p dz times on average; so one find stands for 1 / (N cos(view) int p dz).
-// Radii here are log-uniform between r0 and R, hence p = 1/(2 pi ln(R/r0) r^3). With b the distance from P to the ray
-// and t the length along it from there, int dt / (b^2 + t^2)^(3/2) = sin(phi)/b^2, sin(phi) = t/sqrt(b^2 + t^2). The
-// light of one find, divided by pi, is then
-//   2 ln(R/r0)/N  L cos(or) cos(oc)/cos(view)  b^2/d^2 / (sin(phi_end) - sin(phi_Q))
-// and since b^2/d^2 = cos^2(phi_Q), it is bounded however near Q is.
+// density p, it is found N dA cos(view) int p dt times on average; so one find stands for 1 / (N cos(view) int p dt).
+// Our lengths are even in their logarithm between r0 and R, or even between 0 and R, in the shares a and 1 - a:
+//   2 pi p = a / (ln(R/r0) r^3) + (1 - a) / (R r^2)
+// With b the distance from P to the ray and t the length along it from there, r^2 = b^2 + t^2, tan(phi) = t/b,
+//   int dt / r^3 = sin(phi) / b^2,  int dt / r^2 = phi / b
+// The light of one find, over pi, is then
+//   2/N  L cos(or) cos(oc)/cos(view)  b^2/d^2 / (a [sin(phi)] / ln(R/r0) + (1 - a) [phi] b/R)
+// with [] from Q to the end. Since b^2/d^2 = cos^2(phi at Q), it is bounded however near Q is.
 CONST float kDepthRounding = 2e-6f;  // share of the depth: 16 to 32 steps of a float
 CONST float kLeastDepth = 1e-3f;     // a sample behind the eye is moved to this share of the pixel's depth
-CONST float kLeastSpan = 0.04f;      // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
+CONST float kLeastSpan = 0.02f;      // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
 CONST float kLeastCosine = 0.1f;     // of the angle at which the camera sees an emitter
-CONST float kLeastOfInner = 0.1f;    // rays pass P at this share of r0 at least
 CONST float kMostLight = 1e18f;      // what a pixel gets stays a number
 
 // The integer hash "lowbias32", found by search [Wellons 2018].
@@ -160,49 +161,65 @@ FN Real passed(Real sine, Real inner_sine) {
   return select(sine < 0.0f, -beyond, beyond);
 }
 
+// The angle from 0 to pi of the direction (x, y), y >= 0: exact at every eighth of a turn, within 1 % between.
+FN Real angle_of(Real x, Real y) {
+  Real m = y / max(abs(x) + y, Real(1e-30f));
+  Real bow = m * (1.0f - m);
+  Real angle = mad(bow * mad(m, Real(2.0f), Real(-1.0f)), mad(bow, Real(0.99f), Real(0.5707963f)), m * 1.5707963f);
+  return select(x < 0.0f, Real(3.1415927f) - angle, angle);
+}
+
 // What one find stands for: the light that arrives by it over pi, for emitted light 1. `way` leads from the pixel to
 // the emitter, whose normal is `facing`; `sight` is the unit direction in which the camera sees it, `widening` how much
 // farther away than the emitter the sample is.
 FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real widening) {
   Real squared = max(dot(way, way), Real(1e-30f));
-  Real one_over = Real(1.0f) / sqrt(squared);
+  Real one_over = rsqrt(squared);
   Real height = dot(way, normal);
   Real cos_receiver = height * one_over;
   Real cos_emitter = -dot(way, facing) * one_over;
   Bool sees = cos_receiver > 0.0f && cos_emitter > 0.0f;
-  Real share = cos_receiver * cos_emitter * Real(C.area_factor);
+  Real share = cos_receiver * min(cos_emitter, Real(1.0f)) * Real(C.area_factor);
   if (C.area == kHemisphereAreaMeasured) {
-    Real r = Real(C.radius);
     Real t = dot(way, sight);
-    Real inner = Real(C.inner) * r;
-    Real b2 = max(squared - t * t, Real(kLeastOfInner * kLeastOfInner) * (inner * inner));
-    Real end = sqrt(max(r * r - b2, Real(0.0f)));
+    Real b2 = max(squared - t * t, Real(C.least_b2));
+    Real end2 = max(Real(C.radius * C.radius) - b2, Real(0.0f));
+    Real end = end2 * rsqrt(max(end2, Real(1e-30f)));
     if (C.above != 0) {
       // Where the ray dives below the surface there are no samples any more.
       Real dive = -dot(sight, normal);
       Real below = t + height / max(dive, Real(1e-6f));
       end = select(dive > 1e-6f, min(end, below), end);
     }
-    Real inner_sine = sqrt(max(Real(1.0f) - b2 / (inner * inner), Real(0.0f)));
-    Real from = passed(t / sqrt(b2 + t * t), inner_sine);
-    Real to = passed(end / sqrt(b2 + end * end), inner_sine);
+    Real inner_share = min(b2 * Real(C.one_over_inner2), Real(1.0f));
+    Real inner_sine = sqrt(Real(1.0f) - inner_share);
+    Real one_over_near = rsqrt(mad(t, t, b2));
+    Real near_sine = passed(t * one_over_near, inner_sine);
+    Real end_sine = passed(end * rsqrt(mad(end, end, b2)), inner_sine);
+    Real foot = b2 * rsqrt(b2);
+    Real seen_angle = angle_of(mad(t, end, b2), max(end - t, Real(0.0f)) * foot);
+    Real found = max(end_sine - near_sine, inner_share * kLeastSpan) * Real(C.log_share);
+    found = mad(seen_angle * foot, Real(C.even_share_by_radius), found);
     Real cos_view = max(abs(dot(sight, facing)), Real(kLeastCosine));
-    Real least = Real(kLeastSpan) * min(Real(1.0f), b2 / (inner * inner));
     // Rays of sight part from each other: farther away there are more samples between them.
-    share = share * (b2 / (b2 + t * t)) / (cos_view * max(to - from, least) * (widening * widening));
-    sees = sees && squared <= r * r;
+    share = share * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
+    sees = sees && squared <= Real(C.radius * C.radius);
   } else {
     share = share / max(squared, Real(C.least_distance * C.least_distance));
   }
   return select(sees, share, Real(0.0f));
 }
 
-// A position that the camera of the i-th layer sees at the middle of a pixel, in that camera's space.
-FN Vec3 seen_position(int i, Int x, Int y, Real depth) {
+// A position that the camera of the i-th layer sees at the middle of a pixel, in that camera's space. The pixel's
+// coordinates are whole numbers.
+FN Vec3 seen_position(int i, Real x, Real y, Real depth) {
   Real spread = C.orthographic[i] != 0 ? Real(1.0f) : depth;
-  return Vec3(mad(to_real(x) + 0.5f, Real(C.ray_scale_x[i]), Real(C.ray_offset_x[i])) * spread,
-              mad(to_real(y) + 0.5f, Real(C.ray_scale_y[i]), Real(C.ray_offset_y[i])) * spread, -depth);
+  return Vec3(mad(x + 0.5f, Real(C.ray_scale_x[i]), Real(C.ray_offset_x[i])) * spread,
+              mad(y + 0.5f, Real(C.ray_scale_y[i]), Real(C.ray_offset_y[i])) * spread, -depth);
 }
+
+// a s + b.
+FN Vec3 scaled_on(Vec3 a, Real s, Vec3 b) { return Vec3(mad(a.x, s, b.x), mad(a.y, s, b.y), mad(a.z, s, b.z)); }
 
 FN void gather(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
@@ -236,15 +253,20 @@ FN void gather(Int px, Int py) {
   Real count = Real(0.0f);
   Vec3 light = none;
   for (int k = 0; k < C.samples; ++k) {
-    Vec3 v =
-        along_x * Real(C.points[5 * k]) + along_y * Real(C.points[5 * k + 1]) + along_z * Real(C.points[5 * k + 2]);
+    Vec3 v = scaled_on(along_x, Real(C.points[5 * k]),
+                       scaled_on(along_y, Real(C.points[5 * k + 1]), along_z * Real(C.points[5 * k + 2])));
+    Real length = Real(1.0f);
     if (C.even != 0) {
-      // Lengths that would be shorter than r0 go on at R.
-      Real scale = shorter * Real(C.points[5 * k + 3]);
-      v = v * select(scale < Real(C.inner), scale * Real(C.one_over_inner), scale);
+      length = Real(C.points[5 * k + 3]);
+      if (k % 2 == 0) {
+        length = length * shorter;  // what would be shorter than r0 goes on at R
+        length = select(length < Real(C.inner), length * Real(C.one_over_inner), length);
+      } else {
+        length = fract(length + noise.z);
+      }
     }
     Real counts = Real(C.points[5 * k + 4]);
-    Vec3 point = position + v;
+    Vec3 point = scaled_on(v, length, position);
     Bool found = surface && !surface;  // nowhere yet
     Bool known = found;
     // As the layer's camera sees it; the same for layers of one camera.
@@ -252,6 +274,8 @@ FN void gather(Int px, Int py) {
     Real own_depth = depth;
     Real limit = depth;
     Bool inside = surface;
+    Real x = depth;
+    Real y = depth;
     Int column = px;
     Int row = py;
     for (int i = 0; i < C.layer_count; ++i) {
@@ -266,37 +290,40 @@ FN void gather(Int px, Int py) {
         point_depth = max(-there.z, least_depth);
         Real shrunk = Real(1.0f);
         if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
-        Real x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
-        Real y = mad(there.y * shrunk, Real(C.scale_y[i]), Real(C.offset_y[i]));
-        x = floor(clamp(x, Real(-1.0f), Real(float(F.width))));
-        y = floor(clamp(y, Real(-1.0f), Real(float(F.height))));
-        column = to_int(x);
-        row = to_int(y);
+        x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
+        y = mad(there.y * shrunk, Real(C.scale_y[i]), Real(C.offset_y[i]));
         inside = surface;
         if (C.clamp_border == 0 || C.other[i] != 0)
           inside = surface && x >= 0.0f && x < float(F.width) && y >= 0.0f && y < float(F.height);
         if (C.other[i] != 0) inside = inside && own_depth > 0.0f && -there.z > 0.0f;
-        // Where a clamped sample is read.
-        column = clamp(column, Int(0), Int(F.width - 1));
-        row = clamp(row, Int(0), Int(F.height - 1));
+        x = floor(clamp(x, Real(0.0f), Real(float(F.width - 1))));
+        y = floor(clamp(y, Real(0.0f), Real(float(F.height - 1))));
+        column = to_int(x);
+        row = to_int(y);
         known = known || inside;
       }
       Real tap = load_depth_of(C.layer[i], column, row);
       Bool before = inside && tap > 0.0f && point_depth - tap > least_nearer;
       if (some(before)) {
-        Vec3 seen = seen_position(i, column, row, tap);
+        Vec3 seen = seen_position(i, x, y, tap);
         Vec3 occluder = seen;
         if (C.other[i] != 0) occluder = turned_back(i, seen - added_to(i));
         Vec3 way = occluder - position;
-        if (C.rises != 0) before = before && dot(way, normal) > least_height;
         Real weight = range_weight(own_depth, tap, limit);
         before = before && weight > 0.0f;
-        hidden = hidden + select(before && !found, weight * counts, Real(0.0f));
-        found = found || before;
+        Bool hides = before && !found;
+        if (C.rises != 0) hides = hides && dot(way, normal) > least_height;
+        hidden = hidden + select(hides, weight * counts, Real(0.0f));
+        found = found || hides;
+        if (kGathersLight) {
+          // The rest of it hangs on the emitter.
+          before = before && dot(way, normal) > rounding;
+          if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
+        }
         if (kGathersLight && some(before)) {
           Vec3 facing = normal_of(C.layer[i], column, row);
           Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
-          if (C.orthographic[i] == 0) sight = seen * (Real(1.0f) / sqrt(dot(seen, seen)));
+          if (C.orthographic[i] == 0) sight = seen * rsqrt(dot(seen, seen));
           if (C.other[i] != 0) {
             facing = turned_back(i, facing);
             sight = turned_back(i, sight);

@@ -1,2 +1,832 @@
-// `hemisphere` against the paper's description, ported literally in double, and against quadrature.
+// `hemisphere` against the paper's description, ported literally in double, and against quadrature in scenes made of
+// rectangles.
 #include "effects/hemisphere/hemisphere.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <random>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using test::Settings;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr double kPi = 3.14159265358979323846;
+constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
+constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
+constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
+constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
+constexpr const char* kIndirect[] = {"indirect.r", "indirect.g", "indirect.b"};
+
+Settings joined(Settings first, const Settings& second) {
+  for (const auto& [name, value] : second) {
+    std::erase_if(first, [&](const auto& pair) { return pair.first == name; });
+    first.push_back({name, value});
+  }
+  return first;
+}
+
+Image run(const GBuffer& g, const Settings& settings) {
+  return test::run_effect(*find_effect("hemisphere"), g, settings, {});
+}
+
+HemisphereConstants constants(const GBuffer& g, const Settings& settings) {
+  const Effect& effect = *find_effect("hemisphere");
+  HemisphereConstants c;
+  effect.constants(test::parameters_of(effect, settings), g.info, &c);
+  return c;
+}
+
+// ---- scenes of rectangles
+// ------------------------------------------------------------------------------------------
+
+/// corner + s u + t v for s, t in [0, 1]; its front is on the side of cross(u, v).
+struct Rectangle {
+  glm::dvec3 corner, u, v;
+  glm::dvec3 front{0.0}, back{0.0};  ///< light that each side sends
+  glm::dvec3 ambient{0.0};           ///< ambient light of both sides, times the albedo
+  double albedo = 0.8;
+  glm::dvec3 normal() const { return glm::normalize(glm::cross(u, v)); }
+};
+using Rectangles = std::vector<Rectangle>;
+
+struct Hit {
+  double t = 0.0;
+  const Rectangle* on = nullptr;
+};
+
+/// All that a ray meets, nearest first.
+std::vector<Hit> hits(const Rectangles& scene, glm::dvec3 from, glm::dvec3 way) {
+  std::vector<Hit> all;
+  for (const Rectangle& r : scene) {
+    const glm::dvec3 n = r.normal();
+    const double t = glm::dot(r.corner - from, n) / glm::dot(way, n);
+    if (!(t > 1e-9) || !std::isfinite(t)) continue;
+    const glm::dvec3 at = from + t * way - r.corner;
+    const double s = glm::dot(at, r.u) / glm::dot(r.u, r.u), q = glm::dot(at, r.v) / glm::dot(r.v, r.v);
+    if (s >= 0.0 && s <= 1.0 && q >= 0.0 && q <= 1.0) all.push_back({t, &r});
+  }
+  std::sort(all.begin(), all.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
+  return all;
+}
+
+/// Ray of a pixel's centre in world space; its parameter is the depth.
+struct Ray {
+  glm::dvec3 from, way;
+};
+Ray ray_of(const Camera& camera, int width, int height, int x, int y) {
+  const double u = camera.left + (camera.right - camera.left) * (x + 0.5) / width;
+  const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / height;
+  const glm::dmat4 world = glm::inverse(glm::dmat4(camera.view_from_world));
+  const auto point = [&](double px, double py, double pz) { return glm::dvec3(world * glm::dvec4(px, py, pz, 1.0)); };
+  if (camera.projection == Projection::kOrthographic) return {point(u, v, 0.0), point(u, v, -1.0) - point(u, v, 0.0)};
+  return {point(0, 0, 0), point(u, v, -1.0) - point(0, 0, 0)};
+}
+
+/// The `nth` surface along each ray as one layer; `back`: its other side.
+Image layer_of(const Rectangles& scene, const Camera& camera, int width, int height, int nth, bool back) {
+  Image image(width, height);
+  image.add("depth");
+  for (const auto* names : {kNormal, kDirect, kAmbient, kAlbedo})
+    for (int c = 0; c < 3; ++c) image.add(names[c]);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Ray ray = ray_of(camera, width, height, x, y);
+      const auto all = hits(scene, ray.from, ray.way);
+      const bool there = nth < int(all.size());
+      const Rectangle none{};
+      const Rectangle& r = there ? *all[nth].on : none;
+      image.plane("depth").at(x, y) = there ? float(all[nth].t) : kInfinity;
+      const bool sees_front = there && glm::dot(r.normal(), ray.way) < 0.0;
+      const glm::dvec3 side = there ? (sees_front != back ? r.normal() : -r.normal()) : glm::dvec3(0.0);
+      const glm::dvec3 n = glm::dmat3(glm::dmat4(camera.view_from_world)) * side;
+      for (int c = 0; c < 3; ++c) {
+        image.plane(kNormal[c]).at(x, y) = float(n[c]);
+        image.plane(kDirect[c]).at(x, y) = float(there ? (sees_front != back ? r.front[c] : r.back[c]) : 0.0);
+        image.plane(kAmbient[c]).at(x, y) = float(r.ambient[c]);
+        image.plane(kAlbedo[c]).at(x, y) = float(r.albedo);
+      }
+    }
+  return image;
+}
+
+/// The picture of a scene, with so many surfaces along each ray and, of each, its other side.
+GBuffer picture(const Rectangles& scene, const Camera& camera, int width, int height, int surfaces = 1,
+                bool backs = false) {
+  GBuffer g;
+  g.info.width = width;
+  g.info.height = height;
+  g.info.camera = camera;
+  g.info.depth_min = 0.5f;
+  g.info.depth_max = 20.0f;
+  g.info.scene_radius = 5.0f;
+  int before = 0;
+  for (int nth = 0; nth < surfaces; ++nth) {
+    const int own = int(g.layers.size());
+    g.layers.push_back(layer_of(scene, camera, width, height, nth, false));
+    if (nth > 0) g.info.more_layers.push_back({.kind = LayerKind::kBehind, .of = before, .camera = {}});
+    before = own;
+    if (!backs) continue;
+    g.layers.push_back(layer_of(scene, camera, width, height, nth, true));
+    g.info.more_layers.push_back({.kind = LayerKind::kBack, .of = own, .camera = {}});
+  }
+  return g;
+}
+
+/// Light over pi that reaches a point from all rectangles' sides within a radius, nothing in between: quadrature.
+glm::dvec3 arriving(const Rectangles& scene, glm::dvec3 at, glm::dvec3 normal, double radius) {
+  constexpr int kSteps = 300;
+  glm::dvec3 sum(0.0);
+  for (const Rectangle& r : scene) {
+    const glm::dvec3 n = r.normal();
+    const double area = glm::length(glm::cross(r.u, r.v)) / (kSteps * kSteps);
+    for (int j = 0; j < kSteps; ++j)
+      for (int i = 0; i < kSteps; ++i) {
+        const glm::dvec3 way = r.corner + r.u * ((i + 0.5) / kSteps) + r.v * ((j + 0.5) / kSteps) - at;
+        const double d2 = glm::dot(way, way), receiver = glm::dot(way, normal), emitter = -glm::dot(way, n);
+        if (d2 > radius * radius || d2 < 1e-12 || receiver <= 0.0 || emitter == 0.0) continue;
+        sum += (emitter > 0.0 ? r.front : r.back) * (receiver * std::fabs(emitter) * area / (kPi * d2 * d2));
+      }
+  }
+  return sum;
+}
+
+glm::dvec3 world_position(const GBuffer& g, int x, int y) {
+  const Ray ray = ray_of(g.info.camera, g.info.width, g.info.height, x, y);
+  return ray.from + ray.way * double(g.layers[0].plane("depth").at(x, y));
+}
+
+const glm::dvec3 kRed(1.0, 0.0, 0.0), kNone(0.0);
+
+/// A white floor in the dark, and a bright red wall on it that faces +x.
+Rectangles floor_and_wall() {
+  return {{.corner = {-3, 0, 3}, .u = {6, 0, 0}, .v = {0, 0, -6}},
+          {.corner = {0, 0, 1}, .u = {0, 0, -2}, .v = {0, 1, 0}, .front = kRed}};
+}
+
+const Camera kOverFloor = perspective_camera({3.5f, 3, 3}, {0.3f, 0.2f, 0}, {0, 1, 0}, 40, 1.0f);
+
+/// Mean of a plane, and of a value per pixel, over the pixels whose surface `takes` accepts.
+struct Means {
+  double got = 0.0, wanted = 0.0;
+  int count = 0;
+};
+Means means(const GBuffer& g, const Plane& plane, const std::function<bool(glm::dvec3)>& takes,
+            const std::function<double(glm::dvec3)>& wanted) {
+  Means m;
+  for (int y = 0; y < g.info.height; ++y)
+    for (int x = 0; x < g.info.width; ++x) {
+      if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+      const glm::dvec3 at = world_position(g, x, y);
+      if (!takes(at)) continue;
+      m.got += plane.at(x, y);
+      m.wanted += wanted(at);
+      ++m.count;
+    }
+  m.got /= std::max(1, m.count);
+  m.wanted /= std::max(1, m.count);
+  return m;
+}
+
+bool on_floor(glm::dvec3 at) { return std::fabs(at.y) < 1e-4; }
+
+// ---- the paper, in double
+// ------------------------------------------------------------------------------------------
+
+const Settings kPaper = {{"distribution", "paper"}, {"range", "quadratic"}, {"range_depth", "window"},
+                         {"bias_of", "depth"},      {"bias", "0"},          {"border", "clamp"},
+                         {"bleeding", "1"},         {"area", "paper"},      {"floor", "0"},
+                         {"weight", "1"},           {"ambient_bounce", "0"}};
+
+unsigned bits(unsigned v) {
+  v = (v ^ (v >> 16)) * 0x7feb352du;
+  v = (v ^ (v >> 15)) * 0x846ca68bu;
+  return v ^ (v >> 16);
+}
+
+/// The noise texture, of seed 0: x and y uniform in [-1, 1], z = 0, scaled to length 1.
+glm::dvec3 noise_texture(int x, int y) {
+  const unsigned first = bits(unsigned(x) ^ bits(unsigned(y) + bits(0x9e3779b9u)));
+  const auto real = [](unsigned v) { return double(v >> 8) * 0x1p-23 - 1.0; };
+  return glm::normalize(glm::dvec3(real(first) + 0x1p-24, real(bits(first + 1)), 0.0));
+}
+
+struct Port {
+  double ao;
+  glm::dvec3 bleed;
+};
+
+/// "SSAO Pass" and "Calculating Colour Bleed" at one pixel, as they read.
+Port published(const GBuffer& g, const HemisphereConstants& c, int x, int y) {
+  const Image& image = g.layers[0];
+  const double far_plane = g.info.depth_max, near_plane = g.info.depth_min, span = far_plane - near_plane;
+  const auto vector = [&](const char* const* names, int i, int j) {
+    return glm::dvec3(image.plane(names[0]).at(i, j), image.plane(names[1]).at(i, j), image.plane(names[2]).at(i, j));
+  };
+  const auto position = [&](int i, int j) {
+    const Camera& camera = g.info.camera;
+    const double d = image.plane("depth").at(i, j);
+    return d * glm::dvec3(camera.left + (camera.right - camera.left) * (i + 0.5) / g.info.width,
+                          camera.top - (camera.top - camera.bottom) * (j + 0.5) / g.info.height, -1.0);
+  };
+  const auto window = [&](double z) {
+    return far_plane * (std::clamp(z, near_plane, far_plane) - near_plane) /
+           (std::clamp(z, near_plane, far_plane) * span);
+  };
+  const glm::dvec3 fragment = position(x, y), normal = glm::normalize(vector(kNormal, x, y));
+  // A tangent space from an arbitrary vector, or the fallback where it is parallel; then Gram-Schmidt with the noise.
+  const glm::dvec3 arbitrary = std::fabs(normal.y) > 0.99 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 first = glm::normalize(glm::cross(arbitrary, normal)), second = glm::cross(normal, first);
+  const glm::dvec3 noise = noise_texture(x % 4, y % 4);
+  const glm::dvec3 random = first * noise.x + second * noise.y;
+  const glm::dvec3 tangent = glm::normalize(random - normal * glm::dot(random, normal));
+  const glm::dvec3 bitangent = glm::cross(normal, tangent);
+  double factor = 0.0;
+  glm::dvec3 bleed(0.0);
+  for (int k = 0; k < c.samples; ++k) {
+    const float* p = c.points + 5 * k;
+    const glm::dvec3 sample =
+        fragment + double(c.radius) * (double(p[0]) * tangent + double(p[1]) * bitangent + double(p[2]) * normal);
+    const Camera& camera = g.info.camera;
+    const double u = (sample.x / -sample.z - camera.left) / (camera.right - camera.left) * g.info.width;
+    const double v = (camera.top - sample.y / -sample.z) / (camera.top - camera.bottom) * g.info.height;
+    const int i = std::clamp(int(std::floor(u)), 0, g.info.width - 1);
+    const int j = std::clamp(int(std::floor(v)), 0, g.info.height - 1);
+    const double tap = image.plane("depth").at(i, j);
+    if (!(window(tap) < window(-sample.z)) || !(tap < -sample.z)) continue;
+    // The acceptable difference falls with the square of the depth; it is the radius over the depth span where the
+    // depth is the planes' geometric mean.
+    const double limit = c.radius / span * near_plane * far_plane / (fragment.z * fragment.z);
+    if (!(std::fabs(window(-fragment.z) - window(tap)) < limit)) continue;
+    factor += 1.0;
+    const glm::dvec3 way = fragment - position(i, j);
+    const glm::dvec3 transmittance = glm::normalize(way);
+    const double cos_oc = glm::dot(vector(kNormal, i, j), transmittance), cos_or = -glm::dot(normal, transmittance);
+    if (cos_oc > 0.0 && cos_or > 0.0)
+      bleed += vector(kDirect, i, j) * (0.05 * c.radius * c.radius * cos_oc * cos_or / glm::dot(way, way));
+  }
+  return {1.0 - factor / c.samples, bleed};
+}
+
+TEST(Hemisphere, PaperSettingsAreWhatThePaperDescribes) {
+  Rectangles scene = floor_and_wall();
+  scene[0].front = {0.2, 0.5, 0.3};
+  scene.push_back({.corner = {1, 0.4, 0.5}, .u = {0.8, 0, 0}, .v = {0, 0, -0.8}, .front = {0.1, 0.2, 0.9}});
+  const GBuffer g = picture(scene, kOverFloor, 96, 96);
+  for (const char* samples : {"16", "64"}) {
+    const Settings settings = joined(kPaper, {{"samples", samples}, {"radius", "0.7"}});
+    const HemisphereConstants c = constants(g, settings);
+    test::on_every_target("hemisphere", g, settings, [&](const Image& image) {
+      int off = 0, compared = 0, dark = 0, coloured = 0;
+      for (int y = 0; y < 96; ++y)
+        for (int x = 0; x < 96; ++x) {
+          if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+          const Port port = published(g, c, x, y);
+          bool same = std::fabs(image.plane("ao").at(x, y) - port.ao) < 1e-5;
+          for (int k = 0; k < 3; ++k)
+            same &= std::fabs(image.plane(kIndirect[k]).at(x, y) - port.bleed[k]) < 1e-4 * (1.0 + port.bleed[k]);
+          off += !same;
+          dark += port.ao < 0.9;
+          coloured += port.bleed.x > 0.05;
+          ++compared;
+        }
+      // Samples on a pixel's border, or at the range's limit, fall to either side.
+      EXPECT_LE(off, compared / 100);
+      EXPECT_GT(dark, 200);
+      EXPECT_GT(coloured, 200);
+    });
+  }
+}
+
+TEST(Hemisphere, PaperPointsAreTheKernelTexture) {
+  const GBuffer g = test::empty_gbuffer(8, 8);
+  for (const int n : {1, 16, 256}) {
+    const HemisphereConstants c = constants(g, joined(kPaper, {{"samples", std::to_string(n)}}));
+    for (int i = 0; i < n; ++i) {
+      const glm::dvec3 p(c.points[5 * i], c.points[5 * i + 1], c.points[5 * i + 2]);
+      EXPECT_NEAR(glm::length(p), 0.1 + 0.9 * i * i / (double(n) * n), 1e-6);
+      // The flattest direction that the draw can give: z = 0.05 beside x = y = 1.
+      EXPECT_GE(p.z / glm::length(p), 0.05 / std::sqrt(2.0 + 0.05 * 0.05) - 1e-6);
+    }
+  }
+}
+
+// ---- planes and corners
+// ------------------------------------------------------------------------------------------
+
+/// A plane through the middle of the view, tilted; it shines.
+GBuffer plane(double tilt_deg, bool orthographic) {
+  const double tilt = tilt_deg * kPi / 180.0;
+  const glm::dvec3 up(0, std::cos(tilt), -std::sin(tilt));
+  const Rectangles scene = {
+      {.corner = glm::dvec3(-40, 0, 0) - 4.0 * up, .u = {80, 0, 0}, .v = 8.0 * up, .front = kRed}};
+  return picture(scene,
+                 orthographic ? orthographic_camera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 2, 1.25f)
+                              : perspective_camera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 30, 1.25f),
+                 100, 80);
+}
+
+TEST(Hemisphere, PlanesStayOpenAndDark) {
+  for (const double tilt : {0.0, 30.0, 60.0, 80.0})
+    for (const bool orthographic : {false, true}) {
+      const GBuffer g = plane(tilt, orthographic);
+      for (const char* bias : {"0.02", "0"})
+        test::on_every_target(
+            "hemisphere", g, {{"bleeding", "1"}, {"radius", "0.5"}, {"bias", bias}}, [&](const Image& image) {
+              EXPECT_EQ(test::difference(image.plane("ao"), Plane(100, 80, 1.0f), 0.0).most, 0.0)
+                  << tilt << orthographic;
+              EXPECT_LT(test::difference(image.plane("indirect.r"), Plane(100, 80, 0.0f), 0.0).most, 1e-4)
+                  << tilt << orthographic;
+            });
+    }
+}
+
+TEST(Hemisphere, TheWholeBallHidesHalfOfAPlane) {
+  for (const char* distribution : {"even", "paper"}) {
+    const GBuffer g = plane(30.0, false);
+    const Image image = run(g, {{"shape", "sphere"},
+                                {"distribution", distribution},
+                                {"samples", "64"},
+                                {"radius", "0.2"},
+                                {"weight", "1"},
+                                {"bias", "0"}});
+    double sum = 0.0;
+    for (int y = 20; y < 60; ++y)
+      for (int x = 20; x < 80; ++x) sum += image.plane("ao").at(x, y) / (40.0 * 60.0);
+    EXPECT_NEAR(sum, 0.5, 0.1) << distribution;
+  }
+}
+
+TEST(Hemisphere, ConvexCornersAreLighterInTheWholeBallAlone) {
+  // A ridge towards the camera, of two faces that meet at 90 degrees.
+  const Rectangles ridge = {{.corner = {-2, -2, -2}, .u = {2, 0, 2}, .v = {0, 4, 0}},
+                            {.corner = {0, -2, 0}, .u = {2, 0, -2}, .v = {0, 4, 0}}};
+  const GBuffer g = picture(ridge, perspective_camera({0, 0, 6}, {0, 0, 0}, {0, 1, 0}, 30, 1.0f), 128, 128);
+  const auto near_and_far = [&](const char* shape) {
+    const Image image = run(g, {{"shape", shape}, {"samples", "64"}, {"radius", "0.4"}, {"weight", "1"}});
+    const auto zero = [](glm::dvec3) { return 0.0; };
+    const auto band = [&](double least, double most) {
+      return means(
+                 g, image.plane("ao"),
+                 [&](glm::dvec3 at) {
+                   return std::fabs(at.y) < 0.8 && std::fabs(at.x) >= least && std::fabs(at.x) < most;
+                 },
+                 zero)
+          .got;
+    };
+    return std::pair(band(0.0, 0.05), band(0.5, 0.8));
+  };
+  const auto [ball_corner, ball_face] = near_and_far("sphere");
+  EXPECT_GT(ball_corner, ball_face + 0.1);
+  const auto [half_corner, half_face] = near_and_far("hemisphere");
+  EXPECT_EQ(half_corner, 1.0);
+  EXPECT_EQ(half_face, 1.0);
+}
+
+// ---- reflected light against quadrature
+// ------------------------------------------------------------------------------------------
+
+TEST(Hemisphere, RedWallColoursTheFloorAsItsFormFactorSays) {
+  const Rectangles scene = floor_and_wall();
+  const GBuffer g = picture(scene, kOverFloor, 192, 192);
+  // A pixel at the wall's foot is about 0.02 wide.
+  const double edges[] = {0.02, 0.06, 0.15, 0.3, 0.5, 0.8, 1.2};
+  for (const char* samples : {"16", "64", "256"})
+    test::on_every_target(
+        "hemisphere", g, {{"bleeding", "1"}, {"radius", "2.4"}, {"samples", samples}, {"noise", "0"}},
+        [&](const Image& image) {
+          for (int k = 0; k + 1 < int(std::size(edges)); ++k) {
+            const auto takes = [&](glm::dvec3 at) {
+              return on_floor(at) && at.x >= edges[k] && at.x < edges[k + 1] && std::fabs(at.z) < 0.6;
+            };
+            // The exact value hardly changes along the wall there: one line of it is enough.
+            const double exact = arriving(scene, {0.5 * (edges[k] + edges[k + 1]), 0, 0}, {0, 1, 0}, 2.4).x;
+            const Means m = means(g, image.plane("indirect.r"), takes, [&](glm::dvec3) { return exact; });
+            EXPECT_GT(m.count, 50);
+            EXPECT_NEAR(m.got, m.wanted, 0.25 * m.wanted) << samples << " at " << edges[k];
+          }
+          const Means green = means(g, image.plane("indirect.g"), on_floor, [](glm::dvec3) { return 0.0; });
+          EXPECT_EQ(green.got, 0.0);
+        });
+}
+
+TEST(Hemisphere, TheWallsOtherSideSendsNothing) {
+  const Rectangles scene = floor_and_wall();
+  const GBuffer g = picture(scene, kOverFloor, 160, 160);
+  const Image image = run(g, {{"bleeding", "1"}, {"radius", "2.4"}, {"samples", "64"}});
+  int count = 0;
+  for (int y = 0; y < 160; ++y)
+    for (int x = 0; x < 160; ++x) {
+      if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+      const glm::dvec3 at = world_position(g, x, y);
+      if (!on_floor(at) || at.x > -0.01) continue;
+      ++count;
+      EXPECT_EQ(image.plane("indirect.r").at(x, y), 0.0f);
+    }
+  EXPECT_GT(count, 500);
+}
+
+TEST(Hemisphere, LightHardlyHangsOnTheNumberOfSamples) {
+  const Rectangles scene = floor_and_wall();
+  const GBuffer g = picture(scene, kOverFloor, 192, 192);
+  const auto light = [&](const char* samples, const char* area) {
+    const Image image =
+        run(g, {{"bleeding", "1"}, {"radius", "2.4"}, {"samples", samples}, {"noise", "0"}, {"area", area}});
+    return means(
+               g, image.plane("indirect.r"),
+               [](glm::dvec3 at) { return on_floor(at) && at.x > 0.1 && at.x < 1.0 && std::fabs(at.z) < 1.0; },
+               [](glm::dvec3) { return 0.0; })
+        .got;
+  };
+  EXPECT_NEAR(light("8", "measured") / light("256", "measured"), 1.0, 0.08);
+  EXPECT_NEAR(light("8", "equal") / light("256", "equal"), 1.0, 0.25);
+  // The paper's sum grows with it.
+  EXPECT_GT(light("256", "paper") / light("8", "paper"), 20.0);
+}
+
+// ---- ambient light and further bounces
+// ------------------------------------------------------------------------------------------
+
+/// The inside of a white box, open at the top, lit by ambient light alone.
+constexpr double kBoxAlbedo = 0.7, kBoxAmbient = 0.5;
+Rectangles open_box() {
+  const auto face = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
+    return Rectangle{
+        .corner = corner, .u = u, .v = v, .ambient = glm::dvec3(kBoxAlbedo * kBoxAmbient), .albedo = kBoxAlbedo};
+  };
+  return {face({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}), face({-1, 0, -1}, {2, 0, 0}, {0, 1, 0}),
+          face({1, 0, 1}, {-2, 0, 0}, {0, 1, 0}), face({-1, 0, 1}, {0, 0, -2}, {0, 1, 0}),
+          face({1, 0, -1}, {0, 0, 2}, {0, 1, 0})};
+}
+
+TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
+  const Rectangles box = open_box();
+  const Camera camera = perspective_camera({0, 4, 0.001f}, {0, 0, 0}, {0, 1, 0}, 42, 1.0f);
+  const GBuffer g = picture(box, camera, 160, 160);
+  const Settings settings = {{"bleeding", "1"}, {"radius", "4"}, {"samples", "64"}, {"range", "none"}, {"noise", "0"}};
+  const Image first = run(g, settings);
+
+  // Patches of the box with the openness that the pass wrote, and the light between them: the series in double.
+  constexpr int kPatches = 12;
+  struct Patch {
+    glm::dvec3 at, normal;
+    double area, ao = 0.0, sent = 0.0, arrives = 0.0;
+    int pixels = 0;
+  };
+  std::vector<Patch> patches;
+  for (const Rectangle& r : box)
+    for (int j = 0; j < kPatches; ++j)
+      for (int i = 0; i < kPatches; ++i)
+        patches.push_back({.at = r.corner + r.u * ((i + 0.5) / kPatches) + r.v * ((j + 0.5) / kPatches),
+                           .normal = r.normal(),
+                           .area = glm::length(glm::cross(r.u, r.v)) / (kPatches * kPatches)});
+  const auto nearest = [&](glm::dvec3 at) {
+    return std::min_element(patches.begin(), patches.end(), [&](const Patch& a, const Patch& b) {
+      return glm::length(a.at - at) < glm::length(b.at - at);
+    });
+  };
+  for (int y = 0; y < 160; ++y)
+    for (int x = 0; x < 160; ++x) {
+      if (!std::isfinite(g.layers[0].plane("depth").at(x, y))) continue;
+      const auto patch = nearest(world_position(g, x, y));
+      patch->ao += first.plane("ao").at(x, y);
+      ++patch->pixels;
+    }
+  for (Patch& patch : patches) {
+    ASSERT_GT(patch.pixels, 0);
+    patch.ao /= patch.pixels;
+  }
+  const double own = kBoxAlbedo * kBoxAmbient;
+  const auto bounce = [&] {
+    for (Patch& to : patches) {
+      to.arrives = 0.0;
+      for (const Patch& from : patches) {
+        const glm::dvec3 way = from.at - to.at;
+        const double d2 = glm::dot(way, way), a = glm::dot(way, to.normal), b = -glm::dot(way, from.normal);
+        if (a > 1e-9 && b > 1e-9) to.arrives += from.sent * a * b * from.area / (kPi * d2 * d2);
+      }
+    }
+  };
+  const auto on_the_floor_inside = [](glm::dvec3 at) {
+    return on_floor(at) && std::fabs(at.x) < 0.7 && std::fabs(at.z) < 0.7;
+  };
+  for (const int bounces : {1, 2, 4}) {
+    for (Patch& patch : patches) patch.sent = own * 0.7;  // the guess
+    for (int k = 0; k < bounces; ++k) {
+      if (k > 0)
+        for (Patch& patch : patches) patch.sent = own * patch.ao + kBoxAlbedo * patch.arrives;
+      bounce();
+    }
+    const Image image = run(g, joined(settings, {{"bounces", std::to_string(bounces)}}));
+    const Means m =
+        means(g, image.plane("indirect.g"), on_the_floor_inside, [&](glm::dvec3 at) { return nearest(at)->arrives; });
+    EXPECT_GT(m.wanted, 0.02);
+    EXPECT_NEAR(m.got, m.wanted, 0.1 * m.wanted) << bounces;
+  }
+  const Image none = run(g, joined(settings, {{"ambient_bounce", "0"}}));
+  EXPECT_EQ(test::difference(none.plane("indirect.g"), Plane(160, 160, 0.0f), 0.0).most, 0.0);
+}
+
+// ---- layers
+// ------------------------------------------------------------------------------------------
+
+/// A drape whose far side is lit red, and a box's face behind it, seen past the drape's edge.
+Rectangles drape_and_box() {
+  return {{.corner = {-1.2, 0, 0}, .u = {1.4, 0, 0}, .v = {0, 2, 0}, .front = {0, 0, 0}, .back = kRed},
+          {.corner = {-0.5, 0, -0.7}, .u = {3, 0, 0}, .v = {0, 2, 0}}};
+}
+const Camera kBeforeDrape = perspective_camera({0, 1, 6}, {0.4f, 1, 0}, {0, 1, 0}, 25, 1.0f);
+const Settings kDrape = {{"bleeding", "1"}, {"radius", "1.8"}, {"samples", "64"}, {"noise", "0"}};
+
+Means behind_drape(const GBuffer& g, const Settings& settings) {
+  const Rectangles scene = drape_and_box();
+  const Image image = run(g, settings);
+  return means(
+      g, image.plane("indirect.r"),
+      [](glm::dvec3 at) { return at.z < -0.69 && at.x < 0.8 && std::fabs(at.y - 1.0) < 0.4; },
+      [&](glm::dvec3 at) {
+        return arriving(scene, at, {0, 0, 1}, 1.8).x;
+      });
+}
+
+TEST(Hemisphere, BoxBehindADrapeGetsItsColourFromTheLayers) {
+  const GBuffer one = picture(drape_and_box(), kBeforeDrape, 64, 64);
+  const GBuffer layers = picture(drape_and_box(), kBeforeDrape, 64, 64, 2, true);
+  const Means without = behind_drape(one, kDrape), with = behind_drape(layers, kDrape);
+  ASSERT_GT(with.count, 50);
+  EXPECT_GT(with.wanted, 0.05);
+  EXPECT_LT(without.got, 0.1 * without.wanted);
+  EXPECT_GT(with.got, 0.5 * with.wanted);
+  EXPECT_LT(with.got, 1.3 * with.wanted);
+}
+
+TEST(Hemisphere, AnotherCameraSeesTheDrapesOtherSide) {
+  GBuffer g = picture(drape_and_box(), kBeforeDrape, 64, 64);
+  // It stands behind the drape and to the left, and sees its far side.
+  for (const bool orthographic : {false, true}) {
+    const Camera other = orthographic ? orthographic_camera({-3, 1.5f, -3}, {-0.5f, 1, 0}, {0, 1, 0}, 3, 1.0f)
+                                      : perspective_camera({-3, 1.5f, -3}, {-0.5f, 1, 0}, {0, 1, 0}, 45, 1.0f);
+    GBuffer more = g;
+    more.layers.push_back(layer_of(drape_and_box(), other, 64, 64, 0, false));
+    more.info.more_layers.push_back({.kind = LayerKind::kOther, .of = 0, .camera = other});
+    const Means with = behind_drape(more, kDrape);
+    EXPECT_GT(with.got, 0.5 * with.wanted) << orthographic;
+    EXPECT_LT(with.got, 1.3 * with.wanted) << orthographic;
+  }
+}
+
+TEST(Hemisphere, OccluderBehindAnOccluderOutOfRangeCounts) {
+  // A rail far before a wall's foot hides the foot's surroundings from the first layer.
+  Rectangles scene = floor_and_wall();
+  scene.push_back({.corner = {1.85, 1.55, 2}, .u = {0, 0, -1}, .v = {0, 0.04, 0}});
+  const Settings settings = {{"radius", "0.4"}, {"range", "constant"}, {"samples", "64"}};
+  const Image one = run(picture(scene, kOverFloor, 128, 128), settings);
+  const Image two = run(picture(scene, kOverFloor, 128, 128, 2), settings);
+  int darker = 0, lighter = 0;
+  for (int y = 0; y < 128; ++y)
+    for (int x = 0; x < 128; ++x) {
+      darker += two.plane("ao").at(x, y) < one.plane("ao").at(x, y) - 1e-3;
+      lighter += two.plane("ao").at(x, y) > one.plane("ao").at(x, y) + 1e-3;
+    }
+  EXPECT_GT(darker, 50);
+  EXPECT_EQ(lighter, 0);
+}
+
+TEST(Hemisphere, OfLayersAsManyAreUsedAsAreAskedFor) {
+  const GBuffer one = picture(drape_and_box(), kBeforeDrape, 48, 48);
+  const GBuffer layers = picture(drape_and_box(), kBeforeDrape, 48, 48, 2, true);
+  const Image expected = run(one, kDrape);
+  const Image first = run(layers, joined(kDrape, {{"layers", "1"}}));
+  const Image all = run(layers, kDrape), four = run(layers, joined(kDrape, {{"layers", "4"}}));
+  for (const char* name : {"ao", "indirect.r"}) {
+    EXPECT_EQ(test::difference(first.plane(name), expected.plane(name), 0.0).most, 0.0) << name;
+    EXPECT_EQ(test::difference(four.plane(name), all.plane(name), 0.0).most, 0.0) << name;
+  }
+  EXPECT_GT(test::difference(all.plane("indirect.r"), expected.plane("indirect.r"), 0.0).most, 0.01);
+}
+
+TEST(Hemisphere, LanesAgreeWithScalarInLayersAndOtherViews) {
+  GBuffer g = picture(drape_and_box(), kBeforeDrape, 61, 47, 2, true);
+  const Camera other = perspective_camera({-3, 1.5f, -3}, {-0.5f, 1, 0}, {0, 1, 0}, 45, 1.0f);
+  g.layers.push_back(layer_of(drape_and_box(), other, 61, 47, 0, false));
+  g.info.more_layers.push_back({.kind = LayerKind::kOther, .of = 0, .camera = other});
+  g.layers.push_back(layer_of(drape_and_box(), other, 61, 47, 0, true));
+  g.info.more_layers.push_back({.kind = LayerKind::kBack, .of = 4, .camera = {}});
+  const Image expected = test::run_effect(*find_effect("hemisphere"), g, kDrape, {.scalar = true});
+  test::on_every_target("hemisphere", g, kDrape, [&](const Image& image) {
+    for (const char* name : {"ao", "indirect.r"}) {
+      const auto d = test::difference(image.plane(name), expected.plane(name), 1e-4);
+      EXPECT_LE(d.share_over, 2e-3) << name;  // a sample in 64 that falls on a pixel's border
+      EXPECT_LE(d.mean, 1e-4) << name;
+    }
+  });
+}
+
+// ---- range and switches
+// ------------------------------------------------------------------------------------------
+
+/// Two planes that face the camera, 4 and 5 units away, side by side.
+GBuffer step() {
+  const Rectangles scene = {{.corner = {-9, -9, -4}, .u = {9, 0, 0}, .v = {0, 18, 0}, .front = kRed},
+                            {.corner = {-9, -9, -5}, .u = {18, 0, 0}, .v = {0, 18, 0}}};
+  return picture(scene, orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 4, 1.0f), 64, 64);
+}
+
+TEST(Hemisphere, RangeLimitsAreWhatTheySay) {
+  const GBuffer g = step();
+  // Pixels 5 units deep, next to what is 1 unit nearer; the radius is 1.
+  const auto share = [&](const Settings& settings) {
+    const Image image =
+        run(g, joined({{"radius", "1"}, {"samples", "64"}, {"weight", "0.5"}, {"bias_of", "depth"}}, settings));
+    double sum = 0.0;
+    for (int y = 20; y < 44; ++y)
+      for (int x = 32; x < 42; ++x) sum += (1.0 - image.plane("ao").at(x, y)) / 240.0;
+    return sum;
+  };
+  const double all = share({{"range", "none"}});
+  EXPECT_GT(all, 0.05);
+  const auto edge = [&](const char* range, const char* depth, double factor) {
+    const Settings settings = {{"range", range}, {"range_depth", depth}, {"near", "2"}, {"far", "10"}};
+    EXPECT_NEAR(share(joined(settings, {{"range_factor", fmt::format("{}", 1.03 * factor)}})), all, 1e-6)
+        << range << depth;
+    EXPECT_EQ(share(joined(settings, {{"range_factor", fmt::format("{}", 0.97 * factor)}})), 0.0) << range << depth;
+  };
+  // Limits are one at the depth sqrt(2 10), and fall from there. Window depth Z = 10/8 (1 - 2/z) differs by 1/8, which
+  // is the radius over the span.
+  const double fall = std::sqrt(20.0) / 5.0;
+  edge("constant", "view", 1.0);
+  edge("linear", "view", 1.0 / fall);
+  edge("quadratic", "view", 1.0 / (fall * fall));
+  edge("constant", "window", 1.0);
+  edge("linear", "window", 1.0 / fall);
+  edge("quadratic", "window", 1.0 / (fall * fall));
+  const double t = 0.6;
+  for (const char* depth : {"view", "window"})
+    EXPECT_NEAR(
+        share({{"range", "smoothstep"}, {"range_depth", depth}, {"range_factor", "0.6"}, {"near", "2"}, {"far", "10"}}),
+        all * t * t * (3.0 - 2.0 * t), 1e-5);
+}
+
+TEST(Hemisphere, EachPartCanBeSwitchedOff) {
+  const GBuffer g = picture(floor_and_wall(), kOverFloor, 96, 96);
+  const Settings both = {{"bleeding", "1"}, {"radius", "1"}};
+  const Image all = run(g, both);
+  const Image bleeding = run(g, joined(both, {{"occlusion", "off"}}));
+  EXPECT_EQ(test::difference(bleeding.plane("ao"), Plane(96, 96, 1.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(bleeding.plane("indirect.r"), all.plane("indirect.r"), 0.0).most, 0.0);
+  const Image occlusion = run(g, joined(both, {{"bleeding", "0"}}));
+  EXPECT_EQ(occlusion.find("indirect.r"), nullptr);
+  EXPECT_EQ(test::difference(occlusion.plane("ao"), all.plane("ao"), 0.0).most, 0.0);
+  const Image twice = run(g, joined(both, {{"bleeding", "2"}}));
+  for (int y = 0; y < 96; ++y)
+    for (int x = 0; x < 96; ++x)
+      ASSERT_NEAR(twice.plane("indirect.r").at(x, y), 2.0f * all.plane("indirect.r").at(x, y), 1e-6);
+}
+
+TEST(Hemisphere, ScaleOfTheSceneDoesNotMatter) {
+  const auto scaled = [](double by) {
+    Rectangles scene = floor_and_wall();
+    for (Rectangle& r : scene) {
+      r.corner *= by;
+      r.u *= by;
+      r.v *= by;
+    }
+    const float s = float(by);
+    GBuffer g = picture(
+        scene, perspective_camera({3.5f * s, 3 * s, 3 * s}, {0.3f * s, 0.2f * s, 0}, {0, 1, 0}, 40, 1.0f), 96, 96);
+    g.info.scene_radius *= s;
+    g.info.depth_min *= s;
+    g.info.depth_max *= s;
+    return run(g, {{"bleeding", "1"}, {"radius", "20%"}, {"samples", "32"}});
+  };
+  const Image one = scaled(1.0);
+  EXPECT_GT(test::difference(one.plane("indirect.r"), Plane(96, 96, 0.0f), 0.0).mean, 0.01);
+  for (const double by : {1e-3, 1e3}) {
+    const Image other = scaled(by);
+    for (const char* name : {"ao", "indirect.r"})
+      EXPECT_LT(test::difference(one.plane(name), other.plane(name), 1e-2).share_over, 0.01) << by << name;
+  }
+}
+
+TEST(Hemisphere, RadiusIsSetInSceneUnits) {
+  const GBuffer g = step();
+  const Effect& effect = *find_effect("hemisphere");
+  ParameterBytes bytes = test::parameters_of(effect, {});
+  EXPECT_FLOAT_EQ(constants(g, {}).radius, 0.5f);  // 10% of the scene's radius, 5
+  effect.set_radius(0.8f, g.info, bytes);
+  EXPECT_EQ(as<HemisphereParams>(bytes).radius.value, 0.8f);
+  EXPECT_EQ(as<HemisphereParams>(bytes).radius.relative, 0);
+}
+
+TEST(Hemisphere, NoiseIsTiledAndSeeded) {
+  const GBuffer g = step();
+  const auto column = [&](const char* noise, const char* seed, const char* distribution, int from) {
+    const Image image = run(g, {{"radius", "1"},
+                                {"noise", noise},
+                                {"seed", seed},
+                                {"distribution", distribution},
+                                {"range", "none"},
+                                {"bias_of", "depth"}});
+    std::vector<float> values;
+    for (int y = from; y < from + 8; ++y) values.push_back(image.plane("ao").at(33, y));
+    return values;
+  };
+  for (const char* distribution : {"even", "paper"}) {
+    EXPECT_EQ(column("4", "0", distribution, 20), column("4", "0", distribution, 24));
+    EXPECT_NE(column("4", "0", distribution, 20), column("4", "0", distribution, 22));
+    EXPECT_EQ(column("1", "0", distribution, 20), column("1", "0", distribution, 21));
+    EXPECT_NE(column("0", "0", distribution, 20), column("0", "0", distribution, 24));
+    EXPECT_NE(column("4", "0", distribution, 20), column("4", "7", distribution, 20));
+  }
+}
+
+// ---- odd input
+// ------------------------------------------------------------------------------------------
+
+TEST(Hemisphere, NoSamplesAndNoRadiusAreRefused) {
+  const Effect& effect = *find_effect("hemisphere");
+  ParameterBytes bytes = test::parameters_of(effect, {});
+  for (const auto& [name, value] : Settings{{"samples", "0"}, {"samples", "257"}, {"radius", "0"}, {"radius", "0%"}}) {
+    const auto done = set_parameter("hemisphere", *find_parameter(effect, name), value, bytes);
+    ASSERT_FALSE(done) << name << value;
+    EXPECT_NE(done.error().message.find(name), std::string::npos);
+  }
+}
+
+TEST(Hemisphere, PlanesThatAreMissingAreDarkOrNamed) {
+  GBuffer g = picture(floor_and_wall(), kOverFloor, 48, 48);
+  GBuffer unlit = g;
+  Image& image = unlit.layers[0];
+  image = Image(48, 48);
+  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) image.add(name) = g.layers[0].plane(name);
+  const Image dark = run(unlit, {{"bleeding", "1"}, {"bounces", "3"}});
+  EXPECT_EQ(test::difference(dark.plane("indirect.r"), Plane(48, 48, 0.0f), 0.0).most, 0.0);
+
+  const Effect& effect = *find_effect("hemisphere");
+  const auto device = make_cpu_device({});
+  auto frame = device->upload({.info = g.info, .layers = {Image(48, 48)}});
+  const auto done = device->run(effect, test::parameters_of(effect, {}), *frame);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("depth"), std::string::npos);
+}
+
+TEST(Hemisphere, RadiusBeyondTheSceneAndBlackSurfacesAreDefined) {
+  Rectangles scene = open_box();
+  for (Rectangle& r : scene) {
+    r.albedo = 0.0;
+    r.ambient = glm::dvec3(0.0);
+  }
+  const GBuffer g = picture(scene, kOverFloor, 48, 48);
+  const Image image = run(g, {{"bleeding", "1"}, {"bounces", "3"}, {"radius", "1e6"}});
+  EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(48, 48, 0.0f), 0.0).most, 0.0);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 48; ++x) {
+      EXPECT_GE(image.plane("ao").at(x, y), 0.0f);
+      EXPECT_LE(image.plane("ao").at(x, y), 1.0f);
+    }
+}
+
+TEST(Hemisphere, DepthAndLightThatAreNoneStayWithoutEffect) {
+  GBuffer g = step();
+  const float odd[] = {std::nanf(""), -kInfinity, 0.0f, -1.0f};
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 32; ++x) g.layers[0].plane("depth").at(x, y) = odd[(x + y) % 4];
+  const Settings settings = {{"bleeding", "1"}, {"radius", "1"}, {"range", "none"}};
+  test::on_every_target("hemisphere", g, settings, [&](const Image& image) {
+    EXPECT_EQ(test::difference(image.plane("ao"), Plane(64, 64, 1.0f), 0.0).most, 0.0);
+    EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(64, 64, 0.0f), 0.0).most, 0.0);
+  });
+  GBuffer bad_light = picture(floor_and_wall(), kOverFloor, 64, 64);
+  for (const float value : {std::nanf(""), kInfinity, -5.0f}) {
+    bad_light.layers[0].plane("direct.r") = Plane(64, 64, value);
+    test::on_every_target("hemisphere", bad_light, settings, [&](const Image& image) {
+      EXPECT_EQ(test::difference(image.plane("indirect.r"), Plane(64, 64, 0.0f), 0.0).most, 0.0) << value;
+    });
+  }
+}
+
+TEST(Hemisphere, NormalThatIsNoneFacesTheEye) {
+  const GBuffer g = step();
+  for (const float odd : {0.0f, std::nanf(""), kInfinity}) {
+    GBuffer without = g;
+    for (const char* name : kNormal) without.layers[0].plane(name) = Plane(64, 64, odd);
+    const Settings settings = {{"radius", "1"}};
+    const Plane expected = run(g, settings).plane("ao");
+    test::on_every_target("hemisphere", without, settings, [&](const Image& image) {
+      EXPECT_LT(test::difference(image.plane("ao"), expected, 1e-5).share_over, 1e-2) << odd;
+    });
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
