@@ -16,13 +16,16 @@ constexpr std::uint32_t kSpirv[] = {
 };
 
 constexpr double kMostFactor = 10.0;
+constexpr double kDamping = 0.1;  // the paper gives no number: what is lit by ambient light alone has none
 
 const std::vector<Parameter> kTable = {
     {.name = "mode",
-     .help = "how occlusion meets light: on the ambient part, subtracted, multiplied, modulating colour, or alone",
+     .help = "how occlusion meets light: on the ambient part, subtracted, multiplied, modulating colour, or alone; "
+             "bleeding: "
+             "on the ambient part, with bounced light damped where little direct light arrives",
      .type = ParameterType::kChoice,
      .offset = offsetof(CompositeParams, mode),
-     .choices = {"ambient", "subtract", "multiply", "modulate", "occlusion"}},
+     .choices = {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding"}},
     {.name = "darkness",
      .help = "mode modulate: how much of the mask is added to brightness",
      .offset = offsetof(CompositeParams, darkness),
@@ -40,11 +43,18 @@ const std::vector<Parameter> kTable = {
      .initial = 0.0,
      .least = -kMostFactor,
      .most = kMostFactor},
+    {.name = "damping",
+     .help = "mode bleeding: luminance of the direct light from which on bounced light is whole; with less it fades",
+     .offset = offsetof(CompositeParams, damping),
+     .initial = kDamping,
+     .most = kMostFactor,
+     .zero_means = "off"},
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
   const auto& params = as<CompositeParams>(bytes);
-  *static_cast<CompositeConstants*>(out) = {params.mode, params.darkness, params.chroma, params.contrast};
+  *static_cast<CompositeConstants*>(out) = {params.mode, params.darkness, params.chroma, params.contrast,
+                                            params.damping};
 }
 
 }  // namespace

@@ -4,13 +4,15 @@
 
 // One row of the table in composite.cpp per field.
 struct CompositeParams {
-  int mode;                          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion
+  int mode;                          // 0 ambient, 1 subtract, 2 multiply, 3 modulate, 4 occlusion, 5 bleeding
   float darkness, chroma, contrast;  // factors of mode modulate
+  float damping;                     // mode bleeding: direct light's luminance; 0: off
 };
 
 struct CompositeConstants {
   int mode;
   float darkness, chroma, contrast;
+  float damping;
 };
 
 #endif

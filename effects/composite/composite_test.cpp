@@ -92,6 +92,31 @@ TEST(Composite, EveryModeMatchesItsFormula) {
   for (const char* mode : {"ambient", "subtract", "multiply", "occlusion"}) compare(mode, {});
 }
 
+TEST(Composite, BleedingFadesWhereDirectLightDoes) {
+  GBuffer g = light_and_occlusion();
+  for (int c = 0; c < 3; ++c)  // from none to far above the damping
+    for (int y = 0; y < g.info.height; ++y)
+      for (int x = 0; x < 20; ++x) g.layers[0].plane(kDirect[c]).at(x, y) *= float(x) / 200.0f;
+  for (const double damping : {0.0, 0.1, 0.7})
+    test::on_every_target(
+        "composite", g, {{"mode", "bleeding"}, {"damping", fmt::format("{}", damping)}}, [&](const Image& image) {
+          double worst = 0.0;
+          int faded = 0;
+          for (int y = 0; y < image.height; ++y)
+            for (int x = 0; x < image.width; ++x) {
+              const auto [direct, ambient, bounced] = Arriving(g.layers[0], x, y);
+              const double luminance = 0.2126 * direct.r + 0.7152 * direct.g + 0.0722 * direct.b;
+              const double share = damping > 0.0 ? std::min(luminance / damping, 1.0) : 1.0;
+              const glm::dvec3 expected = direct + bounced * share + ambient * double(g.layers[0].plane("ao").at(x, y));
+              for (int c = 0; c < 3; ++c)
+                worst = std::max(worst, std::fabs(image.plane(kLit[c]).at(x, y) - expected[c]));
+              faded += share < 1.0;
+            }
+          EXPECT_LE(worst, 2e-6);
+          EXPECT_EQ(faded > 100, damping > 0.0);
+        });
+}
+
 TEST(Composite, ModulateMatchesItsFormula) {
   compare("modulate", {});
   compare("modulate", {.darkness = 0.0, .chroma = 1.0});
