@@ -7,7 +7,7 @@
 // ones. A crossing that has no neighbour in the next row on either side is a step of a line of the other kind and is
 // dropped where that line is there.
 //
-// A faint crease stays where it goes on from a clear edge within the same rows.
+// A faint crossing stays where a clear one is near along the line.
 //
 // Planes, for crossings to the right and below: 0, kOnlyEnds where a surface ends but no piece of line is drawn, or 1 +
 // 2 level + (t + 1/2) / 2 as in outline_find, below 0 at the end of a line; and how the line leans: its angle's cosine
@@ -71,6 +71,12 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     shadow = shadow || (rival > 0.0f && (abs(rival - kMiddle) > kOneSided + 1.0f || !rim));
   }
   shadow = shadow && !clear;
+  // A bevel is clear in some rows and faint in others, as pixels fall on it.
+  for (int row = -kAround; row <= kAround; ++row)
+    for (int k = -2; k <= 2; ++k) {
+      Real other = lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k);
+      clear = clear || (other > 0.0f && abs(floor(other) - side) < kSameSide);
+    }
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
@@ -96,8 +102,6 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     Real up_place = up.y + place_of(abs(up.x) - up_side);
     Real down_place = down.y + place_of(abs(down.x) - down_side);
     length = length + select(up_alive, Real(1.0f), Real(0.0f)) + select(down_alive, Real(1.0f), Real(0.0f));
-    clear = clear || (up.x > 0.0f && abs(up_side - side) < kSameSide);
-    clear = clear || (down.x > 0.0f && abs(down_side - side) < kSameSide);
     if (k == 1) {
       joined = up_alive || down_alive;
       ends = !(up_alive && down_alive);
