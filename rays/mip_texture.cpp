@@ -18,13 +18,20 @@ const std::array<float, 256> kLinearFromSrgb = [] {
   return t;
 }();
 
+// A conversion costs more than a read here.
+const std::array<float, 256> kShare = [] {
+  std::array<float, 256> t{};
+  for (int i = 0; i < 256; ++i) t[i] = float(i) * (1.0f / 255.0f);
+  return t;
+}();
+
 std::uint8_t srgb_byte(float linear) {
   return std::uint8_t(std::clamp(srgb_from_linear(linear), 0.0f, 1.0f) * 255.0f + 0.5f);
 }
 
 glm::vec4 texel(const MipLevel& level, int x, int y) {
   const std::uint8_t* p = level.rgba.data() + (std::size_t(y) * level.width + x) * 4;
-  return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], float(p[3]) * (1.0f / 255.0f)};
+  return {kLinearFromSrgb[p[0]], kLinearFromSrgb[p[1]], kLinearFromSrgb[p[2]], kShare[p[3]]};
 }
 
 struct Bilinear {
@@ -50,10 +57,13 @@ void neighbours(int first, int size, int& low, int& high) {
   high = first + 1 >= size ? 0 : first + 1;
 }
 
-Bilinear bilinear_at(const MipLevel& level, glm::vec2 uv) {
-  // Repeat first, so that far coordinates keep their fraction's bits.
-  const float x = fraction_of(uv.x) * float(level.width) - 0.5f;
-  const float y = (1.0f - fraction_of(uv.y)) * float(level.height) - 0.5f;
+/// Texture coordinates as shares of the texture from its top left corner, repeated first so that far ones keep their
+/// fraction's bits.
+glm::vec2 within(glm::vec2 uv) { return {fraction_of(uv.x), 1.0f - fraction_of(uv.y)}; }
+
+Bilinear bilinear_at(const MipLevel& level, glm::vec2 share) {
+  const float x = share.x * float(level.width) - 0.5f;
+  const float y = share.y * float(level.height) - 0.5f;
   Bilinear b;
   const int ix = floor_of(x), iy = floor_of(y);
   neighbours(std::min(ix, level.width - 1), level.width, b.x0, b.x1);
@@ -63,8 +73,8 @@ Bilinear bilinear_at(const MipLevel& level, glm::vec2 uv) {
   return b;
 }
 
-glm::vec4 sample_level(const MipLevel& level, glm::vec2 uv) {
-  const Bilinear b = bilinear_at(level, uv);
+glm::vec4 sample_level(const MipLevel& level, glm::vec2 share) {
+  const Bilinear b = bilinear_at(level, share);
   const glm::vec4 top = texel(level, b.x0, b.y0) * (1.0f - b.fx) + texel(level, b.x1, b.y0) * b.fx;
   const glm::vec4 bottom = texel(level, b.x0, b.y1) * (1.0f - b.fx) + texel(level, b.x1, b.y1) * b.fx;
   return top * (1.0f - b.fy) + bottom * b.fy;
@@ -114,18 +124,18 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
     std::swap(longer, shorter);
     axis = down;
   }
-  if (!std::isfinite(longer)) return sample_level(texture.levels.back(), uv);
+  if (!std::isfinite(longer)) return sample_level(texture.levels.back(), within(uv));
   // Rounded to the nearest number of taps: a footprint that is square but for rounding takes one.
   const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMostTaps) : 1.0f);
   const int taps = int(ratio + 0.5f);
   const float width = std::max(longer / float(taps), 1.0f);
-  const float lod = std::clamp(std::log2(width), 0.0f, float(texture.levels.size() - 1));
+  const float lod = width > 1.0f ? std::clamp(std::log2(width), 0.0f, float(texture.levels.size() - 1)) : 0.0f;
   const int fine = int(lod);
   const int coarse = std::min(fine + 1, int(texture.levels.size()) - 1);
   const float blend = lod - float(fine);
   glm::vec4 sum(0.0f);
   for (int i = 0; i < taps; ++i) {
-    const glm::vec2 at = uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f);
+    const glm::vec2 at = within(uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f));
     glm::vec4 value = sample_level(texture.levels[fine], at);
     if (blend > 0.0f) value += (sample_level(texture.levels[coarse], at) - value) * blend;
     sum += value;
@@ -135,7 +145,7 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
 
 float sample_alpha(const MipTexture& texture, glm::vec2 uv) {
   const MipLevel& level = texture.levels[0];
-  const Bilinear b = bilinear_at(level, uv);
+  const Bilinear b = bilinear_at(level, within(uv));
   const auto alpha = [&](int x, int y) { return float(level.rgba[(std::size_t(y) * level.width + x) * 4 + 3]); };
   const float top = alpha(b.x0, b.y0) * (1.0f - b.fx) + alpha(b.x1, b.y0) * b.fx;
   const float bottom = alpha(b.x0, b.y1) * (1.0f - b.fx) + alpha(b.x1, b.y1) * b.fx;

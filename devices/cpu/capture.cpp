@@ -37,18 +37,16 @@ struct alignas(64) Block {
   float object[kPacket], material[kPacket];
 };
 
-void clear(Block& block) {
-  block = {};
-  std::fill_n(block.depth, kPacket, std::numeric_limits<float>::infinity());
-  std::fill_n(block.shadow[0], kMostShadows * kPacket, 1.0f);
-  std::fill_n(block.object, kPacket, -1.0f);
-  std::fill_n(block.material, kPacket, -1.0f);
-}
-
 /// A plane that is drawn, and where a block holds its pixels.
 struct DrawnPlane {
   std::string name;
   std::size_t offset;
+  float nothing = 0.0f;  ///< its value where there is no surface
+
+  float* in(Block& block) const { return reinterpret_cast<float*>(reinterpret_cast<char*>(&block) + offset); }
+  const float* in(const Block& block) const {
+    return reinterpret_cast<const float*>(reinterpret_cast<const char*>(&block) + offset);
+  }
 };
 
 /// A light whose shadow is traced.
@@ -73,16 +71,21 @@ bool casts_from_afar(const Light& light) {
 
 /// The planes of a layer. That of the key light's shadow is always there.
 std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, int shadows) {
-  std::vector<DrawnPlane> planes = {
-      {"depth", offsetof(Block, depth)},         {"normal.x", offsetof(Block, nx)},
-      {"normal.y", offsetof(Block, ny)},         {"normal.z", offsetof(Block, nz)},
-      {"albedo.r", offsetof(Block, ar)},         {"albedo.g", offsetof(Block, ag)},
-      {"albedo.b", offsetof(Block, ab)},         {"specular", offsetof(Block, specular)},
-      {"shininess", offsetof(Block, shininess)}, {"shadow", offsetof(Block, shadow)},
-      {"object_id", offsetof(Block, object)},    {"material_id", offsetof(Block, material)}};
+  std::vector<DrawnPlane> planes = {{"depth", offsetof(Block, depth), std::numeric_limits<float>::infinity()},
+                                    {"normal.x", offsetof(Block, nx)},
+                                    {"normal.y", offsetof(Block, ny)},
+                                    {"normal.z", offsetof(Block, nz)},
+                                    {"albedo.r", offsetof(Block, ar)},
+                                    {"albedo.g", offsetof(Block, ag)},
+                                    {"albedo.b", offsetof(Block, ab)},
+                                    {"specular", offsetof(Block, specular)},
+                                    {"shininess", offsetof(Block, shininess)},
+                                    {"shadow", offsetof(Block, shadow), 1.0f},
+                                    {"object_id", offsetof(Block, object), -1.0f},
+                                    {"material_id", offsetof(Block, material), -1.0f}};
   for (int k = 1; k < std::min({int(info.lights.size()), shadows, kMostShadows}); ++k)
     if (casts_from_afar(info.lights[k]))
-      planes.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0])});
+      planes.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
   const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
                                  [](const Material& material) { return material.emission != glm::vec3(0.0f); });
   if (emits)
@@ -106,12 +109,15 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
   return lights;
 }
 
+void clear(const Drawing& drawing, Block& block) {
+  for (const DrawnPlane& plane : drawing.planes) std::fill_n(plane.in(block), kPacket, plane.nothing);
+}
+
 /// Rows are padded to kRowAlignment floats, so that a block may be stored over the picture's right side.
 void store(const Drawing& drawing, const Block& block, int x0, int y0, int layer, Image& image) {
   for (std::size_t p = 0; p < drawing.planes.size(); ++p) {
     Plane& plane = image.planes[std::size_t(layer) * drawing.planes.size() + p];
-    const float* values =
-        reinterpret_cast<const float*>(reinterpret_cast<const char*>(&block) + drawing.planes[p].offset);
+    const float* values = drawing.planes[p].in(block);
     for (int j = 0; j < kBlock && y0 + j < image.height; ++j)
       std::memcpy(plane.row(y0 + j) + x0, values + j * kBlock, kBlock * sizeof(float));
   }
@@ -162,7 +168,7 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
 /// Fills a block from the hits of its primary rays; `valid` names the pixels that the picture has.
 void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, const std::array<int, kPacket>& valid,
                  Surfaces& surfaces, Block& out) {
-  clear(out);
+  clear(drawing, out);
   const glm::mat3 view(drawing.info.camera.view_from_world);
   surfaces.there = {};
   for (int k = 0; k < kPacket; ++k) {
@@ -196,7 +202,7 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, 
 
 /// The same surfaces from their other side, which has its own shadows. No camera sees it: it has no highlight.
 void turn_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
-  std::fill_n(block.shadow[0], kMostShadows * kPacket, 1.0f);
+  for (const ShadowLight& light : drawing.lights) std::fill_n(block.shadow[light.index], kPacket, 1.0f);
   for (int k = 0; k < kPacket; ++k) {
     if (!surfaces.there[k]) continue;
     block.nx[k] = -block.nx[k];
@@ -259,7 +265,7 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
         rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
       }
       if (!any) {
-        clear(block);
+        clear(drawing, block);
         store(drawing, block, x0, y0, layers.first + layer, image);
         if (layers.backs >= 0) store(drawing, block, x0, y0, layers.backs + layer, image);
         continue;
@@ -283,7 +289,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const std::ve
   if (!within_reach(drawing.rays, drawing.info)) {
     // From there nothing is seen.
     Block background;
-    clear(background);
+    clear(drawing, background);
     for (int y = 0; y < info.height; y += kBlock)
       for (int x = 0; x < info.width; x += kBlock)
         for (int layer = 0; layer < layers.count; ++layer)
