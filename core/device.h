@@ -61,6 +61,13 @@ class Device {
   /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
   /// On layer n > 0 all its inputs and outputs are that layer's.
   virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0) = 0;
+  /// A frame that holds every `factor`th pixel, across and down, of these planes in all the layers that have them: see
+  /// reduced_info. Planes that no layer has are left out.
+  virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;
+  /// Makes planes of a reduced frame planes of the one that it was made from, called reduced_plane(name), at their
+  /// upper left corner, since all planes of a frame have one size; the rest of them is 0. Errors: kUsage for one that
+  /// is missing.
+  virtual Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) = 0;
   /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
   /// for one that is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;

@@ -2,6 +2,10 @@
 
 namespace umbrage {
 
+float length_px(const Length& length, float whole_px, const PictureInfo& info) {
+  return length.relative ? length.value / 100.0f * whole_px : length.value / float(info.reduced);
+}
+
 Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info) {
   const float length = radius.relative ? radius.value / 100.0f * info.scene_radius : radius.value;
   constexpr float kRounding = 1.0001f;

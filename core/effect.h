@@ -31,6 +31,7 @@ struct Pass {
 
 enum class EffectKind {
   kOcclusion,  ///< writes `ao`; every look can take it through --ao
+  kFilter,     ///< smooths what a technique wrote, at the resolution at which that ran
   kShading,    ///< writes light or colour
   kOutput,     ///< turns light into what a file or a screen holds
 };
@@ -56,6 +57,10 @@ struct Effect {
   /// How often the passes run, all of them in order, each time; null: once.
   int (*rounds)(const ParameterBytes& params) = nullptr;
 };
+
+/// What a length that is written in pixels is in pixels of this picture, of which several may make one at reduced
+/// resolution; a share is of `whole_px`, the picture's share_width() or share_height().
+float length_px(const Length& length, float whole_px, const PictureInfo& info);
 
 /// What a radius is in scene units: a share is of the scene's radius. `owner` is named in errors ("--ao-radius").
 /// Errors: kUsage where it is not above 0, or larger than the scene, whose diameter is twice its radius.

@@ -18,7 +18,23 @@ Camera widened(Camera camera, int width, int height, int pixels) {
   return camera;
 }
 
+/// The window of every `factor`th pixel from the first on. A pixel's ray goes through its centre, hence the half
+/// pixels.
+Camera thinned(Camera camera, int width, int height, int factor) {
+  const double across = (double(camera.right) - camera.left) / width;
+  const double down = (double(camera.top) - camera.bottom) / height;
+  const double before = (factor - 1) / 2.0;  // pixels that the first one grows by on each side
+  const double left = camera.left - before * across, top = camera.top + before * down;
+  camera.left = float(left);
+  camera.top = float(top);
+  camera.right = float(left + across * factor * reduced_side(width, factor));
+  camera.bottom = float(top - down * factor * reduced_side(height, factor));
+  return camera;
+}
+
 }  // namespace
+
+int reduced_side(int whole, int factor) { return (whole + factor - 1) / factor; }
 
 PictureInfo with_guard(PictureInfo inner, int guard) {
   inner.camera = widened(inner.camera, inner.width, inner.height, guard);
@@ -40,6 +56,21 @@ PictureInfo inner_info(const PictureInfo& info) {
     if (layer.kind == LayerKind::kOther) layer.camera = widened(layer.camera, info.width, info.height, -info.guard);
   return inner;
 }
+
+PictureInfo reduced_info(const PictureInfo& whole, int factor) {
+  PictureInfo out = whole;
+  out.whole_width = whole.reduced > 1 ? whole.whole_width : whole.inner_width();
+  out.whole_height = whole.reduced > 1 ? whole.whole_height : whole.inner_height();
+  out.reduced = whole.reduced * factor;
+  out.guard = 0;
+  out.width = reduced_side(whole.width, factor);
+  out.height = reduced_side(whole.height, factor);
+  out.camera = thinned(whole.camera, whole.width, whole.height, factor);
+  for (LayerInfo& layer : out.more_layers) layer.camera = thinned(layer.camera, whole.width, whole.height, factor);
+  return out;
+}
+
+std::string reduced_plane(std::string_view name) { return "reduced_" + std::string(name); }
 
 PictureInfo layer_info(const PictureInfo& info, int layer) {
   PictureInfo out = info;

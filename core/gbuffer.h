@@ -46,10 +46,16 @@ struct PictureInfo {
   glm::vec3 ambient{0.3f};
   float scene_radius = 1.0f;  ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
   float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
+  int reduced = 1;  ///< of a picture at reduced resolution: it holds every so manieth pixel, across and down
+  int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
 
-  /// The picture's size once the guard band is cut off: what shares of the picture are shares of.
+  /// The picture's size once the guard band is cut off.
   int inner_width() const { return width - 2 * guard; }
   int inner_height() const { return height - 2 * guard; }
+  /// What shares of the picture's width and height are shares of, in pixels of this picture: at reduced resolution
+  /// they mean the same distance.
+  float share_width() const { return reduced > 1 ? float(whole_width) / float(reduced) : float(inner_width()); }
+  float share_height() const { return reduced > 1 ? float(whole_height) / float(reduced) : float(inner_height()); }
 };
 
 /// A picture without a guard band, widened by `guard` pixels of the same size on each side.
@@ -60,6 +66,17 @@ Camera inner_camera(const PictureInfo& info);
 
 /// The picture once its guard band is cut off, as planes are that a device hands out.
 PictureInfo inner_info(const PictureInfo& info);
+
+/// How many pixels a row of a picture at reduced resolution has.
+int reduced_side(int whole, int factor);
+
+/// The picture that holds the pixels (factor i, factor j) of another one as its (i, j), its size rounded up. Its
+/// cameras give each pixel the ray that it had. It has no guard band: what was one stays part of it.
+PictureInfo reduced_info(const PictureInfo& whole, int factor);
+
+/// The name of a plane at reduced resolution in a picture at full resolution, at whose upper left corner it lies:
+/// `reduced_ao`.
+std::string reduced_plane(std::string_view name);
 
 /// The picture as layer `layer` shows it: of another camera, lights are in that one's view space.
 PictureInfo layer_info(const PictureInfo& info, int layer);

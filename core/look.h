@@ -17,6 +17,8 @@ struct Look {
   int layers = 1;
   bool back_sides = false;
   int extra_views = 0;
+  /// Occlusion is computed for every so manieth pixel across and down, unless --ao-scale is given: 1, 2 or 4.
+  int occlusion_every = 1;
 };
 
 }  // namespace umbrage

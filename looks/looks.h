@@ -39,6 +39,9 @@ using RunHandedIn = std::function<Result<void>(const Effect&, const ParameterByt
 struct LookRun {
   const Look* look = nullptr;
   std::string_view occlusion;  ///< the technique, or kNoOcclusion
+  /// The technique, and filters that follow it, run on every so manieth pixel across and down: 1, 2 or 4. Techniques
+  /// that are handed in run on all.
+  int occlusion_every = 1;
   const EffectSettings* settings = nullptr;
   /// Called with the name of each effect once it is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};

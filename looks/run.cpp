@@ -98,34 +98,88 @@ bool reads_on_layers(const Effect& reader, const ParameterBytes& params, const E
   return false;
 }
 
+/// A look's effects in their order, the technique in its place.
+using Steps = std::vector<const Effect*>;
+
+const ParameterBytes& params_of(const LookRun& run, const Effect& effect) {
+  return run.settings->find(effect.name)->second;
+}
+
+/// Runs one step, on every layer where a later one reads what it makes there.
+Result<void> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
+  const Effect& effect = *steps[step];
+  const ParameterBytes& params = params_of(run, effect);
+  if (find_in(run.handed_in, effect.name)) {
+    if (auto done = run.run_handed_in(effect, params, frame); !done) return done;
+  } else {
+    const bool on_layers = std::any_of(steps.begin() + long(step) + 1, steps.end(), [&](const Effect* later) {
+      return reads_on_layers(*later, params_of(run, *later), effect);
+    });
+    const int layers = on_layers ? 1 + int(frame.info.more_layers.size()) : 1;
+    for (int layer = 0; layer < layers; ++layer)
+      if (auto done = device.run(effect, params, frame, layer); !done) return done;
+  }
+  run.after(effect.name);
+  return {};
+}
+
+/// Runs the steps from `first` to before `last` at reduced resolution, and brings the occlusion and the light that they
+/// make to the frame.
+Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last, Device& device,
+                         Frame& frame) {
+  std::vector<std::string> read;
+  bool light = false;
+  for (std::size_t step = first; step < last; ++step)
+    for (const Pass& pass : steps[step]->passes) {
+      if (pass.needed && !pass.needed(params_of(run, *steps[step]))) continue;
+      for (std::string_view input : pass.inputs)
+        // Every layer's plane of that name is reduced with the first one's.
+        if (!input.starts_with("layer") && std::find(read.begin(), read.end(), input) == read.end())
+          read.emplace_back(input);
+      light |= std::find(pass.outputs.begin(), pass.outputs.end(), "indirect.r") != pass.outputs.end();
+    }
+  auto small = device.reduced(frame, run.occlusion_every, read);
+  if (!small) return small.error();
+  for (std::size_t step = first; step < last; ++step)
+    if (auto done = run_step(run, steps, step, device, *small); !done) return done;
+  std::vector<std::string> made = {"ao"};
+  if (light) made.insert(made.end(), {"indirect.r", "indirect.g", "indirect.b"});
+  if (auto done = device.place(*small, made, frame); !done) return done;
+  EffectSettings settings = *run.settings;
+  for (const std::string& setting : {fmt::format("upsample.factor={}", run.occlusion_every),
+                                     fmt::format("upsample.indirect={}", light ? "on" : "off")})
+    if (auto set = apply_setting(settings, setting, run.handed_in); !set) fail_check(set.error().message);
+  if (auto done = device.run(*find_effect("upsample"), settings.find("upsample")->second, frame); !done) return done;
+  run.after("upsample");
+  return {};
+}
+
 }  // namespace
 
 Result<void> run_look(const LookRun& run, Device& device, Frame& frame) {
-  std::vector<const Effect*> steps;
+  Steps steps;
+  std::size_t technique = run.look->effects.size();  // none
   for (std::string_view name : run.look->effects) {
     if (name == "occlusion") {
       if (run.occlusion == kNoOcclusion) continue;  // `ao` is then the device's neutral 1
       name = run.occlusion;
+      technique = steps.size();
     }
     const Effect* of_others = find_in(run.handed_in, name);
     steps.push_back(of_others ? of_others : find_effect(name));
     if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", name));
     if (!steps.back()) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
   }
-  for (auto step = steps.begin(); step != steps.end(); ++step) {
-    const Effect& effect = **step;
-    const ParameterBytes& params = run.settings->find(effect.name)->second;
-    if (find_in(run.handed_in, effect.name)) {
-      if (auto done = run.run_handed_in(effect, params, frame); !done) return done;
+  for (std::size_t step = 0; step < steps.size();) {
+    if (step == technique && run.occlusion_every > 1 && !find_in(run.handed_in, run.occlusion)) {
+      std::size_t last = step + 1;
+      while (last < steps.size() && steps[last]->kind == EffectKind::kFilter) ++last;
+      if (auto done = run_reduced(run, steps, step, last, device, frame); !done) return done;
+      step = last;
     } else {
-      const bool on_layers = std::any_of(step + 1, steps.end(), [&](const Effect* later) {
-        return reads_on_layers(*later, run.settings->find(later->name)->second, effect);
-      });
-      const int layers = on_layers ? 1 + int(frame.info.more_layers.size()) : 1;
-      for (int layer = 0; layer < layers; ++layer)
-        if (auto done = device.run(effect, params, frame, layer); !done) return done;
+      if (auto done = run_step(run, steps, step, device, frame); !done) return done;
+      ++step;
     }
-    run.after(effect.name);
   }
   return {};
 }

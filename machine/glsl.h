@@ -42,19 +42,23 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
     return here.x + i >= 0 && here.x + i < F.width && here.y + j >= 0 && here.y + j < F.height;          \
   }
 
-#define IN_REAL(name)                                                      \
-  layout(scalar) readonly buffer name##_block { float name##_plane[]; };   \
-  float load_##name(int X, int Y) { return name##_plane[index_of(X, Y)]; } \
-  float near_##name(int i, int j) { return name##_plane[index_of(here.x + i, here.y + j)]; }
-#define IN_TRIPLE(name, a, b, c)                                                 \
-  layout(scalar) readonly buffer name##_##a##_block { float name##_plane_0[]; }; \
-  layout(scalar) readonly buffer name##_##b##_block { float name##_plane_1[]; }; \
-  layout(scalar) readonly buffer name##_##c##_block { float name##_plane_2[]; }; \
-  vec3 load_##name(int X, int Y) {                                               \
-    int k = index_of(X, Y);                                                      \
-    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]);        \
-  }                                                                              \
-  vec3 near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }
+#define IN_REAL(name)                                                                                          \
+  layout(scalar) readonly buffer name##_block { float name##_plane[]; };                                       \
+  float load_##name(int X, int Y) { return name##_plane[index_of(X, Y)]; }                                     \
+  float near_##name(int i, int j) { return name##_plane[index_of(here.x + i, here.y + j)]; }                   \
+  float corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
+  float block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
+#define IN_TRIPLE(name, a, b, c)                                                                              \
+  layout(scalar) readonly buffer name##_##a##_block { float name##_plane_0[]; };                              \
+  layout(scalar) readonly buffer name##_##b##_block { float name##_plane_1[]; };                              \
+  layout(scalar) readonly buffer name##_##c##_block { float name##_plane_2[]; };                              \
+  vec3 load_##name(int X, int Y) {                                                                            \
+    int k = index_of(X, Y);                                                                                   \
+    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]);                                     \
+  }                                                                                                           \
+  vec3 near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                              \
+  vec3 corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
+  vec3 block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
 #define IN_VECTOR(name) IN_TRIPLE(name, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE(name, r, g, b)
 // A plane of every layer: load_NAME_of(layer, X, Y), layer the same for all pixels.

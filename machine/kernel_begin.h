@@ -6,10 +6,12 @@ const FrameConstants F = view.frame.frame;
 const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
 FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #define CONST static constexpr
-#define IN_REAL(name)                                                               \
-  const float* name##_plane = view.plane(#name);                                    \
-  FN Real load_##name(Int X, Int Y) const { return view.load(name##_plane, X, Y); } \
-  FN Real near_##name(int i, int j) const { return view.near(name##_plane, i, j); }
+#define IN_REAL(name)                                                                             \
+  const float* name##_plane = view.plane(#name);                                                  \
+  FN Real load_##name(Int X, Int Y) const { return view.load(name##_plane, X, Y); }               \
+  FN Real near_##name(int i, int j) const { return view.near(name##_plane, i, j); }               \
+  FN Real corner_##name(int f, int i, int j) const { return view.corner(name##_plane, f, i, j); } \
+  FN Real block_##name(int f, int i, int j) const { return view.block(name##_plane, f, i, j); }
 #define IN_TRIPLE(name, a, b, c)                                                                                    \
   const float* name##_plane_0 = view.plane(#name "." a);                                                            \
   const float* name##_plane_1 = view.plane(#name "." b);                                                            \
@@ -19,6 +21,14 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
   }                                                                                                                 \
   FN Vec3 near_##name(int i, int j) const {                                                                         \
     return Vec3{view.near(name##_plane_0, i, j), view.near(name##_plane_1, i, j), view.near(name##_plane_2, i, j)}; \
+  }                                                                                                                 \
+  FN Vec3 corner_##name(int f, int i, int j) const {                                                                \
+    return Vec3{view.corner(name##_plane_0, f, i, j), view.corner(name##_plane_1, f, i, j),                         \
+                view.corner(name##_plane_2, f, i, j)};                                                              \
+  }                                                                                                                 \
+  FN Vec3 block_##name(int f, int i, int j) const {                                                                 \
+    return Vec3{view.block(name##_plane_0, f, i, j), view.block(name##_plane_1, f, i, j),                           \
+                view.block(name##_plane_2, f, i, j)};                                                               \
   }
 #define IN_VECTOR(name) IN_TRIPLE(name, "x", "y", "z")
 #define IN_COLOR(name) IN_TRIPLE(name, "r", "g", "b")

@@ -18,6 +18,8 @@ namespace {
 
 // Neighbours up to so many pixels away are read without looking for the border, where it is farther.
 constexpr int kMargin = 32;
+// The same in blocks of up to 4 x 4 pixels, with room for the one that holds the pixel.
+constexpr int kMarginBlocks = 4;
 
 struct LanesView {
   const KernelFrame& frame;
@@ -50,6 +52,42 @@ struct LanesView {
     const float* start = plane + std::ptrdiff_t(row) * frame.frame.stride;
     if (column >= 0 && column + kLanes <= frame.frame.width) return hn::LoadU(D(), start + column);
     return hn::GatherIndex(D(), start, clamp(Int(hn::Iota(DI(), column)), Int(0), Int(frame.frame.width - 1)).v);
+  }
+  // Loads by steps of f, 1, 2 or 4: lanes start at a multiple of it wherever they are as many as f.
+  HWY_INLINE Real corner(const float* plane, int f, int i, int j) const {
+#if HWY_TARGET != HWY_SCALAR
+    const bool close =
+        unsigned(i + kMarginBlocks) <= 2u * kMarginBlocks && unsigned(j + kMarginBlocks) <= 2u * kMarginBlocks;
+    if (HWY_LIKELY(inner && close)) {
+      const auto v = hn::LoadU(D(), plane + here + std::ptrdiff_t(j * f - (y & (f - 1))) * frame.frame.stride + i * f);
+      return f == 4 ? hn::Broadcast<0>(v) : f == 2 ? hn::DupEven(v) : v;
+    }
+#endif
+    return corner_border(plane, f, i, j);
+  }
+  HWY_NOINLINE Real corner_border(const float* plane, int f, int i, int j) const {
+    const int row = HWY_MIN(HWY_MAX((y / f + j) * f, 0), frame.frame.height - 1);
+    const float* start = plane + std::ptrdiff_t(row) * frame.frame.stride;
+    const Int first = hn::AndNot(hn::Set(DI(), f - 1), hn::Iota(DI(), x));
+    return hn::GatherIndex(D(), start, clamp(first + Int(i * f), Int(0), Int(frame.frame.width - 1)).v);
+  }
+  HWY_INLINE Real block(const float* plane, int f, int i, int j) const {
+    const int shift = f / 2;
+#if HWY_TARGET != HWY_SCALAR
+    const bool close =
+        unsigned(i + kMarginBlocks) <= 2u * kMarginBlocks && unsigned(j + kMarginBlocks) <= 2u * kMarginBlocks;
+    if (HWY_LIKELY(inner && close))
+      return hn::TableLookupLanes(
+          hn::LoadU(D(), plane + std::ptrdiff_t((y >> shift) + j) * frame.frame.stride + (x >> shift) + i),
+          hn::IndicesFromVec(D(), hn::ShiftRightSame(hn::Iota(DI(), 0), shift)));
+#endif
+    return block_border(plane, shift, i, j);
+  }
+  HWY_NOINLINE Real block_border(const float* plane, int shift, int i, int j) const {
+    const int row = HWY_MIN(HWY_MAX((y >> shift) + j, 0), frame.frame.height - 1);
+    const Int at = Int(hn::ShiftRightSame(hn::Iota(DI(), x), shift)) + Int(i);
+    return hn::GatherIndex(D(), plane + std::ptrdiff_t(row) * frame.frame.stride,
+                           clamp(at, Int(0), Int(frame.frame.width - 1)).v);
   }
   HWY_INLINE Bool inside(int i, int j) const {
     if (HWY_LIKELY(inner && unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin))

@@ -18,6 +18,11 @@ struct ScalarView {
   }
   /// The neighbour (i, j) pixels right and down of this one, clamped to the border.
   Real near(const float* plane, int i, int j) const { return load(plane, x + i, y + j); }
+  /// Of the block of f x f pixels that lies i blocks right and j down of this pixel's block, its upper left pixel,
+  /// clamped to the border; f is 1, 2 or 4.
+  Real corner(const float* plane, int f, int i, int j) const { return load(plane, (x / f + i) * f, (y / f + j) * f); }
+  /// What a picture of those corners alone holds for that block, from the plane's upper left corner on.
+  Real block(const float* plane, int f, int i, int j) const { return load(plane, x / f + i, y / f + j); }
   Bool inside(int i, int j) const {
     return x + i >= 0 && x + i < frame.frame.width && y + j >= 0 && y + j < frame.frame.height;
   }

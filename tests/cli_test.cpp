@@ -189,11 +189,11 @@ TEST_F(Cli, BackgroundIsAsAsked) {
 TEST_F(Cli, OptionsChangeThePicture) {
   const std::string line = "tri.obj" + kSmall + " --passes depth,ao,color -o ";
   good(line + "plain.exr");
-  for (const char* option :
-       {"--look unsharp", "--ao none", "--ao-radius 0.01", "--ao-radius 90%", "--set unsharp.kernel=41", "--up -Y",
-        "--camera-position 3,4,5", "--camera-focal-point 1,1,0", "--camera-view-up 1,1,0", "--camera-view-angle 70",
-        "--camera-direction -1,-1,-1", "--camera-azimuth-angle 40", "--camera-elevation-angle -25",
-        "--camera-zoom-factor 2", "--camera-orthographic", "--background-color 0,0,0"}) {
+  for (const char* option : {"--look unsharp", "--ao none", "--ao-scale half", "--ao-radius 0.01", "--ao-radius 90%",
+                             "--set unsharp.kernel=41", "--up -Y", "--camera-position 3,4,5",
+                             "--camera-focal-point 1,1,0", "--camera-view-up 1,1,0", "--camera-view-angle 70",
+                             "--camera-direction -1,-1,-1", "--camera-azimuth-angle 40", "--camera-elevation-angle -25",
+                             "--camera-zoom-factor 2", "--camera-orthographic", "--background-color 0,0,0"}) {
     good(line + "other.exr " + option);
     EXPECT_NE(text_of(folder_ / "other.exr"), text_of(folder_ / "plain.exr")) << option;
   }
@@ -466,6 +466,8 @@ TEST_F(Cli, RefusesValues) {
   bad_option("--set unsharp.white_edge=maybe", {"'maybe'", "on or off"});
   bad_option("--ao-radius -1", {"--ao-radius", "'-1'"});
   bad_option("--ao-radius 0", {"--ao-radius", "'0'"});
+  bad_option("--ao-scale third", {"--ao-scale", "'third'", "full, half or quarter"});
+  bad_option("--ao reference --ao-scale half", {"--ao-scale", "'half'", "reference"});
   bad_option("--ao-radius wide", {"--ao-radius", "'wide'", "5%"});
   bad_option("--threads -1", {"--threads", "'-1'", "0 to 1024"});
   bad_option("--threads x", {"--threads", "'x'", "0 to 1024"});

@@ -100,6 +100,10 @@ void add_picture_options(CLI::App& command, CommonOptions& o) {
   command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
   command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
   command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
+  command
+      .add_option("--ao-scale", o.occlusion_scale,
+                  "resolution at which occlusion is computed: full, half or quarter [the look's]")
+      ->group(picture);
   command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
   command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
 }
@@ -199,6 +203,7 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
   draw.guard_percent = float(*guard);
   draw.look = o.look;
   draw.occlusion = o.occlusion;
+  draw.occlusion_scale = o.occlusion_scale;
   draw.radius = o.radius;
   if (!o.background.empty()) {
     const auto color = parse_vector("--background-color", o.background);

@@ -61,7 +61,11 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int 
   const auto all = every_effect();
   for (std::string_view effect : recipe->look->effects) {
     if (effect == "occlusion") effect = recipe->occlusion;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const Effect* each) { return each->name == effect; });
+    auto found = std::find_if(all.begin(), all.end(), [&](const Effect* each) { return each->name == effect; });
+    // What the technique and its filters make at reduced resolution stays there but for what is upsampled.
+    if (found != all.end() && recipe->occlusion_every > 1 &&
+        ((*found)->kind == EffectKind::kOcclusion || (*found)->kind == EffectKind::kFilter))
+      found = std::find(all.begin(), all.end(), find_effect("upsample"));
     if (found != all.end())
       for (const Pass& pass : (*found)->passes)
         // Inputs too: what nobody made, such as `ao` under --ao none, becomes a neutral plane.

@@ -96,6 +96,13 @@ Result<Length> parse_radius(std::string_view option, const std::string& text) {
   return Length{value, share ? 1 : 0};
 }
 
+Result<int> parse_scale(std::string_view option, std::string_view text) {
+  constexpr std::string_view kNames[] = {"full", "half", "quarter"};
+  for (int k = 0; k < 3; ++k)
+    if (kNames[k] == text) return 1 << k;
+  return usage_error("{} cannot be '{}': it takes full, half or quarter", option, text);
+}
+
 Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::string_view variant) {
   for (std::size_t start = 0; start < variant.size();) {
     const std::size_t end = std::min(variant.find(' ', start), variant.size());
@@ -170,6 +177,16 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
   if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
+  const bool traced = find_effect(recipe.occlusion) == nullptr;  // or none at all
+  recipe.occlusion_every = traced ? 1 : recipe.look->occlusion_every;
+  if (!draw.occlusion_scale.empty()) {
+    const auto every = parse_scale("--ao-scale", draw.occlusion_scale);
+    if (!every) return every.error();
+    if (traced && *every > 1)
+      return usage_error("--ao-scale cannot be '{}' with --ao {}: it takes full, or another technique",
+                         draw.occlusion_scale, recipe.occlusion);
+    recipe.occlusion_every = *every;
+  }
   if (!draw.radius.empty())
     if (const auto radius = parse_radius("--ao-radius", draw.radius); !radius) return radius.error();
   recipe.settings = look_settings(*recipe.look, handed_in());
@@ -203,6 +220,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   };
   const LookRun run{.look = recipe->look,
                     .occlusion = recipe->occlusion,
+                    .occlusion_every = recipe->occlusion_every,
                     .settings = &recipe->settings,
                     .after = [&](std::string_view name) { times.done(name); },
                     .handed_in = handed_in(),

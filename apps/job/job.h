@@ -40,6 +40,7 @@ struct DrawSettings {
   Framing framing;
   std::string look = "ao";
   std::string occlusion;              ///< empty: the look's own
+  std::string occlusion_scale;        ///< --ao-scale: full, half or quarter; empty: the look's own
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
   std::string radius;  ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
   int shadows = 0;     ///< trace the shadows of so many lights though no effect of the look reads them
@@ -67,6 +68,9 @@ Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads
 /// A length as people write it: "0.3" or "5%". Errors: kUsage unless it is above 0.
 Result<Length> parse_radius(std::string_view option, const std::string& text);
 
+/// Of "full", "half" or "quarter": every how manieth pixel is computed, across and down. Errors: kUsage.
+Result<int> parse_scale(std::string_view option, std::string_view text);
+
 /// Applies the words of a variant, "kernel=15 window=gaussian", to an effect's settings. Errors: kUsage.
 Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::string_view variant);
 
@@ -74,6 +78,7 @@ Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::
 struct Recipe {
   const Look* look = nullptr;
   std::string occlusion;
+  int occlusion_every = 1;  ///< see LookRun
   EffectSettings settings;
 };
 Result<Recipe> make_recipe(const DrawSettings& draw);

@@ -43,6 +43,7 @@ FrameConstants frame_constants(const PictureInfo& info, int stride, int round) {
 
 /// What a plane of a bare G-buffer is when it does not have it, or nothing where no value would do.
 std::optional<float> neutral_value(std::string_view plane) {
+  if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
   // A layer that is not there has no surface.
   if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
   if (plane.starts_with("layer")) {
@@ -151,6 +152,46 @@ class CpuDevice final : public Device {
     return {};
   }
 
+  Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
+    check_less(0, factor, "factor of a reduced frame");
+    Frame small;
+    small.info = reduced_info(frame.info, factor);
+    auto planes = std::make_shared<Planes>(Planes{Image(small.info.width, small.info.height)});
+    // The first pixel of each block, not their mean: a mean of two surfaces' depths lies on neither of them, and there
+    // a technique would find occluders in the air. The first and not the nearest, so that one camera fits all of them.
+    for (const std::string& name : names)
+      for (int layer = 0; layer < kMostLayers; ++layer) {
+        const std::string of_layer = layer_plane(layer, name);
+        const Plane* in = planes_of(frame).image.find(of_layer);
+        if (!in) continue;
+        Plane& out = planes->image.add(of_layer);
+        for_rows(out.height, [&](int y) {
+          const float* from = in->row(y * factor);
+          float* to = out.row(y);
+          for (int x = 0; x < out.width; ++x) to[x] = from[std::ptrdiff_t(x) * factor];
+        });
+      }
+    small.storage = std::move(planes);
+    return small;
+  }
+
+  Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) override {
+    const int factor = small.info.reduced / full.info.reduced;
+    check_equal(small.info.width, reduced_side(full.info.width, factor), "width of a reduced frame");
+    check_equal(small.info.height, reduced_side(full.info.height, factor), "height of a reduced frame");
+    for (const std::string& name : names) {
+      const Plane* in = find_plane(planes_of(small), name);
+      if (!in) return usage_error("the picture has no plane '{}'", name);
+      Plane& out = planes_of(full).image.add(reduced_plane(name));
+      for_rows(out.height, [&](int y) {
+        const int copied = y < in->height ? in->width : 0;
+        std::copy_n(in->row(copied > 0 ? y : 0), copied, out.row(y));
+        std::fill_n(out.row(y) + copied, out.width - copied, 0.0f);
+      });
+    }
+    return {};
+  }
+
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
     const Planes& planes = planes_of(frame);
     std::vector<std::string> wanted = names;
@@ -170,6 +211,17 @@ class CpuDevice final : public Device {
   }
 
  private:
+  /// Calls work(y) for the rows of a plane, from all threads.
+  template <class Work>
+  void for_rows(int height, const Work& work) {
+    constexpr int kRowsAtOnce = 32;  // fewer cost more to hand out than to copy
+    arena_.execute([&] {
+      tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsAtOnce), [&](const tbb::blocked_range<int>& rows) {
+        for (int y = rows.begin(); y < rows.end(); ++y) work(y);
+      });
+    });
+  }
+
   Result<void> run_pass(const Effect& effect, const Pass& pass, const std::vector<std::byte>& constants,
                         const PictureInfo& info, Planes& planes, int layer, int round) {
     for (std::string_view input : pass.inputs) {

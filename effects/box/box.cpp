@@ -70,7 +70,7 @@ const Effect& effect_box() {
       .name = "box",
       .summary = "averages occlusion and reflected light over a small square",
       .source = "Colliander and Törnquist 2015",
-      .kind = EffectKind::kShading,
+      .kind = EffectKind::kFilter,
       .parameters = kTable,
       .params_size = sizeof(BoxParams),
       .constants_size = sizeof(BoxConstants),

@@ -52,7 +52,7 @@ const Effect& effect_gaussian() {
       .name = "gaussian",
       .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
       .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kShading,
+      .kind = EffectKind::kFilter,
       .parameters = kTable,
       .params_size = sizeof(GaussianParams),
       .constants_size = sizeof(GaussianConstants),

@@ -168,9 +168,9 @@ void fill_points(int count, bool pairs, float* points) {
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
   const auto& params = as<SphereParams>(bytes);
   auto& c = *static_cast<SphereConstants*>(out);
-  const float width = float(info.inner_width());
+  const float width = info.share_width();
   c.samples = params.samples;
-  c.radius_px = params.radius.relative ? params.radius.value / 100.0f * width : params.radius.value;
+  c.radius_px = length_px(params.radius, width, info);
   c.reach = params.reach.relative ? params.reach.value / 100.0f * info.scene_radius : params.reach.value;
   c.world_radius = c.reach > 0.0f ? 1 : 0;
   c.linear = params.depth == kSphereLinear ? 1 : 0;

@@ -93,15 +93,15 @@ const std::vector<Parameter> kTable = {
      .choices = {"box", "gaussian"}},
 };
 
-int kernel_side(const Length& kernel, int height) {
-  const float side = kernel.relative ? kernel.value / 100.0f * float(height) : kernel.value;
+int kernel_side(const Length& kernel, const PictureInfo& info) {
+  const float side = length_px(kernel, info.share_height(), info);
   return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpLargestKernel))));
 }
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
   const auto& params = as<UnsharpParams>(bytes);
   auto& c = *static_cast<UnsharpConstants*>(out);
-  const int side = kernel_side(params.kernel, info.inner_height());
+  const int side = kernel_side(params.kernel, info);
   const int half = side / 2;
   // The listing's window starts floor(k/2) to the left and below; rows here are counted from the top.
   c.first_column = -half;

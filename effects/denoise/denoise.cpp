@@ -1,0 +1,132 @@
+#include "effects/denoise/denoise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(denoise_ao_across)
+UMBRAGE_DECLARE_KERNEL(denoise_ao_down)
+UMBRAGE_DECLARE_KERNEL(denoise_light_across)
+UMBRAGE_DECLARE_KERNEL(denoise_light_down)
+
+namespace {
+
+constexpr std::uint32_t kAoAcrossSpirv[] = {
+#include "spirv/denoise_ao_across.inc"
+};
+constexpr std::uint32_t kAoDownSpirv[] = {
+#include "spirv/denoise_ao_down.inc"
+};
+constexpr std::uint32_t kLightAcrossSpirv[] = {
+#include "spirv/denoise_light_across.inc"
+};
+constexpr std::uint32_t kLightDownSpirv[] = {
+#include "spirv/denoise_light_down.inc"
+};
+
+constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
+
+const std::vector<Parameter> kTable = {
+    {.name = "rounds",
+     .help = "how often the 5x5 filter is applied, each time with its pixels twice as far apart",
+     .type = ParameterType::kInt,
+     .offset = offsetof(DenoiseParams, rounds),
+     .initial = 1,
+     .least = 0,
+     .most = 6},
+    {.name = "occlusion",
+     .help = "share of the occlusion's noise that is filtered",
+     .offset = offsetof(DenoiseParams, occlusion),
+     .initial = 1.0,
+     .least = 0.0,
+     .most = 1.0},
+    {.name = "indirect",
+     .help = "share of the reflected light's noise that is filtered",
+     .offset = offsetof(DenoiseParams, indirect),
+     .least = 0.0,
+     .most = 1.0},
+    {.name = "distance",
+     .help = "how far a pixel may lie off another's plane to join it fully",
+     .offset = offsetof(DenoiseParams, distance),
+     .initial = 1.0,
+     .least = 0.01,
+     .most = 100.0,
+     .unit = "px"},
+    {.name = "angle",
+     .help = "by how much normals may differ for pixels to join fully",
+     .offset = offsetof(DenoiseParams, angle),
+     .initial = 25.0,
+     .least = 1.0,
+     .most = 180.0,
+     .unit = "deg"},
+};
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
+  const auto& params = as<DenoiseParams>(bytes);
+  const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
+  *static_cast<DenoiseConstants*>(out) = {
+      kNear, kFar, params.occlusion, params.indirect, params.distance, float(1.0 / (1.0 - cosine))};
+}
+
+int rounds(const ParameterBytes& bytes) { return as<DenoiseParams>(bytes).rounds; }
+bool light_too(const ParameterBytes& bytes) { return rounds(bytes) > 0 && as<DenoiseParams>(bytes).indirect > 0.0f; }
+bool ao_alone(const ParameterBytes& bytes) {
+  const auto& params = as<DenoiseParams>(bytes);
+  return params.rounds > 0 && params.occlusion > 0.0f && !light_too(bytes);
+}
+
+}  // namespace
+
+const Effect& effect_denoise() {
+  static const Effect effect = {
+      .name = "denoise",
+      .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
+      .source = "Dammertz et al. 2010",
+      .kind = EffectKind::kFilter,
+      .parameters = kTable,
+      .params_size = sizeof(DenoiseParams),
+      .constants_size = sizeof(DenoiseConstants),
+      .constants = fill_constants,
+      .variants = {"", "rounds=2", "rounds=3", "indirect=1"},
+      .passes = {{.name = "ao_across",
+                  .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                  .outputs = {"denoise_ao"},
+                  .scalar = run_scalar_denoise_ao_across,
+                  .lanes = run_lanes_denoise_ao_across,
+                  .spirv = kAoAcrossSpirv,
+                  .needed = ao_alone},
+                 {.name = "ao_down",
+                  .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_denoise_ao_down,
+                  .lanes = run_lanes_denoise_ao_down,
+                  .spirv = kAoDownSpirv,
+                  .needed = ao_alone},
+                 {.name = "light_across",
+                  .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
+                             "normal.z"},
+                  .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
+                  .scalar = run_scalar_denoise_light_across,
+                  .lanes = run_lanes_denoise_light_across,
+                  .spirv = kLightAcrossSpirv,
+                  .needed = light_too},
+                 {.name = "light_down",
+                  .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b", "depth",
+                             "normal.x", "normal.y", "normal.z"},
+                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                  .scalar = run_scalar_denoise_light_down,
+                  .lanes = run_lanes_denoise_light_down,
+                  .spirv = kLightDownSpirv,
+                  .needed = light_too}},
+      .rounds = rounds,
+  };
+  return effect;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,40 @@
+// What all passes of `denoise` share: five pixels in a row, [1 2 2 2 1]/8, as far as they lie on one surface; in each
+// round twice as far apart, as in the a-trous filter of [Dammertz et al. 2010].
+//
+// Differs: the weights are a box of 4 times one of 2, not a spline's. What repeats every 4 pixels, as the noise of
+// techniques with a 4x4 tile of random vectors does, is gone after one round. And what a neighbour on another surface
+// does not give, the pixel itself does, so that two pixels give each other the same and the mean stays.
+IN_REAL(depth)
+IN_VECTOR(normal)
+
+// The misfit of two surfaces is 1 at the distance and angle that people set; up to there they join fully, from 2 on
+// not.
+CONST float kNoJoint = 2.0f;
+// Normals that were rounded, or interpolated over a coarse mesh, are off by a few degrees. On a surface seen at a
+// grazing angle the next pixel is far away, and off the plane by that share of the way.
+CONST float kSlack = 0.05f;
+CONST float kLargest = 1e30f;  // light beyond it is no number: sums of eight must stay finite
+
+FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
+
+// Occlusion, or 1 (open) where it is no number.
+FN Real clean_ao(Real ao) { return select(abs(ao) <= kLargest, ao, Real(1.0f)); }
+
+// Light, or none where it is no number.
+FN Real clean_light(Real light) { return select(abs(light) <= kLargest, light, Real(0.0f)); }
+FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
+
+// The weight of the neighbour (i, j) pixels right and down, of at most `most`.
+FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool surface, float most) {
+  Real depth = near_depth(i, j);
+  Vec3 other_normal = near_normal(i, j);
+  Vec3 way = view_position(px + Int(i), py + Int(j), depth) - position;
+  Real off = max(abs(dot(way, normal)), abs(dot(way, other_normal)));
+  Real spread = F.orthographic != 0 ? Real(1.0f) : min(depth, -position.z);
+  Real distance = mad(abs(way.z), Real(kSlack), Real(F.ray_scale_x * C.distance) * spread);
+  Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
+  Real misfit = max(turned, off / max(distance, Real(1e-30f)));
+  // No number, of a normal or a position, is no joint: clamp gives 0.
+  Real joint = clamp(Real(kNoJoint) - misfit, Real(0.0f), Real(1.0f));
+  return select(surface && is_surface(depth) && near_inside(i, j), joint * Real(most), Real(0.0f));
+}

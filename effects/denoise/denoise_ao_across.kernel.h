@@ -1,0 +1,21 @@
+// Occlusion along rows, from `ao` to `denoise_ao`.
+IN_REAL(ao)
+OUT_REAL(denoise_ao)
+#include "effects/denoise/denoise.kernel.h"
+
+FN void denoise_ao_across_pixel(Int px, Int py) {
+  int step = 1 << F.round;
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = near_normal(0, 0);
+  Real own = clean_ao(near_ao(0, 0));
+  Real change = Real(0.0f);
+  for (int k = -2; k <= 2; ++k) {
+    if (k == 0) continue;
+    float most = k == -1 || k == 1 ? C.near_weight : C.far_weight;
+    Real weight = weight_of(k * step, 0, px, py, position, normal, surface, most);
+    change = mad(weight, clean_ao(near_ao(k * step, 0)) - own, change);
+  }
+  store_denoise_ao(mad(change, Real(C.occlusion), own));
+}

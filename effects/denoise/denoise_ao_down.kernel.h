@@ -1,0 +1,21 @@
+// Occlusion along columns, from `denoise_ao` to `ao`.
+IN_REAL(denoise_ao)
+OUT_REAL(ao)
+#include "effects/denoise/denoise.kernel.h"
+
+FN void denoise_ao_down_pixel(Int px, Int py) {
+  int step = 1 << F.round;
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = near_normal(0, 0);
+  Real own = clean_ao(near_denoise_ao(0, 0));
+  Real change = Real(0.0f);
+  for (int k = -2; k <= 2; ++k) {
+    if (k == 0) continue;
+    float most = k == -1 || k == 1 ? C.near_weight : C.far_weight;
+    Real weight = weight_of(0, k * step, px, py, position, normal, surface, most);
+    change = mad(weight, clean_ao(near_denoise_ao(0, k * step)) - own, change);
+  }
+  store_ao(mad(change, Real(C.occlusion), own));
+}

@@ -1,0 +1,27 @@
+// Occlusion and reflected light along columns, from `denoise_ao` and `denoise_indirect` to `ao` and `indirect`.
+IN_REAL(denoise_ao)
+IN_COLOR(denoise_indirect)
+OUT_REAL(ao)
+OUT_COLOR(indirect)
+#include "effects/denoise/denoise.kernel.h"
+
+FN void denoise_light_down_pixel(Int px, Int py) {
+  int step = 1 << F.round;
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = near_normal(0, 0);
+  Real own = clean_ao(near_denoise_ao(0, 0));
+  Real change = Real(0.0f);
+  Vec3 own_light = clean_light(near_denoise_indirect(0, 0));
+  Vec3 light_change = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  for (int k = -2; k <= 2; ++k) {
+    if (k == 0) continue;
+    float most = k == -1 || k == 1 ? C.near_weight : C.far_weight;
+    Real weight = weight_of(0, k * step, px, py, position, normal, surface, most);
+    change = mad(weight, clean_ao(near_denoise_ao(0, k * step)) - own, change);
+    light_change = light_change + (clean_light(near_denoise_indirect(0, k * step)) - own_light) * weight;
+  }
+  store_ao(mad(change, Real(C.occlusion), own));
+  store_indirect(own_light + light_change * Real(C.indirect));
+}

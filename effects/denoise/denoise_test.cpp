@@ -1,0 +1,256 @@
+// `denoise`: what it removes, what it keeps, and where it stops.
+#include "effects/denoise/denoise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using test::Settings;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+const char* const kMade[] = {"ao", "indirect.r", "indirect.g", "indirect.b"};
+
+double uniform(int x, int y, unsigned seed) {
+  return double(test::hash(test::hash(unsigned(x) + 7919u * seed) + unsigned(y)) >> 8) * 0x1p-24;
+}
+
+/// A plane that faces the camera at depth 5, with `ao` and `indirect` of one value.
+GBuffer flat(int width, int height, float value = 0.0f) {
+  GBuffer g = test::empty_gbuffer(width, height);
+  for (const char* name : {"normal.x", "normal.y"}) g.layers[0].add(name) = Plane(width, height, 0.0f);
+  g.layers[0].add("normal.z") = Plane(width, height, 1.0f);
+  g.layers[0].add("depth") = Plane(width, height, 5.0f);
+  for (const char* name : kMade) g.layers[0].add(name) = Plane(width, height, value);
+  return g;
+}
+
+/// Turns the plane about the picture's x axis, and about its y axis by half as much.
+void tilt(GBuffer& g, double tilt_deg, bool orthographic) {
+  Image& image = g.layers[0];
+  if (orthographic)
+    g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, float(image.width) / image.height);
+  const Camera& camera = g.info.camera;
+  const double a = tilt_deg * 3.14159265358979 / 180.0;
+  const double nx = std::sin(a) * 0.4472136, ny = std::sin(a) * 0.8944272, nz = std::cos(a);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const double u = camera.left + (camera.right - camera.left) * (x + 0.5) / image.width;
+      const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / image.height;
+      // The point (0, 0, -5), or -40 without perspective, is on the plane.
+      const double depth = orthographic ? 40.0 + (nx * u + ny * v) / nz : 5.0 * nz / (nz - nx * u - ny * v);
+      image.plane("depth").at(x, y) = depth > 0.0 ? float(depth) : kInfinity;
+      image.plane("normal.x").at(x, y) = float(nx);
+      image.plane("normal.y").at(x, y) = float(ny);
+      image.plane("normal.z").at(x, y) = float(nz);
+    }
+}
+
+void fill_with_noise(GBuffer& g) {
+  for (unsigned k = 0; k < 4; ++k) {
+    Plane& plane = g.layers[0].plane(kMade[k]);
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = float(uniform(x, y, k));
+  }
+}
+
+Settings both(int rounds) { return {{"rounds", std::to_string(rounds)}, {"occlusion", "1"}, {"indirect", "1"}}; }
+
+double mean_of(const Plane& plane) {
+  double sum = 0.0;
+  for (int y = 0; y < plane.height; ++y)
+    for (int x = 0; x < plane.width; ++x) sum += plane.at(x, y);
+  return sum / (double(plane.width) * plane.height);
+}
+
+TEST(Denoise, ImpulseBecomesTheWeights) {
+  const double weights[5] = {0.125, 0.25, 0.25, 0.25, 0.125};
+  for (const bool light : {false, true}) {
+    GBuffer g = flat(21, 17);
+    for (const char* name : kMade) g.layers[0].plane(name).at(10, 8) = 1.0f;
+    test::on_every_target("denoise", g, light ? both(1) : Settings{}, [&](const Image& image) {
+      for (const char* name : kMade) {
+        if (!light && name != kMade[0]) continue;
+        for (int y = 0; y < 17; ++y)
+          for (int x = 0; x < 21; ++x) {
+            const bool in = std::abs(x - 10) <= 2 && std::abs(y - 8) <= 2;
+            EXPECT_NEAR(image.plane(name).at(x, y), in ? weights[x - 8] * weights[y - 6] : 0.0, 1e-7) << x << ',' << y;
+          }
+      }
+    });
+  }
+}
+
+TEST(Denoise, ATileOfNoiseIsGoneAfterOneRound) {
+  GBuffer g = flat(40, 36);
+  double mean[4] = {0.0, 0.0, 0.0, 0.0};
+  for (unsigned k = 0; k < 4; ++k)
+    for (int y = 0; y < 36; ++y)
+      for (int x = 0; x < 40; ++x) {
+        const double v = uniform(x % 4, y % 4, k);
+        g.layers[0].plane(kMade[k]).at(x, y) = float(v);
+        mean[k] += v / (40.0 * 36.0);
+      }
+  test::on_every_target("denoise", g, both(1), [&](const Image& image) {
+    for (unsigned k = 0; k < 4; ++k)
+      for (int y = 2; y < 34; ++y)
+        for (int x = 2; x < 38; ++x) EXPECT_NEAR(image.plane(kMade[k]).at(x, y), mean[k], 1e-6) << x << ',' << y;
+  });
+}
+
+TEST(Denoise, WhiteNoiseFallsByTheWeightsAtAnyTilt) {
+  // The sum of the squares of [1 2 2 2 1]/8 in each direction.
+  constexpr double kPerAxis = 14.0 / 64.0, kExpected = kPerAxis * kPerAxis;
+  for (const bool orthographic : {false, true})
+    for (const double tilt_deg : {0.0, 45.0, 70.0, 80.0}) {
+      GBuffer g = flat(128, 128);
+      tilt(g, tilt_deg, orthographic);
+      fill_with_noise(g);
+      test::on_every_target("denoise", g, both(1), [&](const Image& image) {
+        for (const char* name : kMade) {
+          double squares = 0.0;
+          long count = 0;
+          for (int y = 2; y < 126; ++y)
+            for (int x = 2; x < 126; ++x) {
+              bool whole = true;  // all of the window shows the plane
+              for (const int i : {-2, 2})
+                for (const int j : {-2, 2}) whole &= std::isfinite(g.layers[0].plane("depth").at(x + i, y + j));
+              if (!whole) continue;
+              const double e = image.plane(name).at(x, y) - 0.5;
+              squares += e * e;
+              ++count;
+            }
+          ASSERT_GT(count, 4000);
+          // Of uniform noise in [0, 1] the variance is 1/12.
+          EXPECT_NEAR(12.0 * squares / double(count), kExpected, 0.1 * kExpected)
+              << name << ' ' << tilt_deg << (orthographic ? " orthographic" : "");
+        }
+      });
+    }
+}
+
+TEST(Denoise, MoreRoundsReachFarther) {
+  GBuffer g = flat(160, 160);
+  fill_with_noise(g);
+  // Sums of squares of [1 2 2 2 1]/8 by itself, two and four times as wide.
+  const double kPerAxis[] = {0.21875, 0.09863281, 0.04824829};
+  for (int rounds = 1; rounds <= 3; ++rounds) {
+    const Image image = test::run_effect(*find_effect("denoise"), g, both(rounds), {});
+    double squares = 0.0;
+    for (int y = 40; y < 120; ++y)
+      for (int x = 40; x < 120; ++x) squares += std::pow(image.plane("ao").at(x, y) - 0.5, 2.0);
+    const double expected = kPerAxis[rounds - 1] * kPerAxis[rounds - 1] / 12.0;
+    EXPECT_NEAR(squares / 6400.0, expected, 0.25 * expected) << rounds;
+  }
+}
+
+TEST(Denoise, ConstantsStayConstantAndMeansStay) {
+  for (const int rounds : {1, 3}) {
+    for (const bool hostile : {false, true}) {
+      GBuffer g = hostile ? test::hostile_gbuffer(191, 63, 3) : test::bumpy_gbuffer(191, 63, 3);
+      for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 63, 0.3f);
+      test::on_every_target("denoise", g, both(rounds), [&](const Image& image) {
+        for (const char* name : kMade)
+          EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).most, 0.0);
+      });
+    }
+    // Bumpy surfaces with holes and steps everywhere, and a gradient over all.
+    GBuffer g = test::bumpy_gbuffer(191, 347, 8);
+    for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 347, 0.0f);
+    fill_with_noise(g);
+    for (const char* name : kMade)
+      for (int y = 0; y < 347; ++y)
+        for (int x = 0; x < 191; ++x) {
+          Plane& plane = g.layers[0].plane(name);
+          // Darker on the nearer surfaces, so that what crossed an edge one way only would show.
+          const float depth = g.layers[0].plane("depth").at(x, y);
+          plane.at(x, y) = 0.2f * plane.at(x, y) + (std::isfinite(depth) ? 0.08f * depth : 1.0f);
+        }
+    test::on_every_target("denoise", g, {{"rounds", std::to_string(rounds)}, {"indirect", "1"}, {"angle", "180"}},
+                          [&](const Image& image) {
+                            for (const char* name : kMade) {
+                              EXPECT_NEAR(mean_of(image.plane(name)), mean_of(g.layers[0].plane(name)), 1e-4);
+                              EXPECT_GT(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).mean, 0.01);
+                            }
+                          });
+  }
+}
+
+TEST(Denoise, StopsAtStepsCreasesAndBackground) {
+  enum Edge { kStep, kCrease, kBackground };
+  for (const Edge edge : {kStep, kCrease, kBackground})
+    for (const bool across : {false, true}) {
+      SCOPED_TRACE(fmt::format("edge {}, across {}", int(edge), across));
+      GBuffer g = flat(48, 48);
+      Image& image = g.layers[0];
+      const double pixel = double(g.info.camera.right - g.info.camera.left) / 48.0 * 5.0;
+      for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 48; ++x) {
+          const int along = across ? x : y;
+          const bool second = along >= 21;
+          for (unsigned k = 0; k < 4; ++k)
+            image.plane(kMade[k]).at(x, y) = (second ? 0.7f : 0.2f) + 0.1f * float(uniform(x, y, k));
+          if (!second) continue;
+          if (edge == kStep) image.plane("depth").at(x, y) = float(5.0 + 3.0 * pixel);
+          if (edge == kBackground) image.plane("depth").at(x, y) = kInfinity;
+          if (edge == kCrease) {  // an edge of 90 degrees that points at the camera's right or bottom
+            image.plane("normal.z").at(x, y) = 0.0f;
+            image.plane(across ? "normal.x" : "normal.y").at(x, y) = across ? 1.0f : -1.0f;
+          }
+        }
+      test::on_every_target("denoise", g, both(3), [&](const Image& out) {
+        for (const char* name : kMade)
+          for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 48; ++x) {
+              const float v = out.plane(name).at(x, y), was = image.plane(name).at(x, y);
+              const bool second = (across ? x : y) >= 21;
+              if (second && edge == kBackground)
+                EXPECT_EQ(v, was);
+              else
+                EXPECT_TRUE(second ? v >= 0.7f && v <= 0.8f : v >= 0.2f && v <= 0.3f) << v << " at " << x << ',' << y;
+            }
+      });
+    }
+}
+
+TEST(Denoise, StrengthsHoldForTheirOwnPlanes) {
+  GBuffer g = flat(32, 32);
+  fill_with_noise(g);
+  const auto changed = [&](const Settings& settings, const char* name) {
+    const Image image = test::run_effect(*find_effect("denoise"), g, settings, {});
+    const Plane* plane = image.find(name);
+    return plane ? test::difference(*plane, g.layers[0].plane(name), 0.0).mean : 0.0;
+  };
+  const double ao = changed(both(1), "ao"), light = changed(both(1), "indirect.g");
+  EXPECT_GT(ao, 0.1);
+  EXPECT_GT(light, 0.1);
+  EXPECT_EQ(changed({}, "ao"), ao);
+  EXPECT_EQ(changed({}, "indirect.g"), 0.0);
+  EXPECT_EQ(changed({{"occlusion", "0"}, {"indirect", "1"}}, "ao"), 0.0);
+  EXPECT_EQ(changed({{"occlusion", "0"}, {"indirect", "1"}}, "indirect.g"), light);
+  EXPECT_EQ(changed({{"rounds", "0"}, {"indirect", "1"}}, "ao"), 0.0);
+  EXPECT_GT(changed({{"occlusion", "0.5"}}, "ao"), 0.4 * ao);
+  EXPECT_LT(changed({{"occlusion", "0.5"}}, "ao"), 0.9 * ao);
+}
+
+TEST(Denoise, WhatIsNoNumberIsOpenAndDark) {
+  GBuffer g = flat(30, 12, 0.5f);
+  const float odd[] = {std::nanf(""), kInfinity, -kInfinity, 3e38f};
+  for (const char* name : kMade)
+    for (int k = 0; k < 4; ++k) g.layers[0].plane(name).at(6 * k + 4, 5) = odd[k];
+  test::on_every_target("denoise", g, both(1), [&](const Image& image) {
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_FLOAT_EQ(image.plane("ao").at(6 * k + 4, 5), 0.53125f);
+      EXPECT_FLOAT_EQ(image.plane("indirect.b").at(6 * k + 4, 5), 0.46875f);
+    }
+  });
+}
+
+}  // namespace
+}  // namespace umbrage

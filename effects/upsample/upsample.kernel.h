@@ -1,0 +1,91 @@
+// What both passes of `upsample` share: how much each of the nearest pixels at reduced resolution gives to a pixel, by
+// their distance in the picture, and by depth and normal [Kopf et al. 2007].
+//
+// A pixel at reduced resolution is the upper left one of its block of factor x factor pixels: its depth and normal are
+// read there, and that pixel itself takes its value as it is.
+IN_REAL(depth)
+IN_VECTOR(normal)
+
+// The misfit of two surfaces is 1 at the distance and angle that people set; up to there they join fully, from 2 on
+// not.
+CONST float kNoJoint = 2.0f;
+CONST float kOtherKind = 1e6f;  // misfit of surface and background, and the largest
+// Where no pixel joins, the nearest in depth gives most. Where any does, this is too little to be seen.
+CONST float kLeastJoint = 1e-6f;
+// Where the four nearest pixels join by less than this, the sixteen nearest are asked: at the rims of things, and on
+// leaves and wires that none of the four shows.
+CONST float kFew = 0.1f;
+CONST float kLeastSquare = 1e-2f;  // of a distance in blocks: the nearest pixel but the own one is a quarter off
+// What rounds a normal, and interpolates it over a coarse mesh, turns it by a few degrees. On a surface seen at a
+// grazing angle the next pixel is far away, and off the plane by that share of the way.
+CONST float kSlack = 0.05f;
+CONST float kLargest = 1e30f;  // light beyond it is no number
+
+FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
+
+// Occlusion, or 1 (open) where it is no number.
+FN Real clean_ao(Real ao) { return select(abs(ao) <= kLargest, ao, Real(1.0f)); }
+
+// Light, or none where it is no number.
+FN Real clean_light(Real light) { return select(abs(light) <= kLargest, light, Real(0.0f)); }
+FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
+
+// The column or row at which the block of a pixel in column or row `at` begins.
+FN Int block_start(Int at) { return to_signed(to_uint(at) & to_uint(Int(-C.factor))); }
+
+// Of the block (i, j) to the right and below this pixel's: how much its corner belongs to this pixel, by the distance
+// of each from the other's plane, and the angle of their normals. 0 outside the picture, and only there.
+FN Real joint_of(int i, int j, Int px, Int py) {
+  Real own_depth = near_depth(0, 0);
+  Bool surface = is_surface(own_depth);
+  Vec3 position = view_position(px, py, own_depth);
+  Vec3 normal = near_normal(0, 0);
+  Int x = block_start(px) + Int(i * C.factor);
+  Int y = block_start(py) + Int(j * C.factor);
+  Real depth = corner_depth(C.factor, i, j);
+  Bool other_surface = is_surface(depth);
+  Vec3 other_normal = corner_normal(C.factor, i, j);
+  Vec3 way = view_position(x, y, depth) - position;
+  Real off = max(abs(dot(way, normal)), abs(dot(way, other_normal)));
+  // The smaller pixel of the two, so that either finds the other equally far.
+  Real spread = F.orthographic != 0 ? Real(1.0f) : min(depth, own_depth);
+  Real distance = mad(abs(way.z), Real(kSlack), Real(F.ray_scale_x * C.distance) * spread);
+  Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
+  Real misfit = max(max(off / max(distance, Real(1e-30f)), turned), Real(1.0f));
+  misfit = select(misfit < kOtherKind, misfit, Real(kOtherKind));  // also where it is no number
+  misfit = select(surface && other_surface, misfit, Real(kOtherKind));
+  misfit = select(!surface && !other_surface, Real(1.0f), misfit);
+  Real inverse = Real(1.0f) / (misfit * misfit);
+  Real joint = max(Real(kNoJoint) - misfit, inverse * inverse * kLeastJoint);
+  Bool inside = x >= Int(0) && y >= Int(0) && x < Int(F.width) && y < Int(F.height);
+  return select(inside, joint, Real(0.0f));
+}
+
+// How far the pixel lies from its block's corner, in blocks.
+FN Vec2 offset_of(Int px, Int py) {
+  Real share = Real(1.0f / float(C.factor));
+  return Vec2(to_real(px - block_start(px)) * share, to_real(py - block_start(py)) * share);
+}
+
+// Shares of the pixels right, below, and right below; the rest is that of the block's own corner. All are 0 at that
+// corner, and x is -1 where too few of the four join.
+FN Vec3 shares_of(Int px, Int py) {
+  Vec2 at = offset_of(px, py);
+  Real own = (1.0f - at.x) * (1.0f - at.y) * joint_of(0, 0, px, py);
+  Real right = at.x * (1.0f - at.y) * joint_of(1, 0, px, py);
+  Real below = (1.0f - at.x) * at.y * joint_of(0, 1, px, py);
+  Real both = at.x * at.y * joint_of(1, 1, px, py);
+  Real sum = own + right + (below + both);
+  Real scale = Real(1.0f) / max(sum, Real(kFew));
+  Bool corner = at.x + at.y == Real(0.0f);  // whatever its joint: a normal that is no number fits nowhere
+  Bool few = sum < kFew && !corner;
+  return Vec3(select(few, Real(-1.0f), right * scale), below * scale, both * scale);
+}
+
+// The weight of the block (i, j) to the right and below, where sixteen are asked.
+FN Real wide_weight(int i, int j, Int px, Int py) {
+  Vec2 at = offset_of(px, py);
+  Real x = at.x - float(i);
+  Real y = at.y - float(j);
+  return joint_of(i, j, px, py) / max(mad(x, x, y * y), Real(kLeastSquare));
+}

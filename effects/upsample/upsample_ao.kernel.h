@@ -1,0 +1,27 @@
+// Occlusion from reduced to full resolution.
+IN_REAL(reduced_ao)
+OUT_REAL(ao)
+#include "effects/upsample/upsample.kernel.h"
+
+FN Real small_ao(int i, int j) { return clean_ao(block_reduced_ao(C.factor, i, j)); }
+
+// Sums of differences to the own block's value, so that what is equal stays equal to the bit.
+FN void upsample_ao_pixel(Int px, Int py) {
+  Vec3 shares = shares_of(px, py);
+  Real own = small_ao(0, 0);
+  Real change =
+      (small_ao(1, 0) - own) * shares.x + (small_ao(0, 1) - own) * shares.y + (small_ao(1, 1) - own) * shares.z;
+  Bool few = shares.x < 0.0f;
+  if (some(few)) {
+    Real sum = Real(0.0f);
+    Real wide = Real(0.0f);
+    for (int j = -1; j <= 2; ++j)
+      for (int i = -1; i <= 2; ++i) {
+        Real weight = wide_weight(i, j, px, py);
+        sum = sum + weight;
+        wide = mad(weight, small_ao(i, j) - own, wide);
+      }
+    change = select(few, wide * (Real(1.0f) / sum), change);
+  }
+  store_ao(own + change);
+}

@@ -1,0 +1,392 @@
+// `upsample` and reduced frames: positions, surfaces kept apart, and half resolution against full.
+#include "effects/upsample/upsample.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "looks/looks.h"
+#include "run_effect.h"
+#include "scene/builtin.h"
+#include "scene/framing.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+using test::Settings;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+struct Size {
+  int width, height;
+};
+
+glm::dvec3 position_of(const PictureInfo& info, const Camera& camera, int x, int y, double depth) {
+  const double spread = camera.projection == Projection::kOrthographic ? 1.0 : depth;
+  const double across = (double(camera.right) - camera.left) / info.width;
+  const double down = (double(camera.top) - camera.bottom) / info.height;
+  return {(camera.left + (x + 0.5) * across) * spread, (camera.top - (y + 0.5) * down) * spread, -depth};
+}
+
+/// A picture without planes but depth, whose camera looks off centre.
+GBuffer off_centre(int width, int height, bool orthographic, int guard) {
+  GBuffer g = test::empty_gbuffer(width, height);
+  const float aspect = float(width) / float(height);
+  if (orthographic) g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, aspect);
+  g.info.camera.left *= 1.7f;
+  g.info.camera.top *= 0.6f;
+  g.info = with_guard(g.info, guard);
+  g.layers[0] = Image(g.info.width, g.info.height);
+  Plane& depth = g.layers[0].add("depth");
+  for (int y = 0; y < depth.height; ++y)
+    for (int x = 0; x < depth.width; ++x) depth.at(x, y) = 1.0f + float(test::hash(x + 4099u * y) % 1000) * 0.01f;
+  return g;
+}
+
+TEST(Reduced, PixelsKeepTheirPlaces) {
+  for (const bool orthographic : {false, true})
+    for (const int factor : {2, 4})
+      for (const int guard : {0, 7})
+        for (const Size size : {Size{1, 1}, {3, 2}, {191, 347}, {64, 64}}) {
+          SCOPED_TRACE(fmt::format("{}x{}, guard {}, factor {}", size.width, size.height, guard, factor));
+          GBuffer g = off_centre(size.width, size.height, orthographic, guard);
+          // A second layer that another camera sees.
+          g.info.more_layers = {{.kind = LayerKind::kOther, .camera = g.info.camera}};
+          g.info.more_layers[0].camera.left -= 0.25f;
+          g.layers.push_back(g.layers[0]);
+          g.layers[1].plane("depth").at(0, 0) = 99.0f;
+          const auto device = make_cpu_device();
+          const auto full = device->upload(g);
+          const auto small = device->reduced(*full, factor, {"depth", "normal.x"});
+          ASSERT_TRUE(small);
+          const PictureInfo& info = small->info;
+          EXPECT_EQ(info.width, (g.info.width + factor - 1) / factor);
+          EXPECT_EQ(info.height, (g.info.height + factor - 1) / factor);
+          EXPECT_EQ(info.reduced, factor);
+          EXPECT_FLOAT_EQ(info.share_width() * float(factor), float(g.info.inner_width()));
+          EXPECT_FLOAT_EQ(info.share_height() * float(factor), float(g.info.inner_height()));
+          const Image planes = *device->download(*small, {});
+          ASSERT_EQ(planes.names, (std::vector<std::string>{"depth", "layer1.depth"}));
+          ASSERT_EQ(planes.width, info.width);
+          ASSERT_EQ(planes.height, info.height);
+          EXPECT_EQ(planes.planes[1].at(0, 0), 99.0f);
+          const double window =
+              std::max({std::fabs(double(g.info.camera.left)), std::fabs(double(g.info.camera.right)),
+                        std::fabs(double(g.info.camera.top)), std::fabs(double(g.info.camera.bottom))});
+          for (int y = 0; y < info.height; ++y)
+            for (int x = 0; x < info.width; ++x) {
+              const float depth = planes.planes[0].at(x, y);
+              EXPECT_EQ(depth, g.layers[0].planes[0].at(x * factor, y * factor));
+              for (int layer = 0; layer < 2; ++layer) {
+                const auto here = position_of(info, layer_info(info, layer).camera, x, y, depth);
+                const auto there = position_of(g.info, layer_info(g.info, layer).camera, x * factor, y * factor, depth);
+                EXPECT_LT(glm::length(here - there), 1e-6 * depth * (1.0 + window)) << x << ',' << y;
+              }
+            }
+        }
+}
+
+TEST(Reduced, LengthsInPixelsMeanTheSameDistance) {
+  const GBuffer g = off_centre(191, 347, false, 9);
+  const PictureInfo half = reduced_info(g.info, 2), quarter = reduced_info(half, 2);
+  EXPECT_EQ(quarter.reduced, 4);
+  EXPECT_EQ(quarter.width, reduced_info(g.info, 4).width);
+  for (const Length& length : {Length{12.0f, 0}, Length{3.125f, 1}}) {
+    const float full = length_px(length, g.info.share_width(), g.info);
+    EXPECT_FLOAT_EQ(full, length.relative ? 0.03125f * 191.0f : 12.0f);
+    EXPECT_FLOAT_EQ(2.0f * length_px(length, half.share_width(), half), full);
+    EXPECT_FLOAT_EQ(4.0f * length_px(length, quarter.share_width(), quarter), full);
+  }
+}
+
+TEST(Reduced, PlacedPlanesLieInTheCorner) {
+  const GBuffer g = off_centre(191, 347, false, 0);
+  const auto device = make_cpu_device();
+  auto full = *device->upload(g);
+  const auto small = *device->reduced(full, 4, {"depth"});
+  ASSERT_TRUE(device->place(small, {"depth"}, full));
+  const Image placed = *device->download(full, {"reduced_depth"});
+  for (int y = 0; y < 347; ++y)
+    for (int x = 0; x < 191; ++x)
+      EXPECT_EQ(placed.planes[0].at(x, y), x < 48 && y < 87 ? g.layers[0].planes[0].at(4 * x, 4 * y) : 0.0f);
+  const auto missing = device->place(small, {"ao"}, full);
+  ASSERT_FALSE(missing);
+  EXPECT_NE(missing.error().message.find("'ao'"), std::string::npos);
+}
+
+/// A G-buffer with normals and with `reduced_ao` and `reduced_indirect`, to be filled.
+GBuffer to_upsample(int width, int height) {
+  GBuffer g = test::empty_gbuffer(width, height);
+  for (const char* name :
+       {"normal.x", "normal.y", "reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b"})
+    g.layers[0].add(name) = Plane(width, height, 0.0f);
+  g.layers[0].add("normal.z") = Plane(width, height, 1.0f);
+  g.layers[0].add("depth") = Plane(width, height, 5.0f);
+  return g;
+}
+
+Settings by(int factor, bool light = true) {
+  return {{"factor", std::to_string(factor)}, {"indirect", light ? "on" : "off"}};
+}
+
+const char* const kMade[] = {"ao", "indirect.r", "indirect.g", "indirect.b"};
+
+TEST(Upsample, IsBilinearOnAPlane) {
+  for (const int factor : {2, 4}) {
+    GBuffer g = to_upsample(47, 31);
+    for (const char* name : kMade) {
+      Plane& small = g.layers[0].plane(reduced_plane(name));
+      for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x) small.at(x, y) = 0.1f + 0.01f * float(x) + 0.02f * float(y);
+    }
+    test::on_every_target("upsample", g, by(factor), [&](const Image& image) {
+      const int last_x = (47 - 1) / factor * factor, last_y = (31 - 1) / factor * factor;
+      for (const char* name : kMade)
+        for (int y = 0; y <= last_y; ++y)
+          for (int x = 0; x <= last_x; ++x) {
+            const double expected = 0.1 + 0.01 * x / factor + 0.02 * y / factor;
+            EXPECT_NEAR(image.plane(name).at(x, y), expected, 1e-4) << name << ' ' << x << ',' << y;
+          }
+    });
+  }
+}
+
+TEST(Upsample, KeepsThePixelsThatWereComputedAndWhatIsConstant) {
+  for (const int factor : {2, 4})
+    for (const bool hostile : {false, true}) {
+      GBuffer g = hostile ? test::hostile_gbuffer(191, 63, 5) : test::bumpy_gbuffer(191, 63, 5);
+      Plane& ao = g.layers[0].add("reduced_ao");
+      for (int y = 0; y < ao.height; ++y)
+        for (int x = 0; x < ao.width; ++x) ao.at(x, y) = float(test::hash(x + 4099u * y) >> 8) * 0x1p-24f;
+      test::on_every_target("upsample", g, by(factor, false), [&](const Image& image) {
+        for (int y = 0; y < 63; y += factor)
+          for (int x = 0; x < 191; x += factor)
+            EXPECT_EQ(image.plane("ao").at(x, y), ao.at(x / factor, y / factor)) << x << ',' << y;
+      });
+      ao = Plane(191, 63, 0.3f);
+      test::on_every_target("upsample", g, by(factor, false), [&](const Image& image) {
+        EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).most, 0.0);
+      });
+    }
+}
+
+TEST(Upsample, NothingCrossesASilhouette) {
+  // Left of a slanted edge something near, of other occlusion and light than what is behind it, or background.
+  for (const int factor : {2, 4})
+    for (const float behind : {5.2f, 9.0f, kInfinity})
+      for (const bool turned : {false, true}) {  // a crease of 90 degrees that points at the camera
+        if (turned && behind != 9.0f) continue;
+        SCOPED_TRACE(fmt::format("factor {}, behind {}, turned {}", factor, behind, turned));
+        GBuffer g = to_upsample(80, 64);
+        Image& image = g.layers[0];
+        const auto left_of = [&](int x, int y) { return turned ? x < 37 : x < 20 + y / 2; };
+        const Camera& camera = g.info.camera;
+        const auto across = [&](double x) { return camera.left + (camera.right - camera.left) * x / 80.0; };
+        for (int y = 0; y < 64; ++y)
+          for (int x = 0; x < 80; ++x) {
+            if (turned) {
+              const double nz = std::sqrt(0.5), nx = left_of(x, y) ? -nz : nz;
+              image.plane("normal.x").at(x, y) = float(nx);
+              image.plane("normal.z").at(x, y) = float(nz);
+              image.plane("depth").at(x, y) = float(5.0 * (nz - nx * across(37.0)) / (nz - nx * across(x + 0.5)));
+            } else if (!left_of(x, y)) {
+              image.plane("depth").at(x, y) = behind;
+            }
+          }
+        for (int y = 0; y < 64; y += factor)
+          for (int x = 0; x < 80; x += factor)
+            for (const char* name : kMade)
+              image.plane(reduced_plane(name)).at(x / factor, y / factor) = left_of(x, y) ? 0.25f : 0.75f;
+        test::on_every_target("upsample", g, by(factor), [&](const Image& out) {
+          for (const char* name : kMade)
+            // Beyond the last computed row and column there is nothing to tell them apart by.
+            for (int y = 0; y <= 64 - factor; ++y)
+              for (int x = 0; x <= 80 - factor; ++x) {
+                // One of the four nearest pixels lies on this one's side.
+                bool has_own = false;
+                for (const int i : {0, factor})
+                  for (const int j : {0, factor})
+                    has_own |= left_of(x / factor * factor + i, y / factor * factor + j) == left_of(x, y);
+                if (!has_own) continue;
+                EXPECT_NEAR(out.plane(name).at(x, y), left_of(x, y) ? 0.25f : 0.75f, 1e-6) << x << ',' << y;
+              }
+        });
+      }
+}
+
+TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
+  GBuffer g = to_upsample(16, 16);
+  Image& image = g.layers[0];
+  // A wire between computed pixels: to its left depth 5, to its right depth 9.
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) {
+      image.plane("depth").at(x, y) = x == 5 ? 8.0f : x < 5 ? 5.0f : 9.0f;
+      image.plane("reduced_ao").at(x, y) = x < 3 ? 0.25f : 0.75f;
+    }
+  test::on_every_target("upsample", g, by(2, false), [&](const Image& out) {
+    for (int y = 0; y < 14; ++y) {
+      EXPECT_EQ(out.plane("ao").at(4, y), 0.25f);
+      // Three times as near as the other side, which counts by the fourth power.
+      EXPECT_NEAR(out.plane("ao").at(5, y), 0.75, 0.5 / 81.0);
+      EXPECT_EQ(out.plane("ao").at(6, y), 0.75f);
+    }
+  });
+}
+
+TEST(Upsample, PlanesAtGrazingAnglesAreAsFacingOnes) {
+  for (const bool orthographic : {false, true})
+    for (const double tilt_deg : {30.0, 69.0, 80.0}) {
+      GBuffer g = to_upsample(48, 64);
+      if (orthographic) g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 0.75f);
+      Plane& ao = g.layers[0].plane("reduced_ao");
+      for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 48; ++x) ao.at(x, y) = float(test::hash(x + 4099u * y) >> 8) * 0x1p-24f;
+      const Image facing = test::run_effect(*find_effect("upsample"), g, by(2, false), {});
+      const Camera& camera = g.info.camera;
+      const double tilt = tilt_deg * 3.14159265358979 / 180.0, ny = std::sin(tilt), nz = std::cos(tilt);
+      int horizon = 0;  // rows above it show nothing
+      for (int y = 63; y >= 0; --y)
+        for (int x = 0; x < 48; ++x) {
+          const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / 64.0;
+          const double depth = orthographic ? 40.0 + ny / nz * v : 5.0 * nz / (nz - ny * v);
+          if (depth < 0.0) horizon = std::max(horizon, y + 1);
+          g.layers[0].plane("depth").at(x, y) = depth > 0.0 ? float(depth) : kInfinity;
+          g.layers[0].plane("normal.y").at(x, y) = float(ny);
+          g.layers[0].plane("normal.z").at(x, y) = float(nz);
+        }
+      test::on_every_target("upsample", g, by(2, false), [&](const Image& image) {
+        const int first = horizon > 0 ? horizon + 2 : 0;
+        EXPECT_LT(first, 30);
+        for (int y = first; y < 64; ++y)
+          for (int x = 0; x < 48; ++x)
+            EXPECT_NEAR(image.plane("ao").at(x, y), facing.plane("ao").at(x, y), 1e-6) << tilt_deg << ' ' << y;
+      });
+    }
+}
+
+TEST(Upsample, BackgroundTakesNothingFromSurfaces) {
+  GBuffer g = to_upsample(32, 32);
+  Image& image = g.layers[0];
+  for (int y = 0; y < 32; ++y)
+    for (int x = 0; x < 32; ++x) {
+      if ((x - 15) * (x - 15) + (y - 15) * (y - 15) > 90) image.plane("depth").at(x, y) = kInfinity;
+      if (x % 2 == 0 && y % 2 == 0) {
+        const bool open = !std::isfinite(image.plane("depth").at(x, y));
+        image.plane("reduced_ao").at(x / 2, y / 2) = open ? 1.0f : 0.5f;
+      }
+    }
+  long found = 0;
+  const Image out = test::run_effect(*find_effect("upsample"), g, by(2, false), {});
+  for (int y = 0; y < 31; ++y)
+    for (int x = 0; x < 31; ++x)
+      if (!std::isfinite(image.plane("depth").at(x, y))) {
+        ++found;
+        EXPECT_NEAR(out.plane("ao").at(x, y), 1.0f, 1e-6) << x << ',' << y;
+      }
+  EXPECT_GT(found, 100);
+}
+
+/// `ao` that a look's recipe makes of a scene's picture.
+struct Drawing {
+  std::unique_ptr<Device> device = make_cpu_device();
+  Scene scene;
+
+  explicit Drawing(const std::string& name) {
+    auto made = make_builtin_scene(name);
+    EXPECT_TRUE(made);
+    scene = std::move(*made);
+    EXPECT_TRUE(device->prepare(scene));
+  }
+
+  Plane ao(Size size, bool orthographic, int guard, int every, std::string_view technique,
+           const std::vector<std::string>& settings, Plane* depth) {
+    const Camera camera = frame_scene(scene, {.orthographic = orthographic}, size.width, size.height);
+    scene.lights = default_lights(scene, camera);
+    auto frame = *device->capture(camera, {.width = size.width, .height = size.height, .guard = guard});
+    const Look look{
+        .name = "test", .summary = "", .occlusion = technique, .effects = {"occlusion", "denoise"}, .presets = {}};
+    EffectSettings all = look_settings(look);
+    for (const std::string& setting : settings) EXPECT_TRUE(apply_setting(all, setting)) << setting;
+    const LookRun run{.look = &look, .occlusion = technique, .occlusion_every = every, .settings = &all};
+    const auto done = run_look(run, *device, frame);
+    EXPECT_TRUE(done) << (done ? "" : done.error().message);
+    Image image = *device->download(frame, {"ao", "depth"});
+    *depth = image.planes[1];
+    return image.planes[0];
+  }
+};
+
+struct Deviation {
+  double rmse = 0.0, bias = 0.0;
+};
+
+Deviation error_of(const Plane& a, const Plane& b, const Plane& depth) {
+  double squares = 0.0, sum = 0.0;
+  long count = 0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      if (!std::isfinite(depth.at(x, y))) continue;
+      const double e = double(a.at(x, y)) - b.at(x, y);
+      squares += e * e;
+      sum += e;
+      ++count;
+    }
+  EXPECT_GT(count, 0);
+  return {std::sqrt(squares / double(count)), sum / double(count)};
+}
+
+const std::vector<std::string> kHemisphere = {
+    "sphere.samples=64",   "sphere.shape=hemisphere", "sphere.reach=8%",   "sphere.depth=linear", "sphere.sample_z=on",
+    "sphere.range=smooth", "sphere.range_factor=1",   "sphere.map=linear", "sphere.threshold=0",  "sphere.border=skip"};
+
+TEST(Upsample, HalfResolutionIsCloseToFull) {
+  for (const char* name :
+       {"scene:solids?detail=4000", "scene:claw?detail=20000", "scene:room?detail=20000", "scene:pink?detail=20000",
+        "scene:tank?detail=20000", "scene:terrain?detail=20000", "scene:atrium?detail=20000"}) {
+    Drawing drawing(name);
+    const bool calm = name[6] == 's' || name[7] == 'e';  // solids and terrain have nothing thinner than small pixels
+    for (const Size size : {Size{1023, 767}, {191, 347}, {3, 2}, {1, 1}})
+      for (const int every : {2, 4}) {
+        if (every == 4 && size.width > 1000) continue;
+        const bool orthographic = size.width == 191;
+        const int guard = orthographic ? 13 : 0;
+        SCOPED_TRACE(fmt::format("{} {}x{}, every {}", name, size.width, size.height, every));
+        Plane depth;
+        const Plane full = drawing.ao(size, orthographic, guard, 1, "sphere", kHemisphere, &depth);
+        const Plane small = drawing.ao(size, orthographic, guard, every, "sphere", kHemisphere, &depth);
+        const Deviation e = error_of(small, full, depth);
+        EXPECT_LT(std::fabs(e.bias), every == 2 ? 0.003 : 0.005);
+        if (every == 2 && (calm || size.width != 191)) {
+          EXPECT_LT(e.rmse, 0.02);
+        }
+        if (size.width > 100) {
+          EXPECT_GT(e.rmse, 1e-3);  // it did run at another resolution
+        }
+      }
+  }
+}
+
+TEST(Upsample, EveryTechniqueKeepsItsStrength) {
+  Drawing drawing("scene:solids?detail=4000");
+  for (const Effect* effect : effects()) {
+    if (effect->kind != EffectKind::kOcclusion) continue;
+    SCOPED_TRACE(effect->name);
+    // The mask by a window that is as many whole pixels at half resolution.
+    std::vector<std::string> settings = {"unsharp.kernel=42", "unsharp.linearization=extent",
+                                         "unsharp.background=ignore"};
+    settings.insert(settings.end(), kHemisphere.begin(), kHemisphere.end());
+    Plane depth;
+    const Plane full = drawing.ao({511, 383}, false, 10, 1, effect->name, settings, &depth);
+    const Plane half = drawing.ao({511, 383}, false, 10, 2, effect->name, settings, &depth);
+    const Deviation e = error_of(half, full, depth), darkness = error_of(full, Plane(511, 383, 1.0f), depth);
+    EXPECT_GT(darkness.rmse, 0.02);
+    EXPECT_LT(std::fabs(e.bias), 0.003);
+    EXPECT_LT(e.rmse, 0.5 * darkness.rmse);
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
