@@ -291,6 +291,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.even = params.distribution == kHemisphereEven ? 1 : 0;
   c.seed = params.seed;
   c.noise = params.noise;
+  c.one_over_noise = 1.0f / float(std::max(1, params.noise));
   c.inner = std::max(params.floor, kLeastInner);
   c.one_over_inner = 1.0f / c.inner;
   c.log_inner = std::log(c.inner);

@@ -43,6 +43,7 @@ struct HemisphereConstants {
   int even;      // 0: the paper's sample points, 1: ours
   int seed;
   int noise;  // as in HemisphereParams
+  float one_over_noise;
   // Ours: lengths even in their logarithm, and lengths just even, both in radii.
   float inner, one_over_inner, log_inner;  // the shortest of the first
   float one_over_inner2;                   // inverse of its square in scene units

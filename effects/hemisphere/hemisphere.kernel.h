@@ -22,6 +22,7 @@ CONST float kDepthRounding = 2e-6f;  // share of the depth: 16 to 32 steps of a 
 CONST float kLeastDepth = 1e-3f;     // a sample behind the eye is moved to this share of the pixel's depth
 CONST float kLeastSpan = 0.02f;      // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
 CONST float kLeastCosine = 0.1f;     // of the angle at which the camera sees an emitter
+CONST float kMostFind = 16.0f;       // what one find may stand for, of what it stands for on average: no sparks
 CONST float kMostLight = 1e18f;      // what a pixel gets stays a number
 
 // The integer hash "lowbias32", found by search [Wellons 2018].
@@ -48,8 +49,8 @@ FN Vec3 unit_normal(Vec3 n, Vec3 position) {
 
 // The remainder of a pixel's coordinate by the tile's side.
 FN Int in_tile(Int x) {
-  Real size = Real(float(C.noise));
-  return to_int(to_real(x) - size * floor((to_real(x) + 0.5f) / size));
+  Real tiles = floor((to_real(x) + 0.5f) * Real(C.one_over_noise));  // half a pixel off every border: rounding is safe
+  return x - to_int(tiles) * Int(C.noise);
 }
 
 // e^x for x in [-8, 0] by operations that round alike everywhere: the series for x/16, squared four times.
@@ -136,6 +137,7 @@ FN Real range_weight(Real depth, Real tap, Real limit) {
   Real difference = abs(depth - tap);
   if (C.window != 0) difference = abs(window_depth(depth) - window_depth(tap));
   if (C.range == kHemisphereRangeSmoothstep) {
+    if (!some(difference > limit)) return Real(1.0f);
     Real t = limit / max(difference, limit);  // 1 within the limit
     return t * t * (3.0f - (t + t));
   }
@@ -203,6 +205,7 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     Real cos_view = max(abs(dot(sight, facing)), Real(kLeastCosine));
     // Rays of sight part from each other: farther away there are more samples between them.
     share = share * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
+    share = min(share, Real(C.area_factor * kMostFind));
     sees = sees && squared <= Real(C.radius * C.radius);
   } else {
     share = share / max(squared, Real(C.least_distance * C.least_distance));
@@ -276,8 +279,6 @@ FN void gather(Int px, Int py) {
     Bool inside = surface;
     Real x = depth;
     Real y = depth;
-    Int column = px;
-    Int row = py;
     for (int i = 0; i < C.layer_count; ++i) {
       if (C.new_view[i] != 0) {
         Vec3 there = point;
@@ -292,17 +293,16 @@ FN void gather(Int px, Int py) {
         if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
         x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
         y = mad(there.y * shrunk, Real(C.scale_y[i]), Real(C.offset_y[i]));
-        inside = surface;
-        if (C.clamp_border == 0 || C.other[i] != 0)
-          inside = surface && x >= 0.0f && x < float(F.width) && y >= 0.0f && y < float(F.height);
+        Real column = floor(x);
+        Real line = floor(y);
+        x = clamp(column, Real(0.0f), Real(float(F.width - 1)));
+        y = clamp(line, Real(0.0f), Real(float(F.height - 1)));
+        inside = x == column && y == line;
+        if (C.clamp_border != 0 && C.other[i] == 0) inside = surface;
         if (C.other[i] != 0) inside = inside && own_depth > 0.0f && -there.z > 0.0f;
-        x = floor(clamp(x, Real(0.0f), Real(float(F.width - 1))));
-        y = floor(clamp(y, Real(0.0f), Real(float(F.height - 1))));
-        column = to_int(x);
-        row = to_int(y);
         known = known || inside;
       }
-      Real tap = load_depth_of(C.layer[i], column, row);
+      Real tap = load_depth_of(C.layer[i], to_int(x), to_int(y));
       Bool before = inside && tap > 0.0f && point_depth - tap > least_nearer;
       if (some(before)) {
         Vec3 seen = seen_position(i, x, y, tap);
@@ -321,6 +321,8 @@ FN void gather(Int px, Int py) {
           if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
         }
         if (kGathersLight && some(before)) {
+          Int column = to_int(x);
+          Int row = to_int(y);
           Vec3 facing = normal_of(C.layer[i], column, row);
           Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
           if (C.orthographic[i] == 0) sight = seen * rsqrt(dot(seen, seen));
