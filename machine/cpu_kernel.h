@@ -27,10 +27,11 @@ struct Kernel {
 
 void Run(const KernelFrame& frame, const Tile& tile) {
   Kernel kernel{{frame}};
+  const auto lane = hn::Iota(DI(), 0);  // once: it is made number by number
   for (int y = tile.y0; y < tile.y1; ++y)
     for (int x = tile.x0; x < tile.x1; x += kLanes) {
       kernel.view.move(x, y);
-      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(hn::Iota(DI(), x), Int(y));
+      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(hn::Add(lane, hn::Set(DI(), x)), Int(y));
     }
 }
 
