@@ -67,7 +67,7 @@ FN Real exp_of(Real x) {
   return sum * sum;
 }
 
-// Half of pi times (u - 0.5) in [-0.5, 0.5): its sine, by series; error below 1e-7.
+// The sine of u quarters of a turn, u in [-0.5, 0.5], by series; error below 1e-6.
 FN Real sine_of_quarters(Real u) {
   Real x = u * 1.57079633f;
   Real squared = x * x;
@@ -77,8 +77,8 @@ FN Real sine_of_quarters(Real u) {
   return mad(sum * squared, x, x);
 }
 
-// How each pixel turns its sample points about the normal: cosine and sine (x, y); and z in [0, 1), by how much of the
-// logarithm of R/r0 it shortens them. The tile repeats.
+// How each pixel turns its sample points about the normal: cosine and sine (x, y); and z in [0, 1), by what share of
+// their range it shifts the lengths. The tile repeats.
 FN Vec3 noise_at(Int px, Int py) {
   Uint seed = scrambled(Uint(0x9e3779b9u) + to_uint(Int(C.seed)));
   Int x = px;
@@ -87,21 +87,21 @@ FN Vec3 noise_at(Int px, Int py) {
     x = in_tile(px);
     y = in_tile(py);
   }
-  Uint first = scrambled(to_uint(x) ^ scrambled(to_uint(y) + seed));
-  Uint second = scrambled(first + Uint(1u));
+  // The pixels of a tile share the angles and lengths among them: points of the golden ratio's two-dimensional
+  // sequence [Roberts 2018].
+  Uint index = to_uint(y * Int(C.noise) + x);
+  Uint first = index * Uint(0xc13fa9a9u) + seed;
+  Uint second = index * Uint(0x91e10da6u) + seed * Uint(3u);
+  if (C.even == 0 || C.noise == 0) {
+    first = scrambled(to_uint(x) ^ scrambled(to_uint(y) + seed));
+    second = scrambled(first + Uint(1u));
+  }
   if (C.even == 0) {
     // The paper's noise texture: x and y uniform in [-1, 1], then scaled to length 1.
     Real a = mad(share_of_one(first), Real(2.0f), Real(-1.0f + 5.9604645e-8f));  // half a step off 0
     Real b = mad(share_of_one(second), Real(2.0f), Real(-1.0f));
     Real scale = Real(1.0f) / sqrt(mad(a, a, b * b));
     return Vec3(a * scale, b * scale, Real(0.0f));
-  }
-  if (C.noise > 0) {
-    // The pixels of a tile share the angles and lengths among them: points of the golden ratio's two-dimensional
-    // sequence [Roberts 2018].
-    Uint index = to_uint(y * Int(C.noise) + x);
-    first = index * Uint(0xc13fa9a9u) + seed;
-    second = index * Uint(0x91e10da6u) + scrambled(seed);
   }
   // A turn in four quarters: the quarter's middle turned by up to an eighth of a turn to either side.
   Real turn = share_of_one(first) * 4.0f;
