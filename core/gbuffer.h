@@ -25,7 +25,7 @@ namespace umbrage {
 enum class LayerKind {
   kBehind,  ///< the surface behind that of layer `of`, along the same rays
   kBack,    ///< the other side of the surfaces of layer `of`: normals face away from the camera, light and shadow are
-            ///< those of that side
+            ///< those of that side; without highlight, since no camera sees it
   kOther,   ///< what another camera sees
 };
 

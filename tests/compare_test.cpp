@@ -167,7 +167,9 @@ TEST(Compare, BaselineOfSomethingElseIsAnError) {
                                 {"falloff", "smooth"},
                                 {"normal", "shading"},
                                 {"settings", "unsharp.kernel=3"},
-                                {"guard", "10%"}};
+                                {"guard", "10%"},
+                                {"layers", 2},
+                                {"extra_views", 1}};
   for (const auto& [field, value] : other.items()) {
     nlohmann::json other_terms = scores;
     for (auto& record : other_terms) record[field] = value;
@@ -176,6 +178,12 @@ TEST(Compare, BaselineOfSomethingElseIsAnError) {
     EXPECT_EQ(wrong.error().kind, ErrorKind::kFile);
     EXPECT_NE(wrong.error().message.find(field + " " + value.dump()), std::string::npos) << wrong.error().message;
   }
+  // Scores of one layer do not name it.
+  Terms deep = terms;
+  deep.layers = 2;
+  const auto shallow = check_terms(scores, deep, "old.json");
+  ASSERT_FALSE(shallow);
+  EXPECT_NE(shallow.error().message.find("layers 1, now 2"), std::string::npos) << shallow.error().message;
   nlohmann::json other_view = scores;
   for (auto& record : other_view) record["view"] = "perspective 1 2 3";
   const auto elsewhere = check_baseline(other_view, scores, "old.json");
