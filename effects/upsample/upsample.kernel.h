@@ -10,6 +10,7 @@ IN_VECTOR(normal)
 // not.
 CONST float kNoJoint = 2.0f;
 CONST float kOtherKind = 1e6f;  // misfit of surface and background, and the largest
+CONST float kOutside = 2e6f;    // of what is not in the picture
 // Where no pixel joins, the nearest in depth gives most. Where any does, this is too little to be seen.
 CONST float kLeastJoint = 1e-6f;
 // Where the four nearest pixels join by less than this, the sixteen nearest are asked: at the rims of things, and on
@@ -33,9 +34,9 @@ FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(
 // The column or row at which the block of a pixel in column or row `at` begins.
 FN Int block_start(Int at) { return to_signed(to_uint(at) & to_uint(Int(-C.factor))); }
 
-// Of the block (i, j) to the right and below this pixel's: how much its corner belongs to this pixel, by the distance
-// of each from the other's plane, and the angle of their normals. 0 outside the picture, and only there.
-FN Real joint_of(int i, int j, Int px, Int py) {
+// Of the block (i, j) to the right and below this pixel's: how little its corner belongs to this pixel, by the distance
+// of each from the other's plane, and the angle of their normals; at least 1.
+FN Real misfit_of(int i, int j, Int px, Int py) {
   Real own_depth = near_depth(0, 0);
   Bool surface = is_surface(own_depth);
   Vec3 position = view_position(px, py, own_depth);
@@ -55,11 +56,12 @@ FN Real joint_of(int i, int j, Int px, Int py) {
   misfit = select(misfit < kOtherKind, misfit, Real(kOtherKind));  // also where it is no number
   misfit = select(surface && other_surface, misfit, Real(kOtherKind));
   misfit = select(!surface && !other_surface, Real(1.0f), misfit);
-  Real inverse = Real(1.0f) / (misfit * misfit);
-  Real joint = max(Real(kNoJoint) - misfit, inverse * inverse * kLeastJoint);
   Bool inside = x >= Int(0) && y >= Int(0) && x < Int(F.width) && y < Int(F.height);
-  return select(inside, joint, Real(0.0f));
+  return select(inside, misfit, Real(kOutside));
 }
+
+// How much it belongs to this pixel, 0 to 1.
+FN Real joint_of(int i, int j, Int px, Int py) { return max(Real(kNoJoint) - misfit_of(i, j, px, py), Real(0.0f)); }
 
 // How far the pixel lies from its block's corner, in blocks.
 FN Vec2 offset_of(Int px, Int py) {
@@ -87,5 +89,8 @@ FN Real wide_weight(int i, int j, Int px, Int py) {
   Vec2 at = offset_of(px, py);
   Real x = at.x - float(i);
   Real y = at.y - float(j);
-  return joint_of(i, j, px, py) / max(mad(x, x, y * y), Real(kLeastSquare));
+  Real misfit = misfit_of(i, j, px, py);
+  Real inverse = Real(1.0f) / (misfit * misfit);
+  Real joint = max(Real(kNoJoint) - misfit, inverse * inverse * kLeastJoint);
+  return select(misfit < kOutside, joint / max(mad(x, x, y * y), Real(kLeastSquare)), Real(0.0f));
 }
