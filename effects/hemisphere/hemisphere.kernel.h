@@ -321,8 +321,9 @@ FN void gather(Int px, Int py) {
           if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
         }
         if (kGathersLight && some(before)) {
-          Int column = to_int(x);
-          Int row = to_int(y);
+          // Lanes that have no occluder read their own pixel, which is at hand.
+          Int column = select(before, to_int(x), px);
+          Int row = select(before, to_int(y), py);
           Vec3 facing = normal_of(C.layer[i], column, row);
           Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
           if (C.orthographic[i] == 0) sight = seen * rsqrt(dot(seen, seen));
@@ -337,10 +338,13 @@ FN void gather(Int px, Int py) {
             if (C.other[i] != 0) back = turned_back(i, back);
             facing = select(away, back, facing);
           }
-          Real widening = C.orthographic[i] != 0 ? Real(1.0f) : point_depth / tap;
-          Real share = arriving_share(way, normal, facing, sight, widening) * weight;
-          before = before && share > 0.0f;
+          if (!both_sides) before = before && !away;
           if (some(before)) {
+            Real widening = C.orthographic[i] != 0 ? Real(1.0f) : point_depth / tap;
+            Real share = arriving_share(way, normal, facing, sight, widening) * weight;
+            before = before && share > 0.0f;
+            column = select(before, column, px);
+            row = select(before, row, py);
             Vec3 sent = sent_of(C.layer[i], column, row);
             if (both_sides) sent = select(away, sent_of(C.back[i], column, row), sent);
             light = light + sent * select(before, share, Real(0.0f));
