@@ -23,3 +23,12 @@ FN Vec3 to_eye(Vec3 position) {
   if (F.orthographic != 0) return Vec3(Real(0.0f), Real(0.0f), Real(1.0f));
   return normalized(-position);
 }
+
+// A linear value as a display's sRGB curve shows it.
+FN Real display_from_linear(Real v) {
+  Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));
+  return select(v > 0.0031308f, curve, v * 12.92f);
+}
+FN Vec3 display_from_linear(Vec3 v) {
+  return Vec3(display_from_linear(v.x), display_from_linear(v.y), display_from_linear(v.z));
+}

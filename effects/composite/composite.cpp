@@ -21,8 +21,7 @@ constexpr double kDamping = 0.1;  // the paper gives no number: what is lit by a
 const std::vector<Parameter> kTable = {
     {.name = "mode",
      .help = "how occlusion meets light: on the ambient part, subtracted, multiplied, modulating colour, or alone; "
-             "bleeding: "
-             "on the ambient part, with bounced light damped where little direct light arrives",
+             "bleeding: on the ambient part, with bounced light damped where little direct light arrives",
      .type = ParameterType::kChoice,
      .offset = offsetof(CompositeParams, mode),
      .choices = {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding"}},
@@ -49,12 +48,17 @@ const std::vector<Parameter> kTable = {
      .initial = kDamping,
      .most = kMostFactor,
      .zero_means = "off"},
+    {.name = "albedo",
+     .help = "what reflects bounced light: the albedo, or the albedo as a display shows it (for output.transfer=none)",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(CompositeParams, albedo),
+     .choices = {"texture", "display"}},
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
   const auto& params = as<CompositeParams>(bytes);
-  *static_cast<CompositeConstants*>(out) = {params.mode, params.darkness, params.chroma, params.contrast,
-                                            params.damping};
+  *static_cast<CompositeConstants*>(out) = {params.mode,     params.darkness, params.chroma,
+                                            params.contrast, params.damping,  params.albedo};
 }
 
 }  // namespace

@@ -26,7 +26,9 @@ FN void composite_pixel(Int px, Int py) {
   if (C.mode != 4) {
     Vec3 direct = near_direct(0, 0);
     Vec3 ambient = near_ambient(0, 0);
-    Vec3 bounced = near_albedo(0, 0) * near_indirect(0, 0);
+    Vec3 albedo = near_albedo(0, 0);
+    if (C.display != 0) albedo = display_from_linear(albedo);
+    Vec3 bounced = albedo * near_indirect(0, 0);
     lit = direct + ambient + bounced;
     if (C.mode == 5 && C.damping > 0.0f)
       bounced = bounced * clamp(luminance_of(direct) * Real(1.0f / C.damping), Real(0.0f), Real(1.0f));

@@ -45,10 +45,12 @@ const std::vector<Parameter> kTable = {
      .initial = 1.0,
      .most = 1.0},
     {.name = "material",
-     .help = "the scene's materials, or white clay without highlights",
+     .help =
+         "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
+         "(for output.transfer=none)",
      .type = ParameterType::kChoice,
      .offset = offsetof(LightingParams, material),
-     .choices = {"scene", "clay"}},
+     .choices = {"scene", "clay", "display"}},
     {.name = "rig",
      .help = "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera",
      .type = ParameterType::kChoice,
@@ -60,10 +62,11 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const auto& params = as<LightingParams>(bytes);
   auto& c = *static_cast<LightingConstants*>(out);
   c = {};
-  c.clay = params.material;
+  c.clay = params.material == 1 ? 1 : 0;
+  c.display = params.material == 2 ? 1 : 0;
   c.diffuse = params.diffuse;
   c.specular = params.specular;
-  c.emission = params.material == 0 ? params.emission : 0.0f;  // clay does not shine
+  c.emission = params.material != 1 ? params.emission : 0.0f;  // clay does not shine
   const LightRig rig = light_rig(Rig(params.rig), info);
   c.ambient_r = rig.ambient.r * params.ambient;
   c.ambient_g = rig.ambient.g * params.ambient;

@@ -8,13 +8,13 @@ struct LightingParams {
   float ambient, diffuse, specular;  // factors
   float emission;                    // factor on what surfaces send out by themselves
   float shadow;                      // how much of the lights' shadows is applied
-  int material;                      // 0 the scene's, 1 white clay
+  int material;                      // 0 the scene's, 1 white clay, 2 the scene's with albedo as a display shows it
   int rig;                           // 0 the scene's lights, 1 a head light, 2 a key light
 };
 
 struct LightingConstants {
   int light_count;
-  int clay;  // 0 or 1
+  int clay, display;  // 0 or 1
   float ambient_r, ambient_g, ambient_b;
   float diffuse, specular, emission, shadow;
   // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)

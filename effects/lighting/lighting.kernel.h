@@ -43,6 +43,7 @@ FN void lighting_pixel(Int px, Int py) {
   Vec3 albedo = near_albedo(0, 0);
   Real strength = near_specular(0, 0) * Real(C.specular);
   Real exponent = near_shininess(0, 0);
+  if (C.display != 0) albedo = display_from_linear(albedo);
   if (C.clay != 0) {
     albedo = Vec3(Real(1.0f), Real(1.0f), Real(1.0f));
     strength = Real(0.0f);

@@ -40,11 +40,6 @@ FN Real averaged_floor(Real t, Real width) {
   return edge - 1.0f + min((high - edge) / width, Real(1.0f));
 }
 
-FN Real display_from_linear(Real v) {
-  Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));
-  return select(v > 0.0031308f, curve, v * 12.92f);
-}
-
 FN void toon_pixel(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Real depth = near_depth(0, 0);
@@ -55,8 +50,7 @@ FN void toon_pixel(Int px, Int py) {
   }
   Vec3 albedo = Vec3(Real(1.0f), Real(1.0f), Real(1.0f));
   if (C.albedo != kToonClay) albedo = near_albedo(0, 0);
-  if (C.albedo == kToonDisplay)
-    albedo = Vec3(display_from_linear(albedo.x), display_from_linear(albedo.y), display_from_linear(albedo.z));
+  if (C.albedo == kToonDisplay) albedo = display_from_linear(albedo);
   Real intensity = near_toon_intensity(0, 0);
   if (C.mode == kToonPaper) {
     Vec3 lit = albedo * (max(floor(intensity * C.bands), Real(0.0f)) * Real(C.inverse_bands));

@@ -1,0 +1,25 @@
+// The scene's own materials and lights, with the light that surfaces send to each other: a red drape colours the floor.
+// Our own settings for what [Colliander and Tornquist 2015] set out to do.
+#include "core/look.h"
+
+namespace umbrage {
+
+const Look& look_bleeding() {
+  static const Look look = {
+      .name = "bleeding",
+      .summary =
+          "the scene's own materials and lights, with shadows, occlusion and the light that colours its surroundings",
+      .occlusion = "hemisphere",
+      .effects = {"lighting", "occlusion", "box", "composite", "output"},
+      .presets = {{"hemisphere.samples", "32"},
+                  {"hemisphere.bleeding", "1"},
+                  {"output.background_r", "0.72"},
+                  {"output.background_g", "0.77"},
+                  {"output.background_b", "0.82"}},
+      .layers = 2,
+      .back_sides = true,
+  };
+  return look;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,36 @@
+// The paper preset of [Colliander and Törnquist 2015]: a hemisphere of samples from its random table, turned by a tile
+// of 4 x 4, quadratic range in window depth, one size of fragment for every occluder, a box blur, bounced light damped
+// where little direct light arrives; no transfer function.
+#include "core/look.h"
+
+namespace umbrage {
+
+const Look& look_bleeding_paper() {
+  static const Look look = {
+      .name = "bleeding-paper",
+      .summary = "ambient occlusion and colour bleeding from one hemisphere of samples, as the paper has it",
+      .occlusion = "hemisphere",
+      .effects = {"lighting", "occlusion", "box", "composite", "output"},
+      .presets = {{"lighting.material", "display"},
+                  {"hemisphere.distribution", "paper"},
+                  {"hemisphere.range", "quadratic"},
+                  {"hemisphere.range_depth", "window"},
+                  {"hemisphere.bias_of", "depth"},
+                  {"hemisphere.bias", "0"},
+                  {"hemisphere.border", "clamp"},
+                  {"hemisphere.bleeding", "1"},
+                  {"hemisphere.area", "paper"},
+                  {"hemisphere.floor", "0"},
+                  {"hemisphere.ambient_bounce", "0"},
+                  {"box.background", "mix"},
+                  {"composite.mode", "bleeding"},
+                  {"composite.albedo", "display"},
+                  {"output.transfer", "none"},
+                  {"output.background_r", "0.36"},
+                  {"output.background_g", "0.40"},
+                  {"output.background_b", "0.45"}},
+  };
+  return look;
+}
+
+}  // namespace umbrage
