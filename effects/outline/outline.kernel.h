@@ -126,8 +126,12 @@ FN Real ends_cover(int j, Vec3 own) {
 
 FN Real robust_cover(Int px, Int py) {
   Real covered = max(max(seen_cover(0, -1), seen_cover(0, 1)), max(seen_cover(1, -1), seen_cover(1, 1)));
+  Real ends = Real(0.0f);
+  for (int j = -C.reach; j <= C.reach; ++j) ends = max(ends, near_outline_ends(0, j));
+  if (!some(ends > 0.0f && covered < 1.0f)) return covered;
+  Vec3 own = nearness(px, py);
   for (int j = -C.reach; j <= C.reach; ++j)
-    if (some(near_outline_ends(0, j) > 0.0f)) covered = max(covered, ends_cover(j, nearness(px, py)));
+    if (some(near_outline_ends(0, j) > 0.0f && covered < 1.0f)) covered = max(covered, ends_cover(j, own));
   return covered;
 }
 

@@ -27,8 +27,8 @@ CONST float kSameSide = 33.0f;    // as much of it makes one line of a faint cro
 CONST float kLeastLength = 2.5f;  // rows that a crease goes on
 CONST float kOneSided = 25.0f;    // from the middle: a surface ends there
 CONST float kOnlyEnds = 0.5f;
-CONST int kAround = 8;            // pixels within which a line has
-CONST float kLeastAround = 8.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
+CONST int kAround = 6;            // pixels within which a line has
+CONST float kLeastAround = 6.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
 CONST float kMostTurn = 97.0f;    // of side, as 1 + 2 level: three quarters of the whole range
 
 // t from its code.
@@ -73,10 +73,11 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   shadow = shadow && !clear;
   // A bevel is clear in some rows and faint in others, as pixels fall on it.
   for (int row = -kAround; row <= kAround; ++row)
-    for (int k = -2; k <= 2; ++k) {
-      Real other = lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k);
-      clear = clear || (other > 0.0f && abs(floor(other) - side) < kSameSide);
-    }
+    if (some(v > 0.0f && !(clear || shadow)))
+      for (int k = -2; k <= 2; ++k) {
+        Real other = lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k);
+        clear = clear || (other > 0.0f && abs(floor(other) - side) < kSameSide);
+      }
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
@@ -135,15 +136,24 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
               select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
 }
 
-// How many pixels around have crossings, this one included.
-FN Real crossings_around() {
+// How many of the pixels in row j of those around have crossings.
+FN Real crossings_in(int j) {
   Real count = Real(0.0f);
-  for (int j = -kAround; j <= kAround; ++j)
-    for (int i = -kAround; i <= kAround; ++i) {
-      Bool crossed = abs(near_outline_right(i, j)) + abs(near_outline_below(i, j)) > 0.0f;
-      count = count + select(crossed, Real(1.0f), Real(0.0f));
-    }
+  for (int i = -kAround; i <= kAround; ++i) {
+    Real right = near_outline_right(i, j);
+    Real below = near_outline_below(i, j);
+    count = count + select(mad(right, right, below * below) > 0.0f, Real(1.0f), Real(0.0f));
+  }
   return count;
+}
+
+// Whether this crossing is part of a line and no speck. Rows are counted from the middle on, for as long as that is
+// open.
+FN Bool in_line(Bool crossed) {
+  Real count = crossings_in(0);
+  for (int j = 1; j <= kAround; ++j)
+    if (some(crossed && count < kLeastAround)) count = count + crossings_in(-j) + crossings_in(j);
+  return count > kLeastAround;
 }
 
 FN void outline_refine_pixel(Int px, Int py) {
@@ -151,8 +161,9 @@ FN void outline_refine_pixel(Int px, Int py) {
   Real below = near_outline_below(0, 0);
   Vec2 steep = Vec2(Real(0.0f), Real(0.0f));
   Vec2 lower = steep;
-  if (some(abs(right) + abs(below) > 0.0f)) {
-    Bool line = crossings_around() > kLeastAround;
+  Bool crossed = abs(right) + abs(below) > 0.0f;
+  if (some(crossed)) {
+    Bool line = in_line(crossed);
     right = select(line, right, Real(0.0f));
     below = select(line, below, Real(0.0f));
   }
