@@ -18,7 +18,7 @@ const Look& look_bleeding() {
                   {"denoise.rounds", "2"},
                   {"denoise.indirect", "1"},
                   {"lighting.ambient", "0.6"},
-                  {"output.exposure", "0.3"},
+                  {"output.exposure", "0.5"},
                   {"output.background_r", "0.72"},
                   {"output.background_g", "0.77"},
                   {"output.background_b", "0.82"}},

@@ -2,10 +2,12 @@
 
 #include <charconv>
 #include <cmath>
+#include <glm/vector_relational.hpp>
 
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
+#include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "scene/builtin.h"
 
@@ -162,6 +164,25 @@ Result<void> apply_radius(const std::string& text, const PictureInfo& info, Effe
   return {};
 }
 
+/// Gives lights to a scene that has none.
+Result<void> add_lights(Scene& scene, const Camera& camera, const DrawSettings& settings) {
+  // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
+  constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
+  scene.lights = default_lights(scene, camera);
+  const glm::vec3 eye = camera.eye();
+  const bool inside =
+      glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
+  if (!inside) return {};
+  const auto traced = trace_ready(scene);
+  if (!traced) return traced.error();
+  const PictureInfo info{.width = settings.width, .height = settings.height, .camera = camera};
+  std::vector<Light> lights = interior_lights(**traced, info, scene.lights);
+  if (lights.empty()) return {};
+  scene.lights = std::move(lights);
+  scene.ambient = kAmbientInside;
+  return {};
+}
+
 }  // namespace
 
 Result<Recipe> make_recipe(const DrawSettings& draw) {
@@ -199,7 +220,8 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   auto recipe = make_recipe(settings);
   if (!recipe) return recipe.error();
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
-  if (scene.lights.empty()) scene.lights = default_lights(scene, camera);
+  if (scene.lights.empty())
+    if (auto added = add_lights(scene, camera, settings); !added) return added.error();
   const auto capture_with =
       capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();

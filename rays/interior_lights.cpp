@@ -1,0 +1,146 @@
+#include "rays/interior_lights.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+#include "rays/camera_rays.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr int kGrid = 32;                // rays per side of the picture
+constexpr float kReachesEnough = 0.15f;  // mean cosine with which the usual light falls on what is seen
+constexpr float kNoWayIn = 0.02f;        // the same of the sun
+constexpr float kLikeUsual = 0.2f;       // how much better a sun may be that stands where the usual light would
+// Brighter than the usual light, which is all that there is: here much of what is seen lies in shadow.
+constexpr glm::vec3 kSun(1.5f, 1.38f, 1.18f), kLamp(1.1f, 1.0f, 0.85f);
+// Light that falls aslant shapes what it meets: as much better as it stands nearer to this height.
+constexpr float kBestHeightDeg = 50.0f, kWorseByDeg = 0.01f;
+constexpr float kSunDeg = 0.53f;      // what the sun's disc spans
+constexpr float kLampHeight = 0.85f;  // of the way from the eye to the ceiling
+constexpr float kLampRadius = 0.05f;  // of the median distance of what is seen
+
+struct Seen {
+  Surface surface;
+  glm::vec3 start;  // of rays that leave it, unit space
+  float distance;   // from the eye, scene units
+};
+
+bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  hit = {};
+  hit.ray.org_x = origin.x;
+  hit.ray.org_y = origin.y;
+  hit.ray.org_z = origin.z;
+  hit.ray.dir_x = direction.x;
+  hit.ray.dir_y = direction.y;
+  hit.ray.dir_z = direction.z;
+  hit.ray.tfar = kInfinity;
+  hit.ray.mask = ~0u;
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(traced.rtc, &context, &hit);
+  return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& info) {
+  const CameraRays rays = camera_rays(traced, info);
+  std::vector<Seen> seen;
+  if (!within_reach(rays, info)) return seen;
+  for (int j = 0; j < kGrid; ++j)
+    for (int i = 0; i < kGrid; ++i) {
+      const float x = (float(i) + 0.5f) / kGrid * float(info.width), y = (float(j) + 0.5f) / kGrid * float(info.height);
+      const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
+      alignas(16) RTCRayHit hit;
+      if (!first_hit(traced, origin, direction, hit)) continue;
+      const Surface surface = surface_at(traced, hit.hit.geomID, hit.hit.primID, hit.hit.u, hit.hit.v, origin,
+                                         direction, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}, hit.ray.tfar);
+      seen.push_back(
+          {surface, start_above(surface, rays.eye), glm::distance(surface.position, rays.eye) / traced.scale});
+    }
+  return seen;
+}
+
+/// Mean cosine with which parallel light falls on what is seen, 0 where it does not arrive.
+float mean_light(const TracedScene& traced, const std::vector<Seen>& seen, glm::vec3 direction) {
+  float sum = 0.0f;
+  for (std::size_t first = 0; first < seen.size(); first += kPacket) {
+    alignas(64) RTCRay16 rays{};
+    alignas(64) std::array<int, kPacket> wanted{};
+    std::array<float, kPacket> cosines{};
+    for (int k = 0; k < kPacket && first + std::size_t(k) < seen.size(); ++k) {
+      const Seen& point = seen[first + std::size_t(k)];
+      cosines[k] = glm::dot(point.surface.normal, direction);
+      if (!(cosines[k] > 0.0f) || !(glm::dot(point.surface.geometric, direction) > 0.0f)) continue;
+      set_ray(rays, k, point.start, direction, kInfinity);
+      wanted[k] = -1;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded16(wanted.data(), traced.rtc, &context, &rays);
+    for (int k = 0; k < kPacket; ++k)
+      if (wanted[k] && !(rays.tfar[k] < 0.0f)) sum += cosines[k];
+  }
+  return sum / float(seen.size());
+}
+
+float median_distance(std::vector<Seen>& seen) {
+  const auto middle = seen.begin() + std::ptrdiff_t(seen.size() / 2);
+  std::nth_element(seen.begin(), middle, seen.end(),
+                   [](const Seen& a, const Seen& b) { return a.distance < b.distance; });
+  return middle->distance;
+}
+
+}  // namespace
+
+std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo& info,
+                                   const std::vector<Light>& usual) {
+  std::vector<Seen> seen = seen_surfaces(traced, info);
+  if (seen.empty() || usual.empty()) return {};
+  if (mean_light(traced, seen, usual[0].direction) >= kReachesEnough) return {};
+
+  const glm::vec3 up = glm::normalize(traced.scene->up);
+  const glm::vec3 some = std::abs(up.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1);
+  const glm::vec3 across = glm::normalize(glm::cross(up, some)), along = glm::cross(across, up);
+  constexpr int kTurns = 16;
+  glm::vec3 best = up;
+  float best_score = 0.0f, best_light = 0.0f;
+  for (const float height_deg : {35.0f, 45.0f, 55.0f, 65.0f, 75.0f, 85.0f})
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const float height = glm::radians(height_deg), angle = glm::two_pi<float>() * float(turn) / kTurns;
+      const glm::vec3 direction = glm::normalize(
+          up * std::sin(height) + (across * std::cos(angle) + along * std::sin(angle)) * std::cos(height));
+      const float light = mean_light(traced, seen, direction);
+      const float score = light * (1.0f + kLikeUsual * glm::dot(direction, usual[0].direction)) *
+                          (1.0f - kWorseByDeg * std::abs(height_deg - kBestHeightDeg));
+      if (score > best_score) best_score = score, best_light = light, best = direction;
+    }
+  Light light;
+  light.casts_shadow = true;
+  if (best_light > kNoWayIn) {
+    light.direction = best;
+    light.color = kSun;
+    light.angle_deg = kSunDeg;
+    return {light};
+  }
+  const float distance = median_distance(seen);
+  const glm::vec3 eye = inner_camera(info).eye();
+  alignas(16) RTCRayHit hit;
+  const float room = first_hit(traced, traced.unit_of(eye), up, hit) ? hit.ray.tfar / traced.scale : distance;
+  light.kind = LightKind::kPoint;
+  light.position = eye + up * (kLampHeight * std::min(room, distance));
+  light.color = kLamp;
+  light.reach = distance;
+  light.radius = kLampRadius * distance;
+  return {light};
+}
+
+}  // namespace umbrage
