@@ -15,7 +15,7 @@ const Look& look_bleeding() {
                   {"hemisphere.radius", "25%"},
                   {"hemisphere.bleeding", "1"},
                   {"hemisphere.ambient_bounce", "0.5"},
-                  {"denoise.rounds", "2"},
+                  {"denoise.rounds", "3"},
                   {"denoise.indirect", "1"},
                   {"lighting.ambient", "0.6"},
                   {"output.exposure", "0.5"},
