@@ -128,4 +128,40 @@ ScoreCard score(const Image& picture, const Image& truth, const ClassMap& classe
   return card;
 }
 
+double mean_of(const Image& picture, const ClassMap& classes) {
+  double sum = 0.0;
+  long count = 0;
+  for (const Plane& plane : picture.planes)
+    for (int y = 0; y < classes.height; ++y)
+      for (int x = 0; x < classes.width; ++x) {
+        if (!is_counted(classes.row(y)[x])) continue;
+        sum += finite_or_zero(plane.row(y)[x]);
+        ++count;
+      }
+  return count > 0 ? sum / double(count) : 0.0;
+}
+
+ScoreCard score_light(const Image& picture, const Image& truth, const ClassMap& classes) {
+  check_planes(truth, classes);
+  const double mean = mean_of(truth, classes);
+  if (!(mean > 0.0)) return score(picture, truth, classes);
+  const auto exposed = [&](Image image) {
+    for (Plane& plane : image.planes)
+      for (int y = 0; y < plane.height; ++y)
+        for (int x = 0; x < plane.width; ++x)
+          plane.at(x, y) = float(kMiddleGrey / mean * finite_or_zero(plane.at(x, y)));
+    return image;
+  };
+  ScoreCard card = score(exposed(picture), exposed(truth), classes);
+  const auto in_means = [](Scores& scores) {
+    scores.rmse /= kMiddleGrey;
+    scores.bias /= kMiddleGrey;
+    scores.p99 /= kMiddleGrey;
+    scores.psnr += 20.0 * std::log10(kMiddleGrey);
+  };
+  in_means(card.covered);
+  for (Scores& scores : card.by_class) in_means(scores);
+  return card;
+}
+
 }  // namespace umbrage

@@ -59,6 +59,17 @@ struct ScoreCard {
 /// is infinite or no number counts as 0. The scores are the same to the bit on any number of threads.
 ScoreCard score(const Image& picture, const Image& truth, const ClassMap& classes);
 
+/// The mean of the truth's light is shown as this much: middle grey.
+inline constexpr double kMiddleGrey = 0.18;
+
+/// Mean over the counted pixels and all planes; 0 of none.
+double mean_of(const Image& picture, const ClassMap& classes);
+
+/// Compares light, whose unit means nothing: errors are shares of the truth's mean (a black picture has the bias -1),
+/// and the eye is asked (SSIM, FLIP) at the exposure at which the truth's mean is middle grey. Of a truth that is black
+/// all over: as score().
+ScoreCard score_light(const Image& picture, const Image& truth, const ClassMap& classes);
+
 /// The perceptual error of each pixel, as score() uses it. What is background in the map counts as white in both
 /// pictures, and has no error.
 Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes);

@@ -1,6 +1,7 @@
 #include "reference/reference.h"
 
 #include <cstddef>
+#include <limits>
 
 namespace umbrage {
 namespace {
@@ -9,7 +10,6 @@ constexpr int kSamples = 64;
 constexpr double kRadiusPercent = 10.0;
 constexpr double kMostLength = 1e12;
 constexpr double kMostSeed = 1e6;
-enum LightChoice { kOcclusionAlone, kDirect, kBounce };
 
 const std::vector<Parameter> kTable = {
     {.name = "samples",
@@ -43,6 +43,18 @@ const std::vector<Parameter> kTable = {
      .type = ParameterType::kChoice,
      .offset = offsetof(ReferenceParams, light),
      .choices = {"off", "direct", "bounce"}},
+    {.name = "bounce_from",
+     .help = "where bounced light comes from: surfaces at any distance, or within the radius",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ReferenceParams, bounce_from),
+     .choices = {"anywhere", "radius"}},
+    {.name = "shadows",
+     .help =
+         "soft: every light throws one; captured: lights are points, and only those throw one whose shadow a capture "
+         "holds, as screen-space techniques have it",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(ReferenceParams, shadows),
+     .choices = {"soft", "captured"}},
     {.name = "sun_angle",
      .help = "what a parallel light's disc spans in the sky: the larger, the softer its shadow",
      .offset = offsetof(ReferenceParams, sun_angle_deg),
@@ -85,7 +97,7 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
   const auto radius = radius_in_scene("reference.radius", params.radius, info);
   if (!radius) return radius.error();
   // Occlusion and light each cost about as many rays as they have kinds; progress is told as one.
-  const bool light = params.light != kOcclusionAlone, bounce = params.light == kBounce;
+  const bool light = params.light != kReferenceOcclusion, bounce = params.light == kReferenceBounce;
   const double occlusion_share = light ? bounce ? 0.2 : 0.5 : 1.0;
   TraceControl first = control, second = control;
   first.progress = [&](double done) { return control.progress(occlusion_share * done); };
@@ -98,12 +110,15 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
                                 .seed = std::uint32_t(params.seed)},
                                first);
   if (!image || !light) return image;
-  auto lit = trace_light(scene, info,
-                         {.samples = params.samples,
-                          .bounce = bounce,
-                          .sun_angle_deg = params.sun_angle_deg,
-                          .seed = std::uint32_t(params.seed)},
-                         second);
+  auto lit = trace_light(
+      scene, info,
+      {.samples = params.samples,
+       .bounce = bounce,
+       .reach = params.bounce_from == kReferenceFromRadius ? *radius : std::numeric_limits<float>::infinity(),
+       .captured_shadows = params.shadows == kReferenceCapturedShadows,
+       .sun_angle_deg = params.sun_angle_deg,
+       .seed = std::uint32_t(params.seed)},
+      second);
   if (!lit) return lit;
   for (std::size_t p = 0; p < lit->planes.size(); ++p) image->add(lit->names[p]) = std::move(lit->planes[p]);
   return image;

@@ -6,13 +6,20 @@
 
 namespace umbrage {
 
+// Values of ReferenceParams::light, bounce_from and shadows.
+inline constexpr int kReferenceOcclusion = 0, kReferenceDirect = 1, kReferenceBounce = 2;
+inline constexpr int kReferenceFromAnywhere = 0, kReferenceFromRadius = 1;
+inline constexpr int kReferenceSoftShadows = 0, kReferenceCapturedShadows = 1;
+
 /// One row of the table in reference.cpp per field.
 struct ReferenceParams {
   int samples;
   Length radius;        // scene units, or share of the scene's radius
   int falloff;          // a Falloff
   int normal;           // a HemisphereNormal
-  int light;            // 0 occlusion alone, 1 direct light too, 2 its bounce too
+  int light;            // occlusion alone, direct light too, or its bounce too
+  int bounce_from;      // surfaces at any distance, or within the radius
+  int shadows;          // soft ones of every light, or what a capture holds
   float sun_angle_deg;  // 0: what each light says
   int seed;
 };

@@ -197,14 +197,16 @@ struct TracedLight {
   float reach_squared = 0.0f;  ///< 0: no falloff
   float radius = 0.0f;         ///< of a point light's ball
   float cone_height = 0.0f;    ///< 1 minus the cosine of the half angle that a directional light spans
+  bool throws_shadow = true;
 };
 
 std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
-                                       float sun_angle_deg) {
+                                       const LightSettings& settings) {
   std::vector<TracedLight> lights;
   for (const Light& light : info.lights) {
     TracedLight out{.color = light.color};
-    const bool head = light.kind == LightKind::kHead;
+    const bool head = light.kind == LightKind::kHead, points = settings.captured_shadows;
+    if (points) out.throws_shadow = light.casts_shadow && !head && int(lights.size()) < kMostShadows;
     out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
     if (head) {
       out.where = out.point ? rays.eye : rays.world_from_view[2];
@@ -212,10 +214,11 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
     } else if (out.point) {
       out.where = rays.eye + rays.world_from_view * (light.position * traced.scale);
       out.reach_squared = light.reach * light.reach * traced.scale * traced.scale;
-      out.radius = light.radius * traced.scale;
+      out.radius = points ? 0.0f : light.radius * traced.scale;
     } else {
       out.where = glm::normalize(rays.world_from_view * light.direction);
-      const float angle_deg = sun_angle_deg > 0.0f ? sun_angle_deg : light.angle_deg;
+      const float own_deg = settings.sun_angle_deg > 0.0f ? settings.sun_angle_deg : light.angle_deg;
+      const float angle_deg = points ? 0.0f : own_deg;
       const float sine = std::sin(glm::radians(0.25f * angle_deg));
       out.cone_height = 2.0f * sine * sine;
     }
@@ -223,6 +226,9 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
   }
   return lights;
 }
+
+/// How far the ray to a light goes: one of no length meets nothing.
+float ray_length(const TracedLight& light, float distance) { return light.throws_shadow ? distance : 0.0f; }
 
 /// One sample of a light from a place: the direction to it, unit, how far it is, and the radiance of a white surface
 /// that faces this direction.
@@ -304,7 +310,7 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
         sample[k] = sample_light(light, rays, surface.position,
                                  sample_point(table, first + k, hash(seed, kFirstLight + unsigned(l))));
         if (glm::dot(sample[k].direction, surface.geometric) > 0.0f)
-          packet.add(k, start, sample[k].direction, sample[k].distance);
+          packet.add(k, start, sample[k].direction, ray_length(light, sample[k].distance));
       }
       packet.find_blocked(traced);
       for (int k = 0; k < n; ++k) {
@@ -322,9 +328,10 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
   return sum;
 }
 
-/// Mean radiance from the hemisphere: what the surfaces there emit and reflect of the lights, one light sample each.
+/// Mean radiance from the hemisphere: what the surfaces there, within `reach`, emit and reflect of the lights, one
+/// light sample each.
 glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface,
-                        const std::vector<TracedLight>& lights, const SampleTable& table, int samples,
+                        const std::vector<TracedLight>& lights, const SampleTable& table, int samples, float reach,
                         std::uint32_t seed) {
   glm::vec3 sum(0.0f);
   const glm::vec3 start = start_above(surface, rays.eye);
@@ -334,8 +341,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
     Packet packet;
     for (int k = 0; k < n; ++k) {
       const glm::vec3 direction = basis * cosine_direction(sample_point(table, first + k, hash(seed, kHemisphere)));
-      if (glm::dot(direction, surface.geometric) > 0.0f)
-        packet.add(k, start, direction, std::numeric_limits<float>::infinity());
+      if (glm::dot(direction, surface.geometric) > 0.0f) packet.add(k, start, direction, reach);
     }
     packet.find_hits(traced);
     std::array<Surface, kPacket> hits;
@@ -357,7 +363,8 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
         const float lambert = glm::dot(hits[k].normal, sample.direction);
         if (!(lambert > 0.0f) || !(glm::dot(hits[k].geometric, sample.direction) > 0.0f)) continue;
         reflected[k] = albedo[k] * sample.color * lambert;
-        to_light.add(k, start_above(hits[k], surface.position), sample.direction, sample.distance);
+        to_light.add(k, start_above(hits[k], surface.position), sample.direction,
+                     ray_length(lights[l], sample.distance));
       }
       to_light.find_blocked(traced);
       for (int k = 0; k < n; ++k)
@@ -420,28 +427,30 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
                           const TraceControl& control) {
   check_less(0, settings.samples, "samples of the reference");
   check_less(settings.samples, kMostSamples + 1, "samples of the reference");
-  Image image = filled_image(info, {{"direct.r", 0.0f}, {"direct.g", 0.0f}, {"direct.b", 0.0f}, {"shadow", 1.0f}});
-  if (settings.bounce)
-    for (const char* name : {"indirect.r", "indirect.g", "indirect.b"})
-      image.add(name) = Plane(info.width, info.height, 0.0f);
-  const VectorPlanes direct = vector_planes(image, {"direct.r", "direct.g", "direct.b"});
-  Plane& shadow = image.plane("shadow");
-  VectorPlanes indirect;
+  Image image(info.width, info.height);
+  for (const char* name : {"direct.r", "direct.g", "direct.b", "shadow"})
+    if (settings.direct) image.add(name) = Plane(info.width, info.height, name[0] == 's' ? 1.0f : 0.0f);
+  for (const char* name : {"indirect.r", "indirect.g", "indirect.b"})
+    if (settings.bounce) image.add(name) = Plane(info.width, info.height, 0.0f);
+  VectorPlanes direct, indirect;
+  if (settings.direct) direct = vector_planes(image, {"direct.r", "direct.g", "direct.b"});
+  Plane* shadow = image.find("shadow");
   if (settings.bounce) indirect = vector_planes(image, {"indirect.r", "indirect.g", "indirect.b"});
   const SampleTable table = sample_table(settings.samples);
-  const std::vector<TracedLight> lights =
-      traced_lights(traced, camera_rays(traced, info), info, settings.sun_angle_deg);
+  const std::vector<TracedLight> lights = traced_lights(traced, camera_rays(traced, info), info, settings);
   const bool orthographic = info.camera.projection == Projection::kOrthographic;
+  const float reach = settings.reach * traced.scale;
   const auto done =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
         const std::uint32_t seed = pixel_seed(info, x, y, settings.seed);
+        if (settings.bounce)
+          indirect.store(x, y, bounced_light(traced, rays, surface, lights, table, settings.samples, reach, seed));
+        if (!settings.direct) return;
         const glm::vec3 to_eye = orthographic ? rays.world_from_view[2] : glm::normalize(rays.eye - surface.position);
         const glm::vec3 albedo = pixel_albedo(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
         const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);
         direct.store(x, y, light.diffuse * albedo + light.highlight + surface.material->emission);
-        shadow.at(x, y) = light.key_arrives;
-        if (settings.bounce)
-          indirect.store(x, y, bounced_light(traced, rays, surface, lights, table, settings.samples, seed));
+        shadow->at(x, y) = light.key_arrives;
       });
   if (!done) return done.error();
   return image;

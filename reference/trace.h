@@ -35,8 +35,12 @@ struct OcclusionSettings {
 };
 
 struct LightSettings {
-  int samples = 64;            ///< rays per pixel to each light, and for the bounce
-  bool bounce = true;          ///< trace `indirect`
+  int samples = 64;                                      ///< rays per pixel to each light, and for the bounce
+  bool direct = true;                                    ///< trace `direct` and `shadow`
+  bool bounce = true;                                    ///< trace `indirect`
+  float reach = std::numeric_limits<float>::infinity();  ///< of the bounce: what lies farther away sends nothing
+  /// Lights are points, and only those throw a shadow of which a capture holds one: what `shadow` planes say.
+  bool captured_shadows = false;
   float sun_angle_deg = 0.0f;  ///< what directional lights span in the sky; 0: what each light says
   std::uint32_t seed = 0;
 };
@@ -57,14 +61,15 @@ Result<Image> trace_occlusion(const TracedScene& scene, const PictureInfo& info,
                               const TraceControl& control = {});
 
 /// Light: planes, of the picture's whole size, 0 without surface and in the guard band:
-///   direct.r .g .b     what the surface emits, and what the lights send to the eye by diffuse reflection and
+///   direct.r .g .b     (with direct) what the surface emits, and what the lights send to the eye by diffuse reflection
+///   and
 ///                      highlight, as effects/lighting has it, with shadows as soft as the lights are large. A light's
 ///                      size does not change its brightness: a surface that sees all of it gets what a point of the
 ///                      same colour would give
-///   shadow             share of the key light that arrives; 1 without surface
+///   shadow             (with direct) share of the key light that arrives; 1 without surface
 ///   indirect.r .g .b   (with bounce) mean radiance from the shading normal's hemisphere, cosine-weighted: what the
-///                      surfaces in sight reflect diffusely of the lights, and emit. Times the albedo it is light to
-///                      the eye
+///                      surfaces in sight, within reach, reflect diffusely of the lights, and emit. Times the albedo it
+///                      is light to the eye
 /// Errors: kInterrupted.
 Result<Image> trace_light(const TracedScene& scene, const PictureInfo& info, const LightSettings& settings,
                           const TraceControl& control = {});

@@ -1,5 +1,6 @@
 // `umbrage compare`: scores, page, baseline, bad input; and rung 4, the recorded scores of every technique.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -31,15 +32,12 @@ std::vector<std::string> recorded_models() {
   return models;
 }
 
-const fs::path kRecorded = fs::path(UMBRAGE_SOURCE) / "tests/scores.json";
-
-TEST(RecordedScores, NoTechniqueGotWorse) {
-  const auto baseline = read_baseline(kRecorded);
+void expect_none_worse(const char* file, CompareSettings settings) {
+  const fs::path recorded = fs::path(UMBRAGE_SOURCE) / "tests" / file;
+  const auto baseline = read_baseline(recorded);
   ASSERT_TRUE(baseline) << baseline.error().message;
   auto device = make_device("cpu", 0);
   ASSERT_TRUE(device);
-  CompareSettings settings;
-  settings.models = recorded_models();
   settings.sizes = {{240, 135}};
   settings.cameras = 1;
   settings.samples = 64;
@@ -47,12 +45,32 @@ TEST(RecordedScores, NoTechniqueGotWorse) {
   settings.pictures = false;
   const auto comparison = compare(**device, settings);
   ASSERT_TRUE(comparison) << comparison.error().message;
-  const auto check = check_baseline(*baseline, scores_json(*comparison), kRecorded.string());
+  const auto same = check_terms(*baseline, terms_of(settings), recorded.string());
+  ASSERT_TRUE(same) << same.error().message;
+  const auto check = check_baseline(*baseline, scores_json(*comparison), recorded.string());
   ASSERT_TRUE(check) << check.error().message;
   for (const std::string& sentence : check->worse) ADD_FAILURE() << sentence;
   EXPECT_EQ(check->missing, 0) << "scores are recorded of what is no longer there";
   EXPECT_EQ(check->compared, int(comparison->scores.size()))
       << "a technique, variant or scene has no recorded score: record them as the top of this file says";
+}
+
+TEST(RecordedScores, NoTechniqueGotWorse) {
+  CompareSettings settings;
+  settings.models = recorded_models();
+  expect_none_worse("scores.json", settings);
+}
+
+// Those of light, in tests/light_scores.json, by
+//   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere --light --layers 2
+//     --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
+TEST(RecordedScores, NoLightGotWorse) {
+  CompareSettings settings;
+  settings.models = {"scene:atrium?detail=20000", "scene:solids?detail=20000"};
+  settings.techniques = {"hemisphere"};
+  settings.light = true;
+  settings.draw.layers = 2;
+  expect_none_worse("light_scores.json", settings);
 }
 
 // ---- scores and baseline
@@ -169,7 +187,9 @@ TEST(Compare, BaselineOfSomethingElseIsAnError) {
                                 {"settings", "unsharp.kernel=3"},
                                 {"guard", "10%"},
                                 {"layers", 2},
-                                {"extra_views", 1}};
+                                {"extra_views", 1},
+                                {"scale", "half"},
+                                {"filter", "denoise"}};
   for (const auto& [field, value] : other.items()) {
     nlohmann::json other_terms = scores;
     for (auto& record : other_terms) record[field] = value;
@@ -228,7 +248,7 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   EXPECT_EQ(with->scores[0].card.covered.pixels, without->scores[0].card.covered.pixels);
   // The truth is the same but where rounding moves a silhouette, and a window at the frame's border sees more.
   long different = 0;
-  const Plane &a = with->views[0].truth, &b = without->views[0].truth;
+  const Plane &a = with->views[0].truth.plane("ao"), &b = without->views[0].truth.plane("ao");
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x) different += a.at(x, y) != b.at(x, y);
   EXPECT_LT(different, a.width * a.height / 100);
@@ -237,6 +257,173 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
     changed += with->scores[k].technique == "unsharp" &&
                std::abs(with->scores[k].card.covered.rmse - without->scores[k].card.covered.rmse) > 1e-4;
   EXPECT_GT(changed, 0);
+}
+
+/// The same picture's light, by hemisphere and reference.
+const Comparison& light_comparison() {
+  static const Comparison comparison = [] {
+    auto device = make_device("cpu", 0);
+    CompareSettings settings;
+    settings.models = {"scene:solids?detail=7000"};
+    settings.sizes = {{96, 64}};
+    settings.techniques = {"unsharp", "hemisphere", "reference"};
+    settings.cameras = 1;
+    settings.samples = 64;
+    settings.runs = 1;
+    settings.light = true;
+    auto made = compare(**device, settings);
+    EXPECT_TRUE(made) << made.error().message;
+    return *made;
+  }();
+  return comparison;
+}
+
+TEST(Compare, LightIsScoredOfWhatGathersIt) {
+  const Comparison& comparison = light_comparison();
+  std::map<std::string, ScoreCard> light;
+  std::size_t occlusion = 0;
+  for (const Score& score : comparison.scores)
+    if (score.quantity == Quantity::kLight)
+      light[score.technique + " " + score.setting] = score.card;
+    else
+      ++occlusion;
+  std::size_t variants = 0, bleeding = 0;
+  for (const char* name : {"unsharp", "hemisphere", "reference"})
+    for (const Effect* effect : every_effect())
+      if (effect->name == name)
+        for (const std::string_view variant : effect->variants) {
+          ++variants;
+          bleeding += effect == &reference_effect() || variant.find("bleeding") != std::string_view::npos;
+        }
+  EXPECT_EQ(occlusion, variants);
+  EXPECT_EQ(light.size(), bleeding);
+  EXPECT_GT(bleeding, 5u);
+  // More rays come closer, and no side is favoured.
+  EXPECT_GT(light["reference samples=1"].covered.rmse, 1.5 * light["reference samples=4"].covered.rmse);
+  EXPECT_GT(light["reference samples=4"].covered.rmse, 1.3 * light["reference samples=16"].covered.rmse);
+  EXPECT_GT(light["reference samples=16"].covered.rmse, light["reference "].covered.rmse);
+  EXPECT_LT(std::abs(light["reference "].covered.bias), 0.03);
+  EXPECT_LT(light["reference "].covered.rmse, 2.0 * comparison.light_noise);
+  EXPECT_GT(light["reference "].covered.rmse, 0.7 * comparison.light_noise);
+  // What is gathered is nearer to the truth than none is, whose bias is -1.
+  const ScoreCard& gathered = light["hemisphere samples=64 bleeding=1"];
+  EXPECT_LT(std::abs(gathered.covered.bias), 0.5);
+  EXPECT_GT(gathered.covered.rmse, 3.0 * light["reference "].covered.rmse);
+}
+
+TEST(Compare, OcclusionIsTheSameBesideLight) {
+  auto device = make_device("cpu", 0);
+  CompareSettings settings;
+  settings.models = {"scene:solids?detail=7000"};
+  settings.sizes = {{96, 64}};
+  settings.techniques = {"hemisphere"};
+  settings.cameras = 1;
+  settings.samples = 64;
+  settings.runs = 1;
+  const auto alone = compare(**device, settings);
+  ASSERT_TRUE(alone);
+  std::size_t found = 0;
+  for (const Score& score : alone->scores)
+    for (const Score& other : light_comparison().scores)
+      if (other.quantity == Quantity::kOcclusion && other.technique == score.technique &&
+          other.setting == score.setting) {
+        EXPECT_EQ(score.card.covered.rmse, other.card.covered.rmse) << score.setting;
+        ++found;
+      }
+  EXPECT_EQ(found, alone->scores.size());
+}
+
+TEST(Compare, LightHasItsOwnRecordsAndPictures) {
+  const Comparison& comparison = light_comparison();
+  ASSERT_EQ(comparison.views.size(), 2u);
+  const ComparedView& view = comparison.views[1];
+  EXPECT_EQ(view.quantity, Quantity::kLight);
+  EXPECT_EQ(view.truth.planes.size(), 3u);
+  EXPECT_NEAR(view.exposure * mean_of(view.truth, view.classes), kMiddleGrey, 1e-6);
+  const nlohmann::json scores = scores_json(comparison);
+  nlohmann::json worse = scores;
+  std::size_t of_light = 0;
+  for (auto& record : worse)
+    if (record.at("quantity") == "light") {
+      ++of_light;
+      record["rmse"] = record["rmse"].get<double>() * 1.1;
+    }
+  const auto found = check_baseline(scores, worse, "b");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->worse.size(), of_light);
+  ASSERT_GT(of_light, 0u);
+  EXPECT_NE(found->worse[0].find("light's rmse"), std::string::npos) << found->worse[0];
+  // Records of earlier versions are of occlusion.
+  nlohmann::json old = nlohmann::json::array();
+  for (nlohmann::json record : scores)
+    if (record.at("quantity") == "occlusion") {
+      record.erase("quantity");
+      old.push_back(record);
+    }
+  const auto with_old = check_baseline(old, scores, "old");
+  ASSERT_TRUE(with_old);
+  EXPECT_EQ(with_old->compared, int(old.size()));
+  EXPECT_EQ(with_old->missing, 0);
+  EXPECT_TRUE(with_old->worse.empty());
+}
+
+TEST(Compare, WhereNoLightIsSentNoneIsScored) {
+  // A single square: nothing sends light to it.
+  const auto folder = fs::temp_directory_path() / fmt::format("umbrage_flat_{}", ::getpid());
+  fs::create_directories(folder);
+  std::ofstream(folder / "flat.obj") << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+  auto device = make_device("cpu", 0);
+  CompareSettings settings;
+  settings.models = {(folder / "flat.obj").string()};
+  settings.sizes = {{32, 32}};
+  settings.techniques = {"hemisphere"};
+  settings.cameras = 1;
+  settings.samples = 16;
+  settings.runs = 1;
+  settings.light = true;
+  const auto made = compare(**device, settings);
+  fs::remove_all(folder);
+  ASSERT_TRUE(made) << made.error().message;
+  for (const Score& score : made->scores) EXPECT_EQ(score.quantity, Quantity::kOcclusion);
+  EXPECT_EQ(made->views.size(), 1u);
+  ASSERT_EQ(made->warnings.size(), 1u);
+  EXPECT_NE(made->warnings[0].find("light is not compared"), std::string::npos) << made->warnings[0];
+}
+
+TEST(Compare, FiltersAndScaleChangeWhatTheySay) {
+  auto device = make_device("cpu", 0);
+  CompareSettings settings;
+  settings.models = {"scene:solids?detail=7000"};
+  settings.sizes = {{192, 128}};
+  settings.techniques = {"hemisphere", "reference"};
+  settings.cameras = 1;
+  settings.samples = 64;
+  settings.runs = 1;
+  settings.light = true;
+  const auto rows_of = [&] {
+    std::map<std::string, double> rows;
+    const auto made = compare(**device, settings);
+    EXPECT_TRUE(made) << made.error().message;
+    for (const Score& score : made->scores)
+      rows[fmt::format("{} {} {}", kQuantityNames[int(score.quantity)], score.technique, score.setting)] =
+          score.card.covered.rmse;
+    return rows;
+  };
+  auto plain = rows_of();
+  settings.filter = "denoise";
+  auto filtered = rows_of();
+  settings.filter.clear();
+  settings.draw.occlusion_scale = "quarter";
+  auto quarter = rows_of();
+  for (const char* row : {"occlusion hemisphere samples=8", "light hemisphere samples=32 bleeding=1"}) {
+    EXPECT_LT(filtered[row], 0.95 * plain[row]) << row;
+    EXPECT_GT(std::abs(quarter[row] - plain[row]), 0.01 * plain[row]) << row;
+  }
+  // The yardstick is neither filtered nor reduced.
+  for (const char* row : {"occlusion reference samples=1", "light reference samples=1"}) {
+    EXPECT_EQ(filtered[row], plain[row]) << row;
+    EXPECT_EQ(quarter[row], plain[row]) << row;
+  }
 }
 
 TEST(Compare, PageHoldsItsDataAndNothingElseFromOutside) {
@@ -302,6 +489,11 @@ TEST_F(CompareCli, BadInputGetsASentence) {
   bad("compare tri.obj -o r --set reference.samples=0", 2, {"reference.samples", "'0'"});
   bad("compare tri.obj -o r --set reference.radius=0%", 2, {"reference.radius", "above 0"});
   bad("compare tri.obj -o r --cameras 0", 2, {"--cameras"});
+  bad(kQuick + " --light --ao unsharp -o r", 2, {"--light", "unsharp", "hemisphere"});
+  bad(kQuick + " --filter denoize -o r", 2, {"denoize", "denoise"});
+  bad(kQuick + " --filter hemisphere -o r", 2, {"hemisphere", "box", "gaussian"});
+  bad(kQuick + " --ao-scale third -o r", 2, {"--ao-scale", "third", "quarter"});
+  bad(kQuick + " --light --layers 5 -o r", 2, {"layers"});
   bad("compare tri.obj -o r --runs 0", 2, {"--runs"});
   bad("compare tri.obj -o r --resolution 0,5", 2, {"--resolution"});
   bad("compare tri.obj tri.obj -o r", 2, {"tri.obj", "twice"});

@@ -159,6 +159,43 @@ TEST(Metrics, ChannelsCountAlike) {
   EXPECT_NEAR(s.ssim, ssim, 1e-6);
 }
 
+TEST(Metrics, LightIsMeasuredInItsMean) {
+  const ClassMap map = with_holes(40, 30);
+  const auto times = [](Image image, float factor) {
+    for (Plane& plane : image.planes)
+      for (int y = 0; y < plane.height; ++y)
+        for (int x = 0; x < plane.width; ++x) plane.at(x, y) *= factor;
+    return image;
+  };
+  const Image truth = colour(40, 30, waves(1), waves(2), noise(3)),
+              picture = colour(40, 30, noise(4), waves(5), waves(6));
+  const ScoreCard card = score_light(picture, truth, map);
+  // The unit means nothing.
+  const ScoreCard brighter = score_light(times(picture, 16.0f), times(truth, 16.0f), map);
+  EXPECT_NEAR(brighter.covered.rmse, card.covered.rmse, 1e-6);
+  EXPECT_NEAR(brighter.covered.flip, card.covered.flip, 1e-6);
+  EXPECT_NEAR(brighter.covered.ssim, card.covered.ssim, 1e-6);
+  // Errors are those of score() over the mean.
+  const double mean = mean_of(truth, map);
+  const ScoreCard plain = score(picture, truth, map);
+  for (int c = 0; c < kPixelClasses; ++c) {
+    EXPECT_NEAR(card.by_class[c].rmse, plain.by_class[c].rmse / mean, 1e-5);
+    EXPECT_NEAR(card.by_class[c].p99, plain.by_class[c].p99 / mean, 1e-5);
+  }
+  EXPECT_NEAR(card.covered.bias, plain.covered.bias / mean, 1e-5);
+  EXPECT_NEAR(card.covered.psnr, -20.0 * std::log10(card.covered.rmse), 1e-9);
+  // The eye sees the truth's mean as middle grey.
+  EXPECT_NEAR(
+      card.covered.flip,
+      score(times(picture, float(kMiddleGrey / mean)), times(truth, float(kMiddleGrey / mean)), map).covered.flip,
+      1e-6);
+  EXPECT_NEAR(score_light(times(picture, 0.0f), truth, map).covered.bias, -1.0, 1e-6);
+  EXPECT_NEAR(score_light(times(truth, 3.0f), truth, map).covered.bias, 2.0, 1e-6);
+  // A black truth has no mean to be measured in.
+  EXPECT_EQ(score_light(picture, times(truth, 0.0f), map).covered.rmse,
+            score(picture, times(truth, 0.0f), map).covered.rmse);
+}
+
 TEST(Metrics, ClassesAreScoredApart) {
   ClassMap map = all_open(40, 40);
   for (int y = 0; y < 40; ++y)

@@ -886,6 +886,60 @@ TEST(Reference, TexturesColourTheBounce) {
   expect_mean(share, red * std::sqrt(0.5) / 2.0, 1e-3, "red");
 }
 
+TEST(Reference, BounceEndsAtItsReach) {
+  // Of a ceiling at height 1 that shines, what lies within R of a point of the floor fills 1 - 1 / R^2 of the
+  // hemisphere, cosine-weighted.
+  const Stage stage = stage_of(
+      scene_of({level_square(4.0f), level_square(200.0f, 1.0f)}, {Material{}, matt(glm::vec3(0.8f), glm::vec3(3.0f))}));
+  const PictureInfo info = stage.info(from_above(2, 2, {0, 0}, 0.5f), 24, 24);
+  for (const auto& [reach, share] : {std::pair(0.9f, 0.0), {1.25f, 1.0 - 1.0 / 1.5625}, {2.0f, 0.75}}) {
+    const Image image = light(stage, info, {.samples = 128, .reach = reach});
+    Tally error;
+    for_each_pixel(info, [&](int x, int y) { error.add(color_at(image, "indirect", x, y).g - 3.0 * share); });
+    expect_mean(error, 0.0, 3e-3, fmt::format("reach {}", reach));
+  }
+}
+
+TEST(Reference, BounceAloneIsTheSameBounce) {
+  const Stage stage =
+      stage_of(scene_of({level_square(4.0f), wall_x(1.0f, 1.0f)}, {Material{}}, {sun({-1, 0, 1}), lamp({0, 0, 3})}));
+  const PictureInfo info = stage.info(from_above(3, 3), 16, 16);
+  const Image both = light(stage, info, {.samples = 16}), alone = light(stage, info, {.samples = 16, .direct = false});
+  EXPECT_EQ(alone.names, (std::vector<std::string>{"indirect.r", "indirect.g", "indirect.b"}));
+  double most = 0.0;
+  for (const std::string& name : alone.names)
+    EXPECT_EQ(test::difference(alone.plane(name), both.plane(name), 0.0).most, 0.0) << name;
+  for_each_pixel(info, [&](int x, int y) { most = std::max(most, color_at(alone, "indirect", x, y).g); });
+  EXPECT_GT(most, 0.1);
+}
+
+TEST(Reference, CapturedShadowsAreTheCaptures) {
+  // A lamp with a radius and a sun that throws no shadow: hard, and none.
+  Light fill = sun({0.2f, 0.1f, 1.0f}, glm::vec3(0.5f), 30.0f);
+  fill.casts_shadow = false;
+  const Stage stage = stage_of(scene_of({level_square(8.0f), level_square(1.0f, 2.0f)}, {matt(glm::vec3(0.8f))},
+                                        {lamp({0.5f, -0.5f, 4.0f}, 0.0f, glm::vec3(1.0f), 0.5f), fill}));
+  const PictureInfo info = stage.info(from_above(6, 6, {-1, 1}, 1.5f), 60, 60);  // below the plate
+  const Image drawn = capture_planes(*stage, info, {.width = 60, .height = 60});
+  const Image traced = light(stage, info, {.samples = 16, .bounce = false, .captured_shadows = true});
+  const Image soft = light(stage, info, {.samples = 16, .bounce = false});
+  long dark = 0, dimmer = 0;
+  const double filled = 0.8 * 0.5 * glm::normalize(glm::dvec3(0.2, 0.1, 1.0)).z;
+  for_each_pixel(info, [&](int x, int y) {
+    const double direct = color_at(traced, "direct", x, y).g;
+    dimmer += color_at(soft, "direct", x, y).g < 0.9 * filled;
+    if (traced.plane("shadow").at(x, y) == 0.0f) {
+      ++dark;
+      EXPECT_NEAR(direct, filled, 1e-5);
+    } else {
+      EXPECT_GT(direct, filled + 0.1);
+    }
+  });
+  EXPECT_GT(dark, 100);
+  EXPECT_GT(dimmer, 100) << "where every light throws a shadow, two meet";
+  EXPECT_LE(differing_pixels(drawn.plane("shadow"), traced.plane("shadow")), 5) << "only rays along edges may differ";
+}
+
 // ---- samples ----
 
 TEST(Sampler, EveryElementaryBoxHoldsOnePoint) {

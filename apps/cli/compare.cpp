@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct CompareOptions : CommonOptions {
-  std::string techniques = "all", output = "report", baseline;
+  std::string techniques = "all", output = "report", baseline, filter;
+  bool light = false;
   std::vector<std::string> sizes = {"960,540", "480,270"};
   int cameras = 2, samples = 256, runs = 3;
 };
@@ -45,18 +46,23 @@ std::string shown_setting(const std::string& setting) {
 }
 
 /// One line per technique and setting: means over all pictures of one size.
-void print_table(const Comparison& comparison, std::pair<int, int> size) {
-  fmt::print("{}x{}, means over all scenes and cameras\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
-             size.first, size.second, "technique", "setting", "ms", "rmse", "bias", "ssim", "p99", "flip");
+void print_table(const Comparison& comparison, Quantity quantity, std::pair<int, int> size) {
+  fmt::print("{}, {}x{}, means over all scenes and cameras{}\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
+             kQuantityNames[int(quantity)], size.first, size.second,
+             quantity == Quantity::kLight ? "; rmse, bias and p99 as shares of the mean light" : "", "technique",
+             "setting", "ms", "rmse", "bias", "ssim", "p99", "flip");
   std::vector<std::pair<std::string, std::string>> shown;
   for (const Score& first : comparison.scores) {
+    if (first.quantity != quantity) continue;
     const std::pair key(first.technique, first.setting);
     if (std::find(shown.begin(), shown.end(), key) != shown.end()) continue;
     shown.push_back(key);
     double ms = 0.0, rmse = 0.0, bias = 0.0, ssim = 0.0, p99 = 0.0, flip = 0.0;
     int count = 0;
     for (const Score& score : comparison.scores) {
-      if (std::pair(score.technique, score.setting) != key || std::pair(score.width, score.height) != size) continue;
+      if (score.quantity != quantity || std::pair(score.technique, score.setting) != key ||
+          std::pair(score.width, score.height) != size)
+        continue;
       ++count;
       ms += score.ms;
       rmse += score.card.covered.rmse;
@@ -78,6 +84,8 @@ Result<void> run_compare(const CompareOptions& o) {
   settings.cameras = o.cameras;
   settings.samples = o.samples;
   settings.runs = o.runs;
+  settings.light = o.light;
+  settings.filter = o.filter;
   settings.sizes.clear();
   for (const std::string& text : o.sizes) {
     const auto size = parse_resolution(text);
@@ -131,9 +139,14 @@ Result<void> run_compare(const CompareOptions& o) {
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
 
-  for (const auto& size : settings.sizes) print_table(*comparison, size);
+  for (const Quantity quantity : {Quantity::kOcclusion, Quantity::kLight})
+    if (quantity == Quantity::kOcclusion || o.light)
+      for (const auto& size : settings.sizes) print_table(*comparison, quantity, size);
   fmt::print("truth: mean {:.4f} over all surfaces, {} rays a pixel within {}, standard error of a pixel {:.4f}\n",
              comparison->mean, comparison->terms.samples, comparison->terms.radius, comparison->noise);
+  if (o.light)
+    fmt::print("truth of light: one bounce from within {}, standard error of a pixel {:.4f} of the mean light\n",
+               comparison->terms.radius, comparison->light_noise);
   fmt::print("{} shows it all; the numbers are in {}\n", (folder / "index.html").string(),
              (folder / "scores.json").string());
   if (o.baseline.empty()) return {};
@@ -156,6 +169,15 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
   add_scene_options(*command, *options);
   const auto comparison = "Comparison";
   command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
+      ->group(comparison);
+  command
+      ->add_flag("--light", options->light, "compare the light that techniques gather too, with the reference's bounce")
+      ->group(comparison);
+  command
+      ->add_option("--ao-scale", options->occlusion_scale,
+                   "resolution at which techniques run: full, half or quarter [full]")
+      ->group(comparison);
+  command->add_option("--filter", options->filter, "an effect that smooths what each technique made, such as denoise")
       ->group(comparison);
   command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
       ->group(comparison);

@@ -19,42 +19,46 @@ constexpr int kTurns = 3;           // after which the first one comes again
 // Seeds of the truth's two halves, away from those that people give to the technique `reference`.
 constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
 
+/// The planes of each quantity.
+const std::array<std::vector<std::string>, kQuantities> kPlanes = {
+    {{"ao"}, {"indirect.r", "indirect.g", "indirect.b"}}};
+
 /// The truth of one picture.
 struct Truth {
-  Image ao;            ///< the plane `ao`
-  double error = 0.0;  ///< mean square over covered pixels of its own noise
-  double sum = 0.0;    ///< over covered pixels, of which there are
+  Image planes;        ///< of the quantity
+  double error = 0.0;  ///< mean square over covered pixels and planes of its own noise
+  double sum = 0.0;    ///< of the first plane over covered pixels, of which there are
   long pixels = 0;
 };
 
-/// Traces the truth as the mean of two independent halves; their difference tells its noise.
-Result<Truth> trace_truth(const TracedScene& traced, const PictureInfo& info, const ReferenceParams& params,
-                          float radius, int samples, const ClassMap& classes, const TraceControl& control) {
-  OcclusionSettings half{.samples = samples / 2,
-                         .radius = radius,
-                         .falloff = Falloff(params.falloff),
-                         .normal = HemisphereNormal(params.normal),
-                         .seed = kFirstSeed};
-  auto first = trace_occlusion(traced, info, half, control);
+/// The truth as the mean of two independent halves, which `trace` makes from a seed; their difference tells its noise.
+Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const ClassMap& classes,
+                          const std::function<Result<Image>(std::uint32_t seed)>& trace) {
+  const auto first = trace(kFirstSeed);
   if (!first) return first.error();
-  half.seed = kSecondSeed;
-  const auto second = trace_occlusion(traced, info, half, control);
+  const auto second = trace(kSecondSeed);
   if (!second) return second.error();
   Truth truth;
-  truth.ao = Image(info.inner_width(), info.inner_height());
-  Plane& mean = truth.ao.add("ao");
-  const Plane a = cropped(first->plane("ao"), info.guard), b = cropped(second->plane("ao"), info.guard);
+  truth.planes = Image(info.inner_width(), info.inner_height());
   double errors = 0.0;
-  for (int y = 0; y < mean.height; ++y)
-    for (int x = 0; x < mean.width; ++x) {
-      mean.at(x, y) = 0.5f * (a.at(x, y) + b.at(x, y));
-      if (classes.row(y)[x] == PixelClass::kBackground) continue;
-      const double half_difference = 0.5 * (double(a.at(x, y)) - double(b.at(x, y)));
-      errors += half_difference * half_difference;
-      truth.sum += mean.at(x, y);
-      ++truth.pixels;
-    }
-  truth.error = truth.pixels > 0 ? errors / double(truth.pixels) : 0.0;
+  long values = 0;
+  for (const std::string& name : kPlanes[int(quantity)]) {
+    const bool of_first = truth.planes.planes.empty();
+    Plane& mean = truth.planes.add(name);
+    const Plane a = cropped(first->plane(name), info.guard), b = cropped(second->plane(name), info.guard);
+    for (int y = 0; y < mean.height; ++y)
+      for (int x = 0; x < mean.width; ++x) {
+        mean.at(x, y) = 0.5f * (a.at(x, y) + b.at(x, y));
+        if (classes.row(y)[x] == PixelClass::kBackground) continue;
+        const double half_difference = 0.5 * (double(a.at(x, y)) - double(b.at(x, y)));
+        errors += half_difference * half_difference;
+        ++values;
+        if (!of_first) continue;
+        truth.sum += mean.at(x, y);
+        ++truth.pixels;
+      }
+  }
+  truth.error = values > 0 ? errors / double(values) : 0.0;
   return truth;
 }
 
@@ -100,6 +104,48 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
   return chosen;
 }
 
+/// Whether a technique writes `indirect` at these settings.
+bool gathers_light(const Effect& effect, const ParameterBytes& params) {
+  return std::any_of(effect.passes.begin(), effect.passes.end(), [&](const Pass& pass) {
+    return (!pass.needed || pass.needed(params)) &&
+           std::find(pass.outputs.begin(), pass.outputs.end(), kPlanes[1][0]) != pass.outputs.end();
+  });
+}
+
+Result<const Effect*> filter_of(const CompareSettings& settings) {
+  if (settings.filter.empty()) return nullptr;
+  std::vector<std::string_view> names;
+  for (const Effect* effect : every_effect())
+    if (effect->kind == EffectKind::kFilter) names.push_back(effect->name);
+  if (std::find(names.begin(), names.end(), settings.filter) == names.end())
+    return usage_error("there is no filter '{}'{}: it takes {}", settings.filter, suggestion(settings.filter, names),
+                       fmt::join(names, ", "));
+  return find_effect(settings.filter);
+}
+
+/// What the device is to capture.
+Result<CaptureSettings> capture_with(const CompareSettings& settings, const DrawSettings& draw, const Look& look) {
+  Look wanted = look;
+  wanted.back_sides = settings.light && draw.layers.value_or(look.layers) > 1;
+  return capture_settings(draw, wanted, settings.light ? kMostShadows : 0);
+}
+
+/// The look's settings with everything the user said, and what light needs: a filter that filters it, no ambient light
+/// and no highlights.
+Result<Recipe> recipe_of(const CompareSettings& settings) {
+  DrawSettings draw = settings.draw;
+  draw.look = "ao";
+  if (const auto filter = filter_of(settings); !filter)
+    return filter.error();
+  else if (*filter && settings.light && find_parameter(**filter, "indirect"))
+    draw.settings.insert(draw.settings.begin(), fmt::format("{}.indirect=1", settings.filter));
+  if (settings.light) {
+    draw.settings.push_back("lighting.ambient=0");
+    draw.settings.push_back("lighting.specular=0");
+  }
+  return make_recipe(draw);
+}
+
 /// The radius as it would be written: the reference's own where nobody says.
 std::string radius_text(const CompareSettings& settings) {
   if (!settings.draw.radius.empty()) return settings.draw.radius;
@@ -128,7 +174,8 @@ GBuffer downloaded(Device& device, const Frame& frame) {
 }
 
 /// Occlusion as it is seen: an unsharp mask also brightens, and its shade may exceed 1.
-void clamp_to_shown(Plane& ao) {
+void clamp_to_shown(Image& image) {
+  Plane& ao = image.plane("ao");
   for (int y = 0; y < ao.height; ++y)
     for (int x = 0; x < ao.width; ++x) ao.at(x, y) = std::clamp(ao.at(x, y), 0.0f, 1.0f);
 }
@@ -138,10 +185,11 @@ struct Run {
   Device& device;
   const CompareSettings& settings;
   std::vector<const Effect*> techniques;
+  const Effect* filter;
   Recipe recipe;
   Comparison& result;
-  double error_sum = 0.0, truth_sum = 0.0;
-  long pictures = 0, pixels = 0;
+  double error_sum = 0.0, light_error_sum = 0.0, truth_sum = 0.0;
+  long pictures = 0, light_pictures = 0, pixels = 0;
 
   TraceControl control(const std::string& what) const {
     return {device.threads(),
@@ -149,28 +197,82 @@ struct Run {
   }
 };
 
-/// Runs one technique; its `ao` is then in the frame. Gives the median time.
+/// Runs one technique, with its filter; what it writes is then in the frame. Gives the median time.
 Result<double> run_technique(const Run& run, const TracedScene& traced, const Effect& effect,
-                             const ParameterBytes& params, Frame& frame, const std::string& what) {
+                             const EffectSettings& settings, Frame& frame, const std::string& what) {
   const bool traces = &effect == &reference_effect();
+  Look look{.name = "compare", .summary = "", .occlusion = effect.name, .effects = {"occlusion"}, .presets = {}};
+  if (run.filter && !traces) look.effects.push_back(run.filter->name);
+  const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
+    const auto planes = trace_reference(traced, on.info, params, run.control(what));
+    return planes ? run.device.add(*planes, on) : planes.error();
+  };
+  const LookRun look_run{.look = &look,
+                         .occlusion = effect.name,
+                         .occlusion_every = run.recipe.occlusion_every,
+                         .settings = &settings,
+                         .handed_in = handed_in(),
+                         .run_handed_in = run_reference};
   std::vector<double> ms;
   for (int k = traces ? 1 : 0; k <= (traces ? 1 : run.settings.runs); ++k) {
     StageTimes times;
-    Image planes;
-    if (traces) {
-      auto made = trace_reference(traced, frame.info, params, run.control(what));
-      if (!made) return made.error();
-      planes = std::move(*made);
-    } else if (auto done = run.device.run(effect, params, frame); !done) {
-      return done.error();
-    }
+    if (auto done = run_look(look_run, run.device, frame); !done) return done.error();
     times.done("run");
     if (k > 0) ms.push_back(times.total());
-    if (traces)
-      if (auto added = run.device.add(planes, frame); !added) return added.error();
   }
   std::sort(ms.begin(), ms.end());
   return ms[ms.size() / 2];
+}
+
+/// The truths of a picture, one per quantity; light's is missing where it is not asked for, or where there is none.
+Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, const PictureInfo& info, float radius,
+                                        const ClassMap& classes, const std::string& what) {
+  const auto& reference = as<ReferenceParams>(run.recipe.settings.find("reference")->second);
+  const int half = run.settings.samples / 2;
+  auto occlusion = trace_truth(Quantity::kOcclusion, info, classes, [&](std::uint32_t seed) {
+    return trace_occlusion(traced, info,
+                           {.samples = half,
+                            .radius = radius,
+                            .falloff = Falloff(reference.falloff),
+                            .normal = HemisphereNormal(reference.normal),
+                            .seed = seed},
+                           run.control(what + ", truth"));
+  });
+  if (!occlusion) return occlusion.error();
+  if (occlusion->pixels == 0) return usage_error("{} shows nothing: move the camera or leave it to be placed", what);
+  run.error_sum += occlusion->error;
+  ++run.pictures;
+  run.truth_sum += occlusion->sum;
+  run.pixels += occlusion->pixels;
+  std::vector<Truth> truths;
+  truths.push_back(std::move(*occlusion));
+  if (!run.settings.light) return truths;
+  auto light = trace_truth(Quantity::kLight, info, classes, [&](std::uint32_t seed) {
+    return trace_light(traced, info,
+                       {.samples = half, .direct = false, .reach = radius, .captured_shadows = true, .seed = seed},
+                       run.control(what + ", truth of light"));
+  });
+  if (!light) return light.error();
+  const double mean = mean_of(light->planes, classes);
+  if (!(mean > 0.0)) {
+    run.result.warnings.push_back(
+        fmt::format("{}: no surface sends light to another one within {:.4g} scene units: its light is not compared",
+                    what, radius));
+    return truths;
+  }
+  run.light_error_sum += light->error / (mean * mean);
+  ++run.light_pictures;
+  truths.push_back(std::move(*light));
+  return truths;
+}
+
+/// Lights the frame, all layers of it, as the user and recipe_of have it.
+Result<void> light_frame(const Run& run, Frame& frame) {
+  const Effect& lighting = *find_effect("lighting");
+  const ParameterBytes& params = run.recipe.settings.find(lighting.name)->second;
+  for (int layer = 0; layer <= int(frame.info.more_layers.size()); ++layer)
+    if (auto done = run.device.run(lighting, params, frame, layer); !done) return done;
+  return {};
 }
 
 Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& traced, const std::string& model,
@@ -178,9 +280,9 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   DrawSettings draw = run.settings.draw;
   std::tie(draw.width, draw.height) = size;
   const std::string what = fmt::format("{}, camera {}, {}x{}", model, shot.name, size.first, size.second);
-  const auto capture_with = capture_settings(draw, *run.recipe.look, 0);
-  if (!capture_with) return capture_with.error();
-  auto frame = run.device.capture(frame_scene(scene, shot.framing, draw.width, draw.height), *capture_with);
+  const auto wanted = capture_with(run.settings, draw, *run.recipe.look);
+  if (!wanted) return wanted.error();
+  auto frame = run.device.capture(frame_scene(scene, shot.framing, draw.width, draw.height), *wanted);
   if (!frame) return frame.error();
   const auto length = parse_radius("--ao-radius", radius_text(run.settings));
   if (!length) return length.error();
@@ -188,18 +290,23 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   if (!radius) return radius.error();
 
   const ClassMap classes = classify(downloaded(run.device, *frame));
-  const auto& reference = as<ReferenceParams>(run.recipe.settings.find("reference")->second);
-  const auto truth = trace_truth(traced, frame->info, reference, *radius, run.settings.samples, classes,
-                                 run.control(what + ", truth"));
-  if (!truth) return truth.error();
-  const Plane& truth_plane = truth->ao.plane("ao");
-  if (truth->pixels == 0) return usage_error("{} shows nothing: move the camera or leave it to be placed", what);
-  run.error_sum += truth->error;
-  ++run.pictures;
-  run.truth_sum += truth->sum;
-  run.pixels += truth->pixels;
-
-  ComparedView view{model, shot.name, *radius, truth_plane, classes, {}};
+  const auto truths = trace_truths(run, traced, frame->info, *radius, classes, what);
+  if (!truths) return truths.error();
+  std::vector<ComparedView> views;
+  for (std::size_t q = 0; q < truths->size(); ++q) {
+    const Image& truth = (*truths)[q].planes;
+    const bool light = Quantity(q) == Quantity::kLight;
+    views.push_back({.quantity = Quantity(q),
+                     .scene = model,
+                     .camera = shot.name,
+                     .radius = *radius,
+                     .exposure = light ? float(kMiddleGrey / mean_of(truth, classes)) : 1.0f,
+                     .truth = truth,
+                     .classes = classes,
+                     .techniques = {}});
+  }
+  if (run.settings.light)
+    if (auto done = light_frame(run, *frame); !done) return done;
   for (const Effect* effect : run.techniques) {
     for (const std::string_view variant : effect->variants) {
       EffectSettings settings = run.recipe.settings;
@@ -208,22 +315,46 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       for (const std::string& setting : draw.settings)
         if (auto done = apply_setting(settings, setting, handed_in()); !done) return done;
       if (auto done = apply_variant(settings, *effect, variant); !done) return done;
-      if (effect == &reference_effect()) as<ReferenceParams>(params).light = 0;  // occlusion alone is compared
+      if (effect == &reference_effect()) {
+        auto& reference = as<ReferenceParams>(params);
+        reference.light = truths->size() > 1 ? kReferenceBounce : kReferenceOcclusion;
+        reference.bounce_from = kReferenceFromRadius;
+        reference.shadows = kReferenceCapturedShadows;
+      }
       const std::string label = fmt::format("{}, {} {}", what, effect->name, variant);
       if (!run.settings.progress(label)) return Error{ErrorKind::kInterrupted, "interrupted"};
-      const auto ms = run_technique(run, traced, *effect, params, *frame, label);
+      const auto ms = run_technique(run, traced, *effect, settings, *frame, label);
       if (!ms) return ms.error();
-      auto ao = run.device.download(*frame, {"ao"});
-      if (!ao) return ao.error();
-      clamp_to_shown(ao->plane("ao"));
-      run.result.scores.push_back({model, shot.name, std::string(effect->name), std::string(variant),
-                                   std::string(run.device.name()), view_text(inner_camera(frame->info)), size.first,
-                                   size.second, *ms, score(*ao, truth->ao, classes)});
-      if (keep) view.techniques.push_back({std::string(effect->name), std::string(variant), ao->plane("ao")});
+      for (ComparedView& view : views) {
+        const bool light = view.quantity == Quantity::kLight;
+        if (light && !gathers_light(*effect, params)) continue;
+        auto picture = run.device.download(*frame, kPlanes[int(view.quantity)]);
+        if (!picture) return picture.error();
+        if (!light) clamp_to_shown(*picture);
+        run.result.scores.push_back(
+            {view.quantity, model, shot.name, std::string(effect->name), std::string(variant),
+             std::string(run.device.name()), view_text(inner_camera(frame->info)), size.first, size.second, *ms,
+             light ? score_light(*picture, view.truth, classes) : score(*picture, view.truth, classes)});
+        if (keep) view.techniques.push_back({std::string(effect->name), std::string(variant), std::move(*picture)});
+      }
     }
   }
-  if (keep) run.result.views.push_back(std::move(view));
+  if (keep)
+    for (ComparedView& view : views) run.result.views.push_back(std::move(view));
   return {};
+}
+
+/// Whether any of the techniques gathers light at any of its settings.
+Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) {
+  const auto techniques = techniques_of(settings);
+  for (const Effect* effect : *techniques)
+    for (const std::string_view variant : effect->variants) {
+      EffectSettings with = recipe.settings;
+      if (auto done = apply_variant(with, *effect, variant); !done) return done;
+      if (gathers_light(*effect, with.find(effect->name)->second)) return {};
+    }
+  return usage_error("--light needs a technique that gathers light, and {} does not: name hemisphere too",
+                     fmt::join(settings.techniques, ", "));
 }
 
 }  // namespace
@@ -241,21 +372,21 @@ Result<void> check_compare(const CompareSettings& settings) {
   for (const std::string& model : settings.models)
     if (std::count(settings.models.begin(), settings.models.end(), model) > 1)
       return usage_error("the model '{}' is named twice", model);
-  const auto recipe = make_recipe(settings.draw);
+  const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
+  if (settings.light)
+    if (auto fine = check_light(settings, *recipe); !fine) return fine;
   for (const auto& [width, height] : settings.sizes) {
     DrawSettings draw = settings.draw;
     draw.width = width;
     draw.height = height;
-    if (const auto capture = capture_settings(draw, *recipe->look, 0); !capture) return capture.error();
+    if (const auto capture = capture_with(settings, draw, *recipe->look); !capture) return capture.error();
   }
   return {};
 }
 
 Terms terms_of(const CompareSettings& settings) {
-  DrawSettings draw = settings.draw;
-  draw.look = "ao";
-  const auto recipe = make_recipe(draw);
+  const auto recipe = recipe_of(settings);
   const ParameterBytes& reference = recipe->settings.find("reference")->second;
   const auto said = [&](std::string_view name) {
     return parameter_text(*find_parameter(reference_effect(), name), reference);
@@ -267,19 +398,19 @@ Terms terms_of(const CompareSettings& settings) {
           .settings = fmt::format("{}", fmt::join(settings.draw.settings, " ")),
           .guard = fmt::format("{:g}%", settings.draw.guard_percent),
           .layers = settings.draw.layers.value_or(recipe->look->layers),
-          .extra_views = settings.draw.extra_views.value_or(recipe->look->extra_views)};
+          .extra_views = settings.draw.extra_views.value_or(recipe->look->extra_views),
+          .scale = settings.draw.occlusion_scale.empty() ? "full" : settings.draw.occlusion_scale,
+          .filter = settings.filter};
 }
 
 Result<Comparison> compare(Device& device, const CompareSettings& settings) {
   if (auto fine = check_compare(settings); !fine) return fine.error();
   const auto techniques = techniques_of(settings);
-  DrawSettings draw = settings.draw;
-  draw.look = "ao";
-  const auto recipe = make_recipe(draw);
+  const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
 
   Comparison result;
-  Run run{device, settings, *techniques, *recipe, result};
+  Run run{device, settings, *techniques, *filter_of(settings), *recipe, result};
   result.terms = terms_of(settings);
   for (const std::string& model : settings.models) {
     if (!settings.progress(model)) return Error{ErrorKind::kInterrupted, "interrupted"};
@@ -289,8 +420,11 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
     if (auto ready = device.prepare(*scene); !ready) return ready.error();
     const auto traced = trace_ready(*scene);
     if (!traced) return traced.error();
+    const std::vector<Light> own_lights = scene->lights;
     for (const Shot& shot : shots_of(*scene, settings)) {
       scene->views = shot.views;
+      const auto [width, height] = settings.sizes[0];
+      if (own_lights.empty()) scene->lights = default_lights(*scene, frame_scene(*scene, shot.framing, width, height));
       for (std::size_t s = 0; s < settings.sizes.size(); ++s)
         if (auto done =
                 compare_picture(run, *scene, **traced, model, shot, settings.sizes[s], settings.pictures && s == 0);
@@ -299,6 +433,7 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
     }
   }
   result.noise = std::sqrt(run.error_sum / double(std::max(run.pictures, 1L)));
+  result.light_noise = std::sqrt(run.light_error_sum / double(std::max(run.light_pictures, 1L)));
   result.mean = run.pixels > 0 ? run.truth_sum / double(run.pixels) : 1.0;
   return result;
 }

@@ -1,11 +1,13 @@
 #include "apps/compare/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <sstream>
 
 #include "core/check.h"
+#include "core/srgb.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
 
@@ -34,38 +36,55 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-Result<std::string> data_url(const Plane& plane) {
-  Image image(plane.width, plane.height);
-  image.add("grey") = plane;
+/// A PNG of one plane as it is, or of three of linear light, exposed, as a display shows them.
+Result<std::string> data_url(const Image& picture, float exposure) {
+  constexpr const char* kColor[] = {"color.r", "color.g", "color.b"};
+  const bool light = picture.planes.size() == 3;
+  Image image(picture.width, picture.height);
+  for (std::size_t p = 0; p < picture.planes.size(); ++p) {
+    Plane& plane = image.add(light ? kColor[p] : "grey");
+    plane = picture.planes[p];
+    for (int y = 0; light && y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x)
+        plane.at(x, y) = srgb_from_linear(std::clamp(exposure * plane.at(x, y), 0.0f, 1.0f));
+  }
   const auto bytes = encode_png(image, {.small = true});
   if (!bytes) return bytes.error();
   return "data:image/png;base64," + base64(*bytes);
 }
 
 /// Classes as greys: 60, 120, 180, 240 of 255 in the order of PixelClass, 0 for the background.
-Plane class_picture(const ClassMap& classes) {
+Image class_picture(const ClassMap& classes) {
   constexpr float kStep = 60.0f / 255.0f;
-  Plane plane(classes.width, classes.height);
+  Image image(classes.width, classes.height);
+  Plane& plane = image.add("grey");
   for (int y = 0; y < plane.height; ++y)
     for (int x = 0; x < plane.width; ++x) {
       const PixelClass c = classes.classes[std::size_t(y) * plane.width + x];
       plane.at(x, y) = c == PixelClass::kBackground ? 0.0f : kStep * float(int(c) + 1);
     }
-  return plane;
+  return image;
 }
 
 nlohmann::json terms_json(const Terms& terms) {
   nlohmann::json json = {{"radius", terms.radius}, {"samples", terms.samples},   {"falloff", terms.falloff},
                          {"normal", terms.normal}, {"settings", terms.settings}, {"guard", terms.guard}};
-  // Named only where there is more than one layer.
+  // Named only where they are not as usual.
   if (terms.layers != 1) json["layers"] = terms.layers;
   if (terms.extra_views != 0) json["extra_views"] = terms.extra_views;
+  if (terms.scale != "full") json["scale"] = terms.scale;
+  if (!terms.filter.empty()) json["filter"] = terms.filter;
   return json;
+}
+
+/// Records of earlier versions are of occlusion, and do not say so.
+std::string quantity_of(const nlohmann::json& record) {
+  return record.value("quantity", std::string(kQuantityNames[int(Quantity::kOcclusion)]));
 }
 
 /// What makes two records the same measurement.
 std::string key_of(const nlohmann::json& record) {
-  std::string key;
+  std::string key = quantity_of(record) + '\n';
   for (const char* field : {"scene", "camera", "technique", "setting"})
     key += record.at(field).get<std::string>() + '\n';
   return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
@@ -91,9 +110,10 @@ double badness(const nlohmann::json& record, std::string_view field) {
 nlohmann::json scores_json(const Comparison& comparison) {
   nlohmann::json records = nlohmann::json::array();
   for (const Score& score : comparison.scores) {
-    nlohmann::json record = {{"scene", score.scene},     {"camera", score.camera}, {"technique", score.technique},
-                             {"setting", score.setting}, {"device", score.device}, {"width", score.width},
-                             {"height", score.height},   {"ms", score.ms}};
+    nlohmann::json record = {
+        {"scene", score.scene},     {"camera", score.camera}, {"technique", score.technique},
+        {"setting", score.setting}, {"device", score.device}, {"width", score.width},
+        {"height", score.height},   {"ms", score.ms},         {"quantity", kQuantityNames[int(score.quantity)]}};
     const auto add = [&](const Scores& scores, const std::string& suffix) {
       const bool any = scores.pixels > 0 || suffix.empty();
       const auto put = [&](const char* name, double value) {
@@ -132,21 +152,28 @@ Result<std::string> report_page(const Comparison& comparison, const std::string&
   const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
   data["truth"]["noise"] = rounded(comparison.noise);
   data["truth"]["mean"] = rounded(comparison.mean);
+  data["truth"]["light_noise"] = rounded(comparison.light_noise);
   for (const Effect* effect : every_effect())
     if (effect->kind == EffectKind::kOcclusion)
       data["techniques"].push_back({{"name", effect->name}, {"summary", effect->summary}});
   for (const ComparedView& view : comparison.views) {
-    const auto truth = data_url(view.truth), classes = data_url(class_picture(view.classes));
+    const auto truth = data_url(view.truth, view.exposure), classes = data_url(class_picture(view.classes), 1.0f);
     if (!truth) return truth.error();
     if (!classes) return classes.error();
-    nlohmann::json record = {{"scene", view.scene},       {"camera", view.camera},
-                             {"width", view.truth.width}, {"height", view.truth.height},
-                             {"radius", view.radius},     {"truth", *truth},
-                             {"classes", *classes},       {"images", nlohmann::json::array()}};
+    nlohmann::json record = {{"quantity", kQuantityNames[int(view.quantity)]},
+                             {"scene", view.scene},
+                             {"camera", view.camera},
+                             {"width", view.truth.width},
+                             {"height", view.truth.height},
+                             {"radius", view.radius},
+                             {"truth", *truth},
+                             {"classes", *classes},
+                             {"images", nlohmann::json::array()}};
     for (const ComparedView::Technique& technique : view.techniques) {
-      const auto ao = data_url(technique.ao);
-      if (!ao) return ao.error();
-      record["images"].push_back({{"technique", technique.name}, {"setting", technique.setting}, {"ao", *ao}});
+      const auto picture = data_url(technique.picture, view.exposure);
+      if (!picture) return picture.error();
+      record["images"].push_back(
+          {{"technique", technique.name}, {"setting", technique.setting}, {"picture", *picture}});
     }
     data["views"].push_back(std::move(record));
   }
@@ -181,6 +208,7 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
     for (const char* field :
          {"scene", "camera", "technique", "setting", "view", "radius", "falloff", "normal", "settings", "guard"})
       if (!record.contains(field) || !record[field].is_string()) return no_scores();
+    if (record.contains("quantity") && !record["quantity"].is_string()) return no_scores();
     for (const char* field : {"width", "height", "samples", "rmse", "bias", "ssim", "p99", "flip"})
       if (!record.contains(field) || !record[field].is_number()) return no_scores();
   }
@@ -191,7 +219,9 @@ Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, con
   nlohmann::json now = terms_json(terms);
   now["layers"] = terms.layers;
   now["extra_views"] = terms.extra_views;
-  const nlohmann::json seldom_named = {{"layers", 1}, {"extra_views", 0}};
+  now["scale"] = terms.scale;
+  now["filter"] = terms.filter;
+  const nlohmann::json seldom_named = {{"layers", 1}, {"extra_views", 0}, {"scale", "full"}, {"filter", ""}};
   for (const nlohmann::json& record : baseline)
     for (const auto& [field, value] : now.items()) {
       const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);
@@ -222,12 +252,13 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
     for (const auto& [field, absolute, relative] : kTolerances) {
       const double bad_before = badness(before, field), bad_now = badness(after, field);
       if (!(bad_now > bad_before + absolute + relative * bad_before)) continue;
-      check.worse.push_back(
-          fmt::format("{}, camera {}, {}x{}, {} {}: {} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
-                      after.at("camera").get<std::string>(), after.at("width").get<int>(),
-                      after.at("height").get<int>(), after.at("technique").get<std::string>(),
-                      after.at("setting") == "" ? "as the look has it" : after.at("setting").get<std::string>(), field,
-                      before.at(field).get<double>(), after.at(field).get<double>()));
+      check.worse.push_back(fmt::format(
+          "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
+          after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
+          after.at("technique").get<std::string>(),
+          after.at("setting") == "" ? "as the look has it" : after.at("setting").get<std::string>(),
+          quantity_of(after) == "light" ? "light's " : "", field, before.at(field).get<double>(),
+          after.at(field).get<double>()));
     }
   }
   if (check.compared == 0)

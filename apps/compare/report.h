@@ -12,9 +12,10 @@ namespace umbrage {
 /// Number of the records' meaning: it grows when the truth or a metric is defined anew, and scores no longer compare.
 inline constexpr int kScoresFormat = 2;
 
-/// One record per score: scene, camera, technique, setting, device, width, height, ms, rmse, bias, psnr (null where it
-/// is infinite), ssim, p99, flip, the same for each class of pixel as rmse_open ... (null where a class has no pixels),
-/// `view`, the camera in numbers, and what the scores rest on: `format` and the fields of Terms.
+/// One record per score: quantity (one of kQuantityNames), scene, camera, technique, setting, device, width, height,
+/// ms, rmse, bias, psnr (null where it is infinite), ssim, p99, flip, the same for each class of pixel as rmse_open ...
+/// (null where a class has no pixels), `view`, the camera in numbers, and what the scores rest on: `format` and the
+/// fields of Terms.
 nlohmann::json scores_json(const Comparison& comparison);
 
 /// The text of scores.json: the records, one per line.
