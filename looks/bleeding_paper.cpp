@@ -18,6 +18,7 @@ const Look& look_bleeding_paper() {
                   {"hemisphere.bias_of", "depth"},
                   {"hemisphere.bias", "0"},
                   {"hemisphere.border", "clamp"},
+                  {"hemisphere.weight", "1"},
                   {"hemisphere.bleeding", "1"},
                   {"hemisphere.area", "paper"},
                   {"hemisphere.floor", "0"},

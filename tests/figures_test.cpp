@@ -41,6 +41,14 @@ TEST(Figures, EveryNumberOfTheCartoonPaperHolds) {
   expect_every_number(*figures, 512);
 }
 
+TEST(Figures, EveryNumberOfTheBleedingPaperHolds) {
+  const auto device = make_cpu_device();
+  const auto figures = bleeding_figures(*device, 256, [](const std::string&) {});
+  ASSERT_TRUE(figures) << figures.error().message;
+  ASSERT_EQ(figures->size(), 9u);
+  expect_every_number(*figures, 256);
+}
+
 TEST(Figures, ANumberOutsideItsBoundDoesNotHold) {
   EXPECT_TRUE((FigureNumber{"", 0.5, 0.5, 1.0}).holds());
   EXPECT_FALSE((FigureNumber{"", 0.4, 0.5, 1.0}).holds());

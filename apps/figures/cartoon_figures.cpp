@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "apps/figures/measure.h"
 #include "apps/figures/studio.h"
 #include "core/check.h"
 #include "effects/effects.h"
@@ -29,83 +30,6 @@ const Mesh& mesh_named(const Scene& scene, std::string_view name) {
   for (const Mesh& mesh : scene.meshes)
     if (mesh.name == name) return mesh;
   fail_check(fmt::format("{} has no mesh '{}'", scene.name, name));
-}
-
-/// Which pixels a number is read from.
-using Mask = std::vector<char>;
-
-/// Calls visit(x, y) for the pixels of a mask, or for all.
-template <class Visit>
-void each(const Image& image, const Mask* mask, const Visit& visit) {
-  for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      if (!mask || (*mask)[std::size_t(y) * image.width + x]) visit(x, y);
-}
-
-template <class Test>
-Mask mask_of(const Image& image, const Test& belongs) {
-  Mask mask(std::size_t(image.width) * image.height);
-  each(image, nullptr, [&](int x, int y) { mask[std::size_t(y) * image.width + x] = belongs(x, y); });
-  return mask;
-}
-
-/// Mean of value(x, y) over a mask; no number where it is empty.
-template <class Value>
-double mean(const Image& image, const Mask& mask, const Value& value) {
-  double sum = 0.0;
-  long count = 0;
-  each(image, &mask, [&](int x, int y) { sum += value(x, y), ++count; });
-  return count > 0 ? sum / double(count) : std::nan("");
-}
-
-/// The least value of a plane within so many columns and rows.
-Plane least_near(const Plane& plane, int columns, int rows) {
-  const auto along = [](const Plane& in, int reach, int step_x, int step_y) {
-    Plane out = in;
-    for (int y = 0; y < in.height; ++y)
-      for (int x = 0; x < in.width; ++x)
-        for (int k = -reach; k <= reach; ++k) {
-          const int u = x + k * step_x, v = y + k * step_y;
-          if (u >= 0 && v >= 0 && u < in.width && v < in.height) out.at(x, y) = std::min(out.at(x, y), in.at(u, v));
-        }
-    return out;
-  };
-  return along(along(plane, columns, 1, 0), rows, 0, 1);
-}
-
-/// Which pixels have no other kind within `reach` rows and columns.
-Mask eroded(const Image& image, const Mask& mask, int reach) {
-  Plane plane(image.width, image.height, 0.0f);
-  each(image, &mask, [&](int x, int y) { plane.at(x, y) = 1.0f; });
-  const Plane least = least_near(plane, reach, reach);
-  return mask_of(image, [&](int x, int y) { return least.at(x, y) > 0.0f; });
-}
-
-double brightness(const Image& image, int x, int y) {
-  double sum = 0.0;
-  for (const char* name : {"color.r", "color.g", "color.b"})
-    sum += std::clamp(image.plane(name).at(x, y), 0.0f, 1.0f) / 3.0;
-  return sum;
-}
-
-double mean_brightness(const Image& image, const Mask& mask) {
-  return mean(image, mask, [&](int x, int y) { return brightness(image, x, y); });
-}
-
-/// How much a picture is darker than another.
-double fall(const Image& from, const Image& to, const Mask& mask) {
-  return mean_brightness(from, mask) - mean_brightness(to, mask);
-}
-
-/// Share of a mask's pixels that are as good as black.
-double black_share(const Image& image, const Mask& mask) {
-  constexpr double kBlack = 0.5 / 255.0;
-  return mean(image, mask, [&](int x, int y) { return brightness(image, x, y) < kBlack; });
-}
-
-/// Share of a mask's pixels that differ at all.
-double changed_share(const Image& a, const Image& b, const Mask& mask) {
-  return mean(a, mask, [&](int x, int y) { return brightness(a, x, y) != brightness(b, x, y); });
 }
 
 constexpr int kBlurRounds = 4, kOurBlurRounds = 6;  // gaussian.rounds of the two looks
@@ -447,23 +371,6 @@ Result<Figure> sample_figure(Device& device, int number, const std::string& name
                                 colors(with->image, open_table(*studio, *with, margin)), 1.0, 1.0});
   }
   return figure;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-/// Median time of an effect on a frame that it has been run on before.
-Result<double> time_of(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame, int runs) {
-  std::vector<double> ms;
-  for (int i = 0; i < runs; ++i) {
-    StageTimes times;
-    if (auto done = device.run(effect, params, frame); !done) return done.error();
-    times.done("run");
-    ms.push_back(times.total());
-  }
-  return median(ms);
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ struct Figure {
 struct TableRow {
   std::string setting;
   double ms = 0.0;
+  std::string note;  ///< "+27.2 %", or empty
 };
 struct FigureTable {
   std::string id, title;
@@ -63,6 +64,15 @@ Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
 /// Time of every pass for both presets, and of the occlusion against the number of triangles; median of `runs` runs.
 Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int runs,
                                                 const std::function<void(const std::string&)>& progress);
+
+/// Figures 1 to 16 of [Colliander and Törnquist 2015] at size x size pixels, in the paper's preset and in ours.
+Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
+                                             const std::function<void(const std::string&)>& progress);
+
+/// Table 1: time of a picture without occlusion and with 8 to 64 samples, with bleeding and without; median of `runs`
+/// runs.
+Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int runs,
+                                                 const std::function<void(const std::string&)>& progress);
 
 /// All pictures on one sheet, a row per figure, with captions.
 Image contact_sheet(const std::vector<Figure>& figures, int tile);

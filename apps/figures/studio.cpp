@@ -9,6 +9,8 @@ namespace {
 
 constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
 
+std::string words(glm::vec3 v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
+
 }  // namespace
 
 bool Shot::surface(int x, int y) const { return std::isfinite(value("depth", x, y)); }
@@ -56,6 +58,11 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   std::string command =
       fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
   if (!occlusion.empty()) command += " --ao " + occlusion;
+  if (with.framing.position) command += " --camera-position " + words(*with.framing.position);
+  if (with.framing.focal_point) command += " --camera-focal-point " + words(*with.framing.focal_point);
+  if (with.framing.view_angle_deg) command += fmt::format(" --camera-view-angle {}", *with.framing.view_angle_deg);
+  if (with.layers) command += fmt::format(" --layers {}", *with.layers);
+  if (with.extra_views) command += fmt::format(" --extra-views {}", *with.extra_views);
   for (const std::string& setting : with.settings) command += " --set " + setting;
   return Shot{std::move(*image), frame->info, std::move(command)};
 }

@@ -16,6 +16,7 @@ namespace umbrage {
 UMBRAGE_DECLARE_KERNEL(hemisphere_sent)
 UMBRAGE_DECLARE_KERNEL(hemisphere_occlusion)
 UMBRAGE_DECLARE_KERNEL(hemisphere_bleeding)
+UMBRAGE_DECLARE_KERNEL(hemisphere_tangents)
 
 namespace {
 
@@ -27,6 +28,9 @@ constexpr std::uint32_t kOcclusionSpirv[] = {
 };
 constexpr std::uint32_t kBleedingSpirv[] = {
 #include "spirv/hemisphere_bleeding.inc"
+};
+constexpr std::uint32_t kTangentsSpirv[] = {
+#include "spirv/hemisphere_tangents.inc"
 };
 
 // The paper's switches: its sample and noise tables, comparison of depths alone, a range in window depth that falls
@@ -192,6 +196,10 @@ const std::vector<Parameter> kTable = {
      .initial = 1,
      .least = 1,
      .most = 16},
+    {.name = "tangents",
+     .help = "write the plane `tangent` as well: about the normal, where each pixel's sample points are turned to",
+     .type = ParameterType::kBool,
+     .offset = offsetof(HemisphereParams, tangents)},
 };
 
 // One flipped sample of one, the fewest, turns occlusion and light from nothing to whole: two quanta.
@@ -351,6 +359,7 @@ void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
 
 bool bleeds(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
 bool occludes_alone(const ParameterBytes& bytes) { return !bleeds(bytes); }
+bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
 int rounds(const ParameterBytes& bytes) { return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1; }
 
 std::vector<std::string_view> bleeding_inputs() {
@@ -406,7 +415,14 @@ const Effect& effect_hemisphere() {
                   .spirv = kBleedingSpirv,
                   .needed = bleeds,
                   .tile_width = 256,
-                  .tile_height = 32}},
+                  .tile_height = 32},
+                 {.name = "tangents",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                  .outputs = {"tangent.x", "tangent.y", "tangent.z"},
+                  .scalar = run_scalar_hemisphere_tangents,
+                  .lanes = run_lanes_hemisphere_tangents,
+                  .spirv = kTangentsSpirv,
+                  .needed = shows_tangents}},
       .rounds = rounds,
   };
   return effect;

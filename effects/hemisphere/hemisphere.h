@@ -28,6 +28,7 @@ struct HemisphereParams {
   int layers;   // 0: all there are
   float ambient_bounce;
   int bounces;
+  int tangents;  // 0 or 1
 };
 
 // Values of HemisphereParams::distribution, range and area.

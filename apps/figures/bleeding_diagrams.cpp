@@ -1,0 +1,440 @@
+#include "apps/figures/bleeding_diagrams.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "apps/figures/drawing.h"
+#include "apps/figures/measure.h"
+#include "effects/effects.h"
+#include "effects/hemisphere/hemisphere.h"
+
+namespace umbrage {
+namespace {
+
+using glm::vec2;
+using glm::vec3;
+
+constexpr vec3 kPixel{0.85f, 0.15f, 0.1f}, kSample{0.0f, 0.35f, 0.1f}, kSurface{0.35f, 0.75f, 0.3f};
+constexpr vec3 kOpen{0.62f}, kSolid{0.9f}, kLight{0.95f, 0.6f, 0.1f}, kNormal{0.2f, 0.3f, 0.75f};
+constexpr float kPi = std::numbers::pi_v<float>;
+constexpr double kAnything = 1e30;
+constexpr std::string_view kFewPoints = "hemisphere.samples=24", kSmallRadius = "hemisphere.radius=1%";
+constexpr float kRounding = 2e-6f;  // share of the depth by which depths differ at least, as in hemisphere.kernel.h
+
+/// Width of thin lines and size of letters for a diagram of so many pixels.
+float thin(int size) { return std::max(1.0f, float(size) / 350.0f); }
+int letters(int size) { return std::max(1, size / 380); }
+
+void write_centered(Image& image, float x, float y, std::string text, vec3 color = kInk) {
+  const int scale = letters(image.width);
+  const int left = std::clamp(int(x) - text_width(text, scale) / 2, 2, image.width - text_width(text, scale) - 2);
+  write_text(image, left, int(y) - 4 * scale, scale, std::move(text), color);
+}
+
+/// The tables that `hemisphere` reads with these settings.
+Result<HemisphereConstants> tables_of(const DrawSettings& draw, const PictureInfo& info) {
+  const auto recipe = make_recipe(draw);
+  if (!recipe) return recipe.error();
+  HemisphereConstants c;
+  find_effect("hemisphere")->constants(recipe->settings.find("hemisphere")->second, info, &c);
+  return c;
+}
+
+/// Place and length of a sample point in a basis whose z is the normal, in radii, for a pixel without a shift.
+vec3 sample_point(const HemisphereConstants& c, int k) {
+  return vec3(c.points[5 * k], c.points[5 * k + 1], c.points[5 * k + 2]) * (c.even ? c.points[5 * k + 3] : 1.0f);
+}
+
+FigurePicture points_diagram(const HemisphereConstants& c, int size, std::string file, std::string caption) {
+  Image image = blank_paper(size, size);
+  const float line = thin(size), radius = 0.42f * float(size);
+  const vec2 center(0.5f * float(size), 0.66f * float(size));
+  fill(image, int(0.04f * float(size)), int(center.y), int(0.96f * float(size)), int(center.y + 0.06f * float(size)),
+       kSolid);
+  draw_line(image, {0.04f * float(size), center.y}, {0.96f * float(size), center.y}, 2.0f * line, kInk);
+  draw_arc(image, center, radius, 0.0f, kPi, line, kOpen);
+  draw_arrow(image, center, center - vec2(0.0f, 1.2f * radius), 2.0f * line, kNormal);
+  write_centered(image, center.x, center.y - 1.27f * radius, "normal", kNormal);
+  // What lies farther away is paler.
+  for (int k = 0; k < c.samples; ++k) {
+    const vec3 p = sample_point(c, k);
+    draw_disc(image, center + radius * vec2(p.x, -p.z), 3.0f * line,
+              glm::mix(kSample, glm::mix(kSample, vec3(1.0f), 0.7f), 0.5f + 0.5f * p.y));
+  }
+  draw_disc(image, center, 4.0f * line, kPixel);
+  write_centered(image, center.x, center.y + 0.1f * float(size),
+                 fmt::format("{} sample points, from the side", c.samples));
+  return {std::move(file), std::move(caption), "", std::move(image)};
+}
+
+Image shrunk(const Image& image, int side) {
+  const Image small = downsample(image, std::max(1, image.width / side));
+  Image out = blank_paper(side, side);
+  put(out, small, (side - small.width) / 2, (side - small.height) / 2, side);
+  return out;
+}
+
+/// Planes as a picture: factor times value plus offset.
+Image shown(const Shot& shot, std::array<const char*, 3> planes, float factor, float offset) {
+  Image out(shot.image.width, shot.image.height);
+  constexpr std::array kChannels = {"color.r", "color.g", "color.b"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    Plane& plane = out.add(kChannels[k]) = shot.image.plane(planes[k]);
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = factor * plane.at(x, y) + offset;
+  }
+  return out;
+}
+
+/// Where each pixel's surface lies between the ends of all that is seen, as a colour.
+Image positions(const Shot& shot) {
+  Image out = blank_paper(shot.image.width, shot.image.height);
+  vec3 low(1e30f), high(-1e30f);
+  const auto visit = [&](const auto& each) {
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x)
+        if (shot.surface(x, y)) each(x, y, shot.world(x, y));
+  };
+  visit([&](int, int, vec3 p) { low = glm::min(low, p), high = glm::max(high, p); });
+  visit([&](int x, int y, vec3 p) {
+    const vec3 share = (p - low) / glm::max(high - low, vec3(1e-6f));
+    out.plane("color.r").at(x, y) = share.x, out.plane("color.g").at(x, y) = share.y;
+    out.plane("color.b").at(x, y) = share.z;
+  });
+  return out;
+}
+
+/// Depth, near ones bright.
+Image depths(const Shot& shot) {
+  Image out = blank_paper(shot.image.width, shot.image.height);
+  float least = 1e30f, most = 0.0f;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      if (shot.surface(x, y)) {
+        least = std::min(least, shot.value("depth", x, y));
+        most = std::max(most, shot.value("depth", x, y));
+      }
+  for (Plane& plane : out.planes)
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x)
+        plane.at(x, y) =
+            shot.surface(x, y) ? 1.0f - (shot.value("depth", x, y) - least) / std::max(most - least, 1e-6f) : 0.0f;
+  return out;
+}
+
+/// The tile of noise: where each pixel of a wall that faces the camera turns its sample points.
+Image noise_tile(const Shot& shot, int tile, int side) {
+  Image out = blank_paper(side, side);
+  // On a face whose normal is n the tangent is a point of a circle; of any face of one normal the tile shows all.
+  const int cell = side / tile, width = shot.image.width, height = shot.image.height;
+  const auto normal = [&](int x, int y) {
+    return vec3(shot.value("normal.x", x, y), shot.value("normal.y", x, y), shot.value("normal.z", x, y));
+  };
+  const auto flat = [&](int x, int y) {
+    for (int j = 0; j < tile; ++j)
+      for (int i = 0; i < tile; ++i)
+        if (normal(x + i, y + j) != normal(x, y)) return false;
+    return shot.surface(x, y);
+  };
+  for (int y = 0; y + tile <= height; y += tile)
+    for (int x = 0; x + tile <= width; x += tile) {
+      if (!flat(x, y)) continue;
+      for (int j = 0; j < tile; ++j)
+        for (int i = 0; i < tile; ++i) {
+          const vec3 t(shot.value("tangent.x", x + i, y + j), shot.value("tangent.y", x + i, y + j),
+                       shot.value("tangent.z", x + i, y + j));
+          fill(out, i * cell, j * cell, (i + 1) * cell, (j + 1) * cell, 0.5f * t + 0.5f);
+        }
+      return out;
+    }
+  return out;
+}
+
+FigurePicture pipeline_diagram(const Shot& raw, const Shot& blurred, const Image& kernel) {
+  const int size = raw.image.width, gap = size / 18, label = kLetterHeight * letters(size);
+  const int side = (size - 5 * gap) / 4, row = side + 2 * label + gap / 2;
+  const int top = (size - 3 * row) / 2;
+  Image image = blank_paper(size, size);
+  const auto left_of = [&](int column) { return gap + column * (side + gap); };
+  const auto top_of = [&](int line) { return top + line * row; };
+  const auto place = [&](int column, int line, const Image& picture, const char* name) {
+    put(image, shrunk(picture, side), left_of(column), top_of(line), side);
+    write_centered(image, float(left_of(column)) + 0.5f * float(side), float(top_of(line) + side + label), name);
+  };
+  constexpr float kShown = 2.0f;  // bounced light is dim
+  place(0, 0, positions(raw), "position");
+  place(0, 1, shown(raw, {"normal.x", "normal.y", "normal.z"}, 0.5f, 0.5f), "normal");
+  place(0, 2, depths(raw), "depth");
+  place(1, 0, kernel, "kernel");
+  place(1, 1, noise_tile(raw, 4, side), "noise");
+  place(1, 2, shown(raw, {"direct.r", "direct.g", "direct.b"}, 1.0f, 0.0f), "direct light");
+  place(2, 0, shown(raw, {"ao", "ao", "ao"}, 1.0f, 0.0f), "occlusion");
+  place(2, 1, shown(raw, {"indirect.r", "indirect.g", "indirect.b"}, kShown, 0.0f), "bleeding, x2");
+  place(3, 0, shown(blurred, {"ao", "ao", "ao"}, 1.0f, 0.0f), "blurred");
+  place(3, 1, shown(blurred, {"indirect.r", "indirect.g", "indirect.b"}, kShown, 0.0f), "blurred, x2");
+  place(3, 2, shown(blurred, {"color.r", "color.g", "color.b"}, 1.0f, 0.0f), "result");
+  const float line = 2.0f * thin(size), pad = 0.12f * float(gap);
+  const auto across = [&](int from, int to, int at) {
+    const float y = float(top_of(at)) + 0.5f * float(side);
+    draw_arrow(image, {float(left_of(from) + side) + pad, y}, {float(left_of(to)) - pad, y}, line, kInk);
+  };
+  for (const int at : {0, 1}) {
+    across(0, 1, at), across(1, 2, at), across(2, 3, at);
+  }
+  across(1, 3, 2);
+  const float x = float(left_of(3)) + 0.5f * float(side);
+  draw_arrow(image, {x, float(top_of(1) + side + 2 * label)}, {x, float(top_of(2)) - pad}, line, kInk);
+  // Direct light is what bounces.
+  draw_arrow(image, {float(left_of(1) + side) + pad, float(top_of(2)) + 0.2f * float(side)},
+             {float(left_of(2)) + 0.15f * float(side), float(top_of(1) + side + 2 * label)}, line, kInk);
+  return {"bleeding-3-pipeline.png", "3: the steps", "", std::move(image)};
+}
+
+/// A pixel with its sample points, as the kernel places them.
+struct Tap {
+  vec3 point;         // view space
+  vec3 seen, facing;  // what the picture holds at its place, and the normal there
+  bool inside = false, hidden = false;
+  float cos_emitter = 0.0f, cos_receiver = 0.0f;
+  bool sends() const { return hidden && cos_emitter > 0.0f && cos_receiver > 0.0f; }
+};
+struct Gathered {
+  vec3 position, normal;
+  std::vector<Tap> taps;
+};
+
+vec3 vector_at(const Shot& shot, const char* name, int x, int y) {
+  return {shot.value(fmt::format("{}.x", name).c_str(), x, y), shot.value(fmt::format("{}.y", name).c_str(), x, y),
+          shot.value(fmt::format("{}.z", name).c_str(), x, y)};
+}
+
+vec3 view_position(const Shot& shot, int x, int y) {
+  const Camera& camera = shot.info.camera;
+  const float d = shot.value("depth", x, y);
+  return {(camera.left + (float(x) + 0.5f) / float(shot.info.width) * (camera.right - camera.left)) * d,
+          (camera.top - (float(y) + 0.5f) / float(shot.info.height) * (camera.top - camera.bottom)) * d, -d};
+}
+
+Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
+  Gathered g{view_position(shot, x, y), vector_at(shot, "normal", x, y), {}};
+  const vec3 tangent = vector_at(shot, "tangent", x, y), across = glm::cross(g.normal, tangent);
+  for (int k = 0; k < c.samples; ++k) {
+    const vec3 p = sample_point(c, k);
+    Tap tap;
+    tap.point = g.position + c.radius * (p.x * tangent + p.y * across + p.z * g.normal);
+    const int u = int(std::floor(tap.point.x / -tap.point.z * c.scale_x[0] + c.offset_x[0]));
+    const int v = int(std::floor(tap.point.y / -tap.point.z * c.scale_y[0] + c.offset_y[0]));
+    tap.inside = tap.point.z < 0.0f && u >= 0 && v >= 0 && u < shot.info.width && v < shot.info.height;
+    if (tap.inside && shot.surface(u, v)) {
+      tap.seen = view_position(shot, u, v);
+      tap.facing = vector_at(shot, "normal", u, v);
+      const auto window = [&](float depth) {
+        return c.window_one - c.window_inverse / std::clamp(depth, c.near_depth, c.far_depth);
+      };
+      const float fall = c.depth_at_limit / -g.position.z;  // the quadratic range
+      tap.hidden = tap.point.z < tap.seen.z - kRounding * -g.position.z &&
+                   std::abs(window(-g.position.z) - window(-tap.seen.z)) < c.limit * fall * fall;
+      const vec3 way = glm::normalize(tap.seen - g.position);
+      tap.cos_emitter = -glm::dot(way, tap.facing), tap.cos_receiver = glm::dot(way, g.normal);
+    }
+    g.taps.push_back(tap);
+  }
+  return g;
+}
+
+/// Across the plane that holds the eye and the pixel's row.
+vec3 off_section(const Gathered& g) { return glm::normalize(vec3(0.0f, 1.0f, g.position.y / -g.position.z)); }
+
+/// Whether a sample point is near enough to that plane to be drawn in it.
+bool near_section(const Gathered& g, const Tap& tap, float radius) {
+  constexpr float kNear = 0.3f;  // of the radius
+  return std::abs(glm::dot(tap.point - g.position, off_section(g))) < kNear * radius;
+}
+
+FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, const Gathered& g, int y) {
+  const int size = shot.info.width;
+  Image image = blank_paper(size, size);
+  const float line = thin(size), scale = 0.4f * float(size) / c.radius;
+  const float across = -g.position.z;
+  // From above: x to the right, the eye below.
+  const vec2 center(0.5f * float(size), 0.41f * float(size));
+  const auto at = [&](vec3 p) { return center + scale * vec2(p.x - g.position.x, p.z - g.position.z); };
+  for (int j = 0; j < size; ++j)
+    for (int i = 0; i < size; ++i) {
+      const float px = (float(i) + 0.5f - center.x) / scale + g.position.x;
+      const float d = across - (float(j) + 0.5f - center.y) / scale;
+      const int u = int(std::floor(px / d * c.scale_x[0] + c.offset_x[0]));
+      if (d <= 0.0f || u < 0 || u >= size || !(d > shot.value("depth", u, y))) continue;
+      for (Plane& plane : image.planes) plane.at(i, j) = kSolid.x;
+    }
+  for (int u = 0; u + 1 < size; ++u) {
+    if (!shot.surface(u, y) || !shot.surface(u + 1, y)) continue;
+    const vec3 a = view_position(shot, u, y), b = view_position(shot, u + 1, y);
+    constexpr float kOneSurface = 0.02f;  // of the radius: farther apart they are two
+    if (std::abs(a.z - b.z) < kOneSurface * c.radius + 4.0f * std::abs(a.x - b.x))
+      draw_line(image, at(a), at(b), 2.0f * line, kInk);
+  }
+  // The ball cut by the section.
+  draw_arc(image, center, scale * c.radius, 0.0f, 2.0f * kPi, line, kOpen);
+  for (const Tap& tap : g.taps) {
+    if (!near_section(g, tap, c.radius)) continue;
+    if (tap.hidden) {
+      draw_line(image, at(tap.point), at(tap.seen), line, kSurface);
+      const vec2 to(tap.facing.x, tap.facing.z);
+      draw_arrow(image, at(tap.seen), at(tap.seen) + 0.09f * float(size) * to, 1.5f * line, kNormal);
+      if (tap.sends()) draw_arrow(image, at(tap.seen), glm::mix(at(tap.seen), center, 0.93f), 1.5f * line, kLight);
+      draw_disc(image, at(tap.seen), 3.5f * line, kSurface);
+    }
+    draw_disc(image, at(tap.point), 3.5f * line, tap.hidden ? kSample : kOpen);
+  }
+  draw_arrow(image, center, center + 0.14f * float(size) * vec2(g.normal.x, g.normal.z), 2.0f * line, kPixel);
+  draw_disc(image, center, 5.0f * line, kPixel);
+  const int scale_text = letters(size), step = int(1.2f * float(kLetterHeight * scale_text));
+  int text_y = size - 5 * step - step / 2;
+  fill(image, 0, text_y - step / 2, 3 * step + text_width("what hides it, with its normal", scale_text), size,
+       vec3(1.0f));
+  for (const auto& [text, color] : {std::pair{"the pixel and its normal", kPixel},
+                                    {"sample point, hidden", kSample},
+                                    {"what hides it, with its normal", kSurface},
+                                    {"light that it sends", kLight},
+                                    {"sample point, open", kOpen}}) {
+    draw_disc(image, {float(step), float(text_y) + 4.0f * float(scale_text)}, 3.5f * line, color);
+    write_text(image, 2 * step, text_y, scale_text, text);
+    text_y += step;
+  }
+  return {"bleeding-4-section.png", "4: one row of depths", "", std::move(image)};
+}
+
+FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
+  Image image = blank_paper(size, size);
+  const float line = thin(size), s = float(size);
+  // In the plane of the receiver's normal and the way; the emitter's normal is turned into it.
+  const float receiver = std::acos(std::clamp(tap.cos_receiver, -1.0f, 1.0f));
+  const float emitter = std::acos(std::clamp(tap.cos_emitter, -1.0f, 1.0f));
+  const vec2 p(0.2f * s, 0.75f * s);
+  const auto toward = [](float angle_rad) { return vec2(std::cos(angle_rad), -std::sin(angle_rad)); };
+  const float up = 0.5f * kPi, way = std::max(up - receiver, 0.12f * kPi);
+  const float normal = way + receiver;  // of the receiver
+  const vec2 q = p + 0.58f * s * toward(way);
+  const float back = way + kPi, facing = back - emitter;
+  const auto surface = [&](vec2 at, float normal_rad) {
+    const vec2 along = 0.13f * s * toward(normal_rad + up);
+    draw_line(image, at - along, at + along, 3.0f * line, kInk);
+    draw_arrow(image, at, at + 0.2f * s * toward(normal_rad), 2.0f * line, kNormal);
+  };
+  surface(p, normal);
+  surface(q, facing);
+  draw_arrow(image, q, p + 0.02f * s * toward(way), 2.0f * line, kLight);
+  draw_arc(image, p, 0.12f * s, way, normal, 1.5f * line, kPixel);
+  draw_arc(image, q, 0.12f * s, facing, back, 1.5f * line, kPixel);
+  draw_disc(image, p, 4.0f * line, kPixel);
+  draw_disc(image, q, 4.0f * line, kSample);
+  const auto degrees = [](float rad) { return rad * 180.0f / kPi; };
+  const vec2 at_p = p + (receiver < 0.6f ? 0.27f : 0.19f) * s * toward(0.5f * (way + normal)),
+             at_q = q + (emitter < 0.6f ? 0.27f : 0.19f) * s * toward(0.5f * (facing + back));
+  write_centered(image, at_p.x, at_p.y, fmt::format("{:.0f} deg", degrees(receiver)), kPixel);
+  write_centered(image, at_q.x, at_q.y, fmt::format("{:.0f} deg", degrees(emitter)), kPixel);
+  write_centered(image, p.x, p.y + 0.13f * s, "original fragment");
+  write_centered(image, q.x, q.y - 0.25f * s < 0.03f * s ? q.y + 0.16f * s : q.y - 0.16f * s, "occluding fragment");
+  const vec2 middle = 0.5f * (p + q);
+  write_centered(image, middle.x + 0.13f * s, middle.y + 0.07f * s,
+                 fmt::format("d = {:.2f} m", glm::length(tap.seen - g.position)));
+  return {"bleeding-6-angles.png", "6: angles of a real pair", "", std::move(image)};
+}
+
+}  // namespace
+
+Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
+  studio.draw.framing = view;
+  const std::vector<std::string> planes = {"normal.x",  "normal.y",   "normal.z",   "tangent.x",  "tangent.y",
+                                           "tangent.z", "indirect.r", "indirect.g", "indirect.b", "direct.r",
+                                           "direct.g",  "direct.b",   "ao"};
+  const int size = studio.draw.width;
+  DrawSettings many = studio.draw;  // more sample points make a clearer picture
+  many.settings.push_back("hemisphere.samples=64");
+  many.look = "bleeding";
+  const auto ours = tables_of(many, PictureInfo{});
+  if (!ours) return ours.error();
+  many.look = studio.draw.look = "bleeding-paper";
+  const auto raw = studio.shoot({"hemisphere.tangents=on", "hemisphere.samples=64", "box.size=1"}, "", planes);
+  const auto blurred = studio.shoot({"hemisphere.samples=64"}, "", {planes.begin() + 6, planes.end()});
+  for (const auto* shot : {&raw, &blurred})
+    if (!*shot) return shot->error();
+  const auto paper = tables_of(many, raw->info);
+  if (!paper) return paper.error();
+  // The section is one of a drape's folds, with a radius of their size and not too many sample points.
+  many.settings = {std::string(kFewPoints), std::string(kSmallRadius)};
+  const auto folds = studio.shoot(
+      {"hemisphere.tangents=on", std::string(kFewPoints), std::string(kSmallRadius), "box.size=1"}, "", planes);
+  if (!folds) return folds.error();
+  const auto small = tables_of(many, folds->info);
+  if (!small) return small.error();
+
+  Figure figure{"2,3,4,6", "Diagrams, drawn from the real tables and planes", {}, {}};
+  figure.pictures.push_back(points_diagram(*paper, size, "bleeding-2-points.png", "2: points (paper preset)"));
+  figure.pictures.push_back(points_diagram(*ours, size, "bleeding-2-points-ours.png", "2: points (our own)"));
+  figure.pictures.push_back(pipeline_diagram(*raw, *blurred, figure.pictures[0].image));
+
+  // The section goes through the pixel of the middle rows that gets most light from what the section cuts across.
+  Gathered best;
+  int best_x = 0, best_y = 0;
+  float most = 0.0f;
+  for (int y = size / 4; y < size * 3 / 4; y += std::max(1, size / 64))
+    for (int x = 0; x < size; x += std::max(1, size / 128)) {
+      if (!folds->surface(x, y)) continue;
+      Gathered g = gather(*folds, *small, x, y);
+      if (!std::all_of(g.taps.begin(), g.taps.end(), [](const Tap& tap) { return tap.inside; })) continue;
+      const vec3 off = off_section(g);
+      float worth = 0.0f;
+      for (const Tap& tap : g.taps)
+        if (tap.sends() && near_section(g, tap, small->radius))
+          worth += tap.cos_emitter * (1.0f - std::abs(glm::dot(tap.facing, off)));
+      worth *= 1.0f - std::abs(glm::dot(g.normal, off));
+      if (worth <= most) continue;
+      most = worth;
+      best = std::move(g);
+      best_x = x, best_y = y;
+    }
+  if (best.taps.empty())
+    return Error{ErrorKind::kInternal, "no pixel of the section's rows gets light from its neighbours"};
+  figure.pictures.push_back(section_diagram(*folds, *small, best, best_y));
+  const auto pair = std::max_element(best.taps.begin(), best.taps.end(), [](const Tap& a, const Tap& b) {
+    // The clearest picture: both angles far from 0 and from 90 degrees.
+    const auto clear = [](float cosine) { return cosine * std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); };
+    const auto worth = [&](const Tap& tap) {
+      return tap.sends() ? std::min(clear(tap.cos_emitter), clear(tap.cos_receiver)) : -1.0f;
+    };
+    return worth(a) < worth(b);
+  });
+  figure.pictures.push_back(angles_diagram(best, *pair, size));
+  for (FigurePicture& picture : figure.pictures)
+    picture.command = fmt::format("umbrage figures --paper bleeding --size {}", size);
+
+  const auto share_of_points = [](const HemisphereConstants& c, const auto& test) {
+    int count = 0;
+    for (int k = 0; k < c.samples; ++k) count += test(sample_point(c, k));
+    return double(count) / c.samples;
+  };
+  const auto above = [](vec3 p) { return p.z >= 0.0f && glm::length(p) <= 1.0f; };
+  const auto inner = [](vec3 p) { return glm::length(p) < 0.5f; };
+  const auto hidden = std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.hidden; });
+  const double drawn = 1.0 - double(hidden) / small->samples, made = folds->value("ao", best_x, best_y);
+  figure.numbers = {
+      {"2: share of the points not below the surface, within the radius (paper preset)", share_of_points(*paper, above),
+       1.0, 1.0},
+      {"2: the same (our own)", share_of_points(*ours, above), 1.0, 1.0},
+      {"2: share within half of the radius: points crowd to the centre (paper preset)", share_of_points(*paper, inner),
+       0.6, 1.0},
+      {"4: occlusion of the pixel as drawn, against the plane's", std::abs(drawn - made), 0.0, 1e-5},
+      {"4: sample points that send light to the pixel",
+       double(std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.sends(); })), 1.0,
+       kAnything},
+      {"6: cosines of the pair, the smaller one", std::min(pair->cos_emitter, pair->cos_receiver), 1e-3, 1.0}};
+  return figure;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,9 @@
+// Diagrams 2, 3, 4 and 6 of [Colliander and Törnquist 2015], drawn from the tables and planes that the code uses.
+#pragma once
+#include "apps/figures/studio.h"
+
+namespace umbrage {
+
+Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view);
+
+}  // namespace umbrage

@@ -1,0 +1,88 @@
+// The basis about a pixel's normal in which its sample points lie, and the noise that turns it. Based on [Colliander
+// and Törnquist 2015], "The Noise Texture" and "SSAO Pass".
+
+// The integer hash "lowbias32", found by search [Wellons 2018].
+FN Uint scrambled(Uint v) {
+  v = (v ^ (v >> 16)) * Uint(0x7feb352du);
+  v = (v ^ (v >> 15)) * Uint(0x846ca68bu);
+  return v ^ (v >> 16);
+}
+
+// In [0, 1).
+FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
+
+// Scaled to length 1; towards the eye where it is 0 or no number.
+FN Vec3 unit_normal(Vec3 n, Vec3 position) {
+  Real squared = dot(n, n);
+  Bool usable = squared > 1e-20f && squared < 1e20f;
+  Vec3 eye = F.orthographic != 0 ? Vec3(Real(0.0f), Real(0.0f), Real(1.0f)) : -position;
+  n = select(usable, n, eye);
+  Real length = sqrt(max(dot(n, n), Real(1e-30f)));
+  return n * (Real(1.0f) / length);
+}
+
+// The remainder of a pixel's coordinate by the tile's side.
+FN Int in_tile(Int x) {
+  Real tiles = floor((to_real(x) + 0.5f) * Real(C.one_over_noise));  // half a pixel off every border: rounding is safe
+  return x - to_int(tiles) * Int(C.noise);
+}
+
+// The sine of u quarters of a turn, u in [-0.5, 0.5], by series; error below 1e-6.
+FN Real sine_of_quarters(Real u) {
+  Real x = u * 1.57079633f;
+  Real squared = x * x;
+  Real sum = mad(squared, Real(2.7557319e-6f), Real(-1.9841270e-4f));
+  sum = mad(sum, squared, Real(8.3333333e-3f));
+  sum = mad(sum, squared, Real(-0.16666667f));
+  return mad(sum * squared, x, x);
+}
+
+// How each pixel turns its sample points about the normal: cosine and sine (x, y); and z in [0, 1), by what share of
+// their range it shifts the lengths. The tile repeats.
+FN Vec3 noise_at(Int px, Int py) {
+  Uint seed = scrambled(Uint(0x9e3779b9u) + to_uint(Int(C.seed)));
+  Int x = px;
+  Int y = py;
+  if (C.noise > 0) {
+    x = in_tile(px);
+    y = in_tile(py);
+  }
+  // The pixels of a tile share the angles and lengths among them: points of the golden ratio's two-dimensional
+  // sequence [Roberts 2018].
+  Uint index = to_uint(y * Int(C.noise) + x);
+  Uint first = index * Uint(0xc13fa9a9u) + seed;
+  Uint second = index * Uint(0x91e10da6u) + seed * Uint(3u);
+  if (C.even == 0 || C.noise == 0) {
+    first = scrambled(to_uint(x) ^ scrambled(to_uint(y) + seed));
+    second = scrambled(first + Uint(1u));
+  }
+  if (C.even == 0) {
+    // The paper's noise texture: x and y uniform in [-1, 1], then scaled to length 1.
+    Real a = mad(share_of_one(first), Real(2.0f), Real(-1.0f + 5.9604645e-8f));  // half a step off 0
+    Real b = mad(share_of_one(second), Real(2.0f), Real(-1.0f));
+    Real scale = Real(1.0f) / sqrt(mad(a, a, b * b));
+    return Vec3(a * scale, b * scale, Real(0.0f));
+  }
+  // A turn in four quarters: the quarter's middle turned by up to an eighth of a turn to either side.
+  Real turn = share_of_one(first) * 4.0f;
+  Real quarter = floor(turn);
+  Real rest = turn - quarter - 0.5f;
+  Real s = sine_of_quarters(rest);
+  Real c = sqrt(max(mad(-s, s, Real(1.0f)), Real(0.0f)));
+  Real across = select(quarter == 1.0f || quarter == 3.0f, s, c);
+  Real along = select(quarter == 1.0f || quarter == 3.0f, c, s);
+  across = select(quarter == 1.0f || quarter == 2.0f, -across, across);
+  along = select(quarter == 2.0f || quarter == 3.0f, -along, along);
+  return Vec3(across, along, share_of_one(second));
+}
+
+// The basis's first vector: from a fixed vector, or from another one where it is parallel to the normal, turned about
+// the normal by the noise.
+FN Vec3 turned_tangent(Vec3 normal, Vec3 noise) {
+  Bool parallel = abs(normal.y) > 0.99f;
+  Vec3 fixed_vector =
+      Vec3(select(parallel, Real(1.0f), Real(0.0f)), select(parallel, Real(0.0f), Real(1.0f)), Real(0.0f));
+  Vec3 tangent = cross(fixed_vector, normal);
+  tangent = tangent * (Real(1.0f) / sqrt(max(dot(tangent, tangent), Real(1e-30f))));
+  return tangent * noise.x + cross(normal, tangent) * noise.y;
+}

@@ -1,0 +1,9 @@
+// Names the kernel text hemisphere_tangents.kernel.h for the CPU.
+#define UMBRAGE_KERNEL hemisphere_tangents
+#define UMBRAGE_KERNEL_TEXT "effects/hemisphere/hemisphere_tangents.kernel.h"
+#define UMBRAGE_KERNEL_CONSTANTS HemisphereConstants
+#include "effects/hemisphere/hemisphere.h"
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "effects/hemisphere/hemisphere_tangents.cpu.cpp"
+#include "hwy/foreach_target.h"
+#include "machine/cpu_kernel.h"
