@@ -285,6 +285,23 @@ TEST_F(Cli, BenchTimesEffects) {
   }
   EXPECT_TRUE(timed.count("capture"));
   for (const Effect* effect : effects()) EXPECT_TRUE(timed.count(std::string(effect->name))) << effect->name;
+  // At reduced resolution techniques and filters alone.
+  const auto half = nlohmann::json::parse(good("bench tri.obj --resolution 32,16 --runs 1 --json --ao-scale half").out,
+                                          nullptr, false);
+  std::set<std::string> timed_half;
+  for (const auto& record : half) {
+    timed_half.insert(record.at("effect").get<std::string>());
+    EXPECT_EQ(record.at("scale"), "half");
+    EXPECT_EQ(record.at("width"), 32);
+  }
+  for (const Effect* effect : effects())
+    EXPECT_EQ(timed_half.count(std::string(effect->name)),
+              effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter ? 1u : 0u)
+        << effect->name;
+  EXPECT_FALSE(timed_half.count("capture"));
+  bad("bench --ao-scale third", 2, {"--ao-scale", "'third'", "quarter"});
+  bad("bench --ao-scale half --effect lighting", 2, {"--ao-scale", "'half'", "lighting", "technique or filter"});
+  bad("bench --ao-scale half --effect capture", 2, {"capture"});
   bad("bench --effect unshrp", 2, {"'unshrp'", "did you mean 'unsharp'"});
   bad("bench --runs 0", 2, {"--runs", "1 to"});
   bad("bench --runs x", 2, {"--runs", "'x'", "whole number"});

@@ -35,6 +35,21 @@ Result<Times> time_of(int runs, const Run& run) {
   return Times{ms[ms.size() / 2], ms[0]};
 }
 
+/// What --ao-scale holds for.
+bool runs_reduced(const Effect& effect) {
+  return effect.kind == EffectKind::kOcclusion || effect.kind == EffectKind::kFilter;
+}
+
+/// The frame at reduced resolution, all its planes.
+Result<Frame> reduced_frame(Device& device, const Frame& frame, int every) {
+  const auto planes = device.download(frame, {});
+  if (!planes) return planes.error();
+  std::vector<std::string> names;
+  for (const std::string& name : planes->names)
+    if (!name.starts_with("layer")) names.push_back(name);
+  return device.reduced(frame, every, names);
+}
+
 Result<void> bench(const BenchOptions& o) {
   constexpr int kMostRuns = 10000;
   if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
@@ -42,6 +57,12 @@ Result<void> bench(const BenchOptions& o) {
   for (const Effect* effect : effects()) names.push_back(effect->name);
   if (!o.effect.empty() && std::find(names.begin(), names.end(), o.effect) == names.end())
     return usage_error("there is no effect '{}' to time{}", o.effect, suggestion(o.effect, names));
+  const std::string scale = o.occlusion_scale.empty() ? "full" : o.occlusion_scale;
+  const auto every = parse_scale("--ao-scale", scale);
+  if (!every) return every.error();
+  if (*every > 1 && !o.effect.empty() && (o.effect == "capture" || !runs_reduced(*find_effect(o.effect))))
+    return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter", scale,
+                       o.effect);
   std::vector<std::pair<int, int>> sizes;
   for (const std::string& text : o.sizes) {
     const auto size = parse_resolution(text);
@@ -70,6 +91,7 @@ Result<void> bench(const BenchOptions& o) {
                          {"threads", device.threads()},
                          {"ms", t.median},
                          {"ms_min", t.least}});
+      if (*every > 1) records.back()["scale"] = scale;
       if (!o.json)
         fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}\n", effect, setting, fmt::format("{}x{}", width, height),
                    t.median, t.least);
@@ -81,7 +103,12 @@ Result<void> bench(const BenchOptions& o) {
     StageTimes ignored;
     auto frame = draw(device, *scene, draw_with, ignored);
     if (!frame) return frame.error();
-    if (o.effect.empty() || o.effect == "capture")
+    if (*every > 1) {
+      auto small = reduced_frame(device, *frame, *every);
+      if (!small) return small.error();
+      frame = std::move(small);
+    }
+    if (*every == 1 && (o.effect.empty() || o.effect == "capture"))
       for (const bool shadow : {false, true}) {
         const auto times = time_of(o.runs, [&, width = width, height = height]() -> Result<void> {
           const auto drawn =
@@ -93,6 +120,7 @@ Result<void> bench(const BenchOptions& o) {
       }
     for (const Effect* effect : effects()) {
       if (!o.effect.empty() && o.effect != effect->name) continue;
+      if (*every > 1 && !runs_reduced(*effect)) continue;
       const std::vector<std::string_view> only_own = {""};
       for (const std::string_view variant : effect->variants.empty() ? only_own : effect->variants) {
         EffectSettings settings = look_settings(*find_look("unsharp"));
@@ -115,6 +143,8 @@ void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<BenchOptions>();
   command->add_option("MODEL", options->models, "model or built-in scene [scene:claw]")->expected(0, 1);
   command->add_option("--effect", options->effect, "time this one only; capture is one too");
+  command->add_option("--ao-scale", options->occlusion_scale,
+                      "full, or half or quarter: techniques and filters alone, at that share of the resolution [full]");
   command->add_option("--resolution", options->sizes, "width,height; may be given several times [1024,1024]")
       ->take_all()
       ->expected(1);
