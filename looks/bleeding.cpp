@@ -14,6 +14,7 @@ const Look& look_bleeding() {
       .presets = {{"hemisphere.samples", "32"},
                   {"hemisphere.radius", "25%"},
                   {"hemisphere.bleeding", "1"},
+                  {"hemisphere.weight", "2"},
                   {"hemisphere.ambient_bounce", "0.5"},
                   {"denoise.rounds", "3"},
                   {"denoise.indirect", "1"},
