@@ -131,13 +131,11 @@ Image noise_tile(const Shot& shot, int tile, int side) {
   Image out = blank_paper(side, side);
   // On a face whose normal is n the tangent is a point of a circle; of any face of one normal the tile shows all.
   const int cell = side / tile, width = shot.image.width, height = shot.image.height;
-  const auto normal = [&](int x, int y) {
-    return vec3(shot.value("normal.x", x, y), shot.value("normal.y", x, y), shot.value("normal.z", x, y));
-  };
+  const VectorPlanes normal(shot.image, "normal"), tangent(shot.image, "tangent");
   const auto flat = [&](int x, int y) {
     for (int j = 0; j < tile; ++j)
       for (int i = 0; i < tile; ++i)
-        if (normal(x + i, y + j) != normal(x, y)) return false;
+        if (normal.at(x + i, y + j) != normal.at(x, y)) return false;
     return shot.surface(x, y);
   };
   for (int y = 0; y + tile <= height; y += tile)
@@ -145,8 +143,7 @@ Image noise_tile(const Shot& shot, int tile, int side) {
       if (!flat(x, y)) continue;
       for (int j = 0; j < tile; ++j)
         for (int i = 0; i < tile; ++i) {
-          const vec3 t(shot.value("tangent.x", x + i, y + j), shot.value("tangent.y", x + i, y + j),
-                       shot.value("tangent.z", x + i, y + j));
+          const vec3 t = tangent.at(x + i, y + j);
           fill(out, i * cell, j * cell, (i + 1) * cell, (j + 1) * cell, 0.5f * t + 0.5f);
         }
       return out;
@@ -207,11 +204,6 @@ struct Gathered {
   std::vector<Tap> taps;
 };
 
-vec3 vector_at(const Shot& shot, const char* name, int x, int y) {
-  return {shot.value(fmt::format("{}.x", name).c_str(), x, y), shot.value(fmt::format("{}.y", name).c_str(), x, y),
-          shot.value(fmt::format("{}.z", name).c_str(), x, y)};
-}
-
 vec3 view_position(const Shot& shot, int x, int y) {
   const Camera& camera = shot.info.camera;
   const float d = shot.value("depth", x, y);
@@ -220,8 +212,9 @@ vec3 view_position(const Shot& shot, int x, int y) {
 }
 
 Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
-  Gathered g{view_position(shot, x, y), vector_at(shot, "normal", x, y), {}};
-  const vec3 tangent = vector_at(shot, "tangent", x, y), across = glm::cross(g.normal, tangent);
+  const VectorPlanes normals(shot.image, "normal");
+  Gathered g{view_position(shot, x, y), normals.at(x, y), {}};
+  const vec3 tangent = VectorPlanes(shot.image, "tangent").at(x, y), across = glm::cross(g.normal, tangent);
   for (int k = 0; k < c.samples; ++k) {
     const vec3 p = sample_point(c, k);
     Tap tap;
@@ -231,7 +224,7 @@ Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
     tap.inside = tap.point.z < 0.0f && u >= 0 && v >= 0 && u < shot.info.width && v < shot.info.height;
     if (tap.inside && shot.surface(u, v)) {
       tap.seen = view_position(shot, u, v);
-      tap.facing = vector_at(shot, "normal", u, v);
+      tap.facing = normals.at(u, v);
       const auto window = [&](float depth) {
         return c.window_one - c.window_inverse / std::clamp(depth, c.near_depth, c.far_depth);
       };
@@ -339,10 +332,9 @@ FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
   write_centered(image, at_p.x, at_p.y, fmt::format("{:.0f} deg", degrees(receiver)), kPixel);
   write_centered(image, at_q.x, at_q.y, fmt::format("{:.0f} deg", degrees(emitter)), kPixel);
   write_centered(image, p.x, p.y + 0.13f * s, "original fragment");
-  write_centered(image, q.x, q.y - 0.25f * s < 0.03f * s ? q.y + 0.16f * s : q.y - 0.16f * s, "occluding fragment");
-  const vec2 middle = 0.5f * (p + q);
-  write_centered(image, middle.x + 0.13f * s, middle.y + 0.07f * s,
-                 fmt::format("d = {:.2f} m", glm::length(tap.seen - g.position)));
+  const vec2 behind = q - 0.08f * s * toward(facing), middle = 0.5f * (p + q) - 0.13f * s * toward(way + up);
+  write_centered(image, behind.x + 0.1f * s, behind.y, "occluding fragment");
+  write_centered(image, middle.x, middle.y, fmt::format("d = {:.2f} m", glm::length(tap.seen - g.position)));
   return {"bleeding-6-angles.png", "6: angles of a real pair", "", std::move(image)};
 }
 

@@ -202,15 +202,12 @@ Result<Figure> tangents(Studio& studio) {
     picture.image = enlarged_middle(picture.image, 8);
     figure.pictures.push_back(std::move(picture));
     const Image& image = shot->image;
-    const auto vector = [&](const char* name, int x, int y) {
-      const auto axis = [&](const char* a) { return image.plane(fmt::format("{}.{}", name, a)).at(x, y); };
-      return glm::vec3(axis("x"), axis("y"), axis("z"));
-    };
+    const VectorPlanes normal(image, "normal"), tangent(image, "tangent");
     // Pixels of a flat face: one normal over two tiles.
     const auto flat = [&](int x, int y) {
       for (int j = 0; j < 2 * kTile; ++j)
         for (int i = 0; i < 2 * kTile; ++i)
-          if (vector("normal", x + i, y + j) != vector("normal", x, y)) return false;
+          if (normal.at(x + i, y + j) != normal.at(x, y)) return false;
       return shot->surface(x, y);
     };
     long repeated = 0, all = 0;
@@ -222,11 +219,11 @@ Result<Figure> tangents(Studio& studio) {
         std::set<std::tuple<float, float, float>> seen;
         for (int j = 0; j < kTile; ++j)
           for (int i = 0; i < kTile; ++i) {
-            const glm::vec3 t = vector("tangent", x + i, y + j);
+            const glm::vec3 t = tangent.at(x + i, y + j);
             seen.insert({t.x, t.y, t.z});
-            repeated += t == vector("tangent", x + i + kTile, y + j) && t == vector("tangent", x + i, y + j + kTile);
-            off = std::max({off, double(std::abs(glm::length(t) - 1.0f)),
-                            double(std::abs(glm::dot(t, vector("normal", x + i, y + j))))});
+            repeated += t == tangent.at(x + i + kTile, y + j) && t == tangent.at(x + i, y + j + kTile);
+            off = std::max(
+                {off, double(std::abs(glm::length(t) - 1.0f)), double(std::abs(glm::dot(t, normal.at(x + i, y + j))))});
             ++all;
           }
         if (seen.size() > most.size()) most = seen;

@@ -1,6 +1,8 @@
 // What the figures' numbers are made of: masks of pixels, means over them, times of effects.
 #pragma once
 #include <cmath>
+#include <glm/vec3.hpp>
+#include <string>
 #include <vector>
 
 #include "core/device.h"
@@ -35,6 +37,14 @@ double mean(const Image& image, const Mask& mask, const Value& value) {
   each(image, &mask, [&](int x, int y) { sum += value(x, y), ++count; });
   return count > 0 ? sum / double(count) : std::nan("");
 }
+
+/// The three planes of a vector, `normal` or `tangent`.
+struct VectorPlanes {
+  const Plane &x, &y, &z;
+  VectorPlanes(const Image& image, const std::string& name)
+      : x(image.plane(name + ".x")), y(image.plane(name + ".y")), z(image.plane(name + ".z")) {}
+  glm::vec3 at(int column, int row) const { return {x.at(column, row), y.at(column, row), z.at(column, row)}; }
+};
 
 /// The least value of a plane within so many columns and rows.
 Plane least_near(const Plane& plane, int columns, int rows);

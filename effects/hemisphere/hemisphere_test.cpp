@@ -753,6 +753,45 @@ TEST(Hemisphere, NoiseIsTiledAndSeeded) {
 // ---- odd input
 // ------------------------------------------------------------------------------------------
 
+TEST(Hemisphere, TangentsAreTheBasisTurnedByTheTile) {
+  const GBuffer g = test::bumpy_gbuffer(83, 61, 5);
+  const Image& layer = g.layers[0];
+  for (const char* distribution : {"even", "paper"})
+    test::on_every_target(
+        "hemisphere", g, {{"tangents", "on"}, {"distribution", distribution}}, [&](const Image& image) {
+          const auto vector = [](const Image& of, const char* name, int x, int y) {
+            const auto axis = [&](const char* a) { return double(of.plane(std::string(name) + a).at(x, y)); };
+            return glm::dvec3(axis(".x"), axis(".y"), axis(".z"));
+          };
+          // Cosine and sine of the turn, of each place in the tile; the same whatever the normal.
+          std::vector<glm::dvec2> turns(16, glm::dvec2(0.0));
+          int compared = 0;
+          for (int y = 0; y < 61; ++y)
+            for (int x = 0; x < 83; ++x) {
+              const glm::dvec3 tangent = vector(image, "tangent", x, y);
+              if (!std::isfinite(layer.plane("depth").at(x, y))) {
+                EXPECT_EQ(glm::length(tangent), 0.0);
+                continue;
+              }
+              const glm::dvec3 normal = glm::normalize(vector(layer, "normal", x, y));
+              const glm::dvec3 fixed = std::fabs(normal.y) > 0.99 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+              const glm::dvec3 first = glm::normalize(glm::cross(fixed, normal)), second = glm::cross(normal, first);
+              const glm::dvec2 turn(glm::dot(tangent, first), glm::dot(tangent, second));
+              EXPECT_NEAR(glm::length(turn), 1.0, 1e-5);
+              EXPECT_NEAR(glm::dot(tangent, normal), 0.0, 1e-5);
+              glm::dvec2& known = turns[std::size_t(y % 4 * 4 + x % 4)];
+              if (known == glm::dvec2(0.0)) known = turn;
+              EXPECT_LT(glm::length(turn - known), 1e-4) << x << ' ' << y;
+              ++compared;
+            }
+          EXPECT_GT(compared, 2000);
+          for (std::size_t a = 0; a < 16; ++a)
+            for (std::size_t b = 0; b < a; ++b) EXPECT_GT(glm::length(turns[a] - turns[b]), 1e-3) << a << ' ' << b;
+        });
+  const Image plain = run(g, {});
+  EXPECT_EQ(plain.find("tangent.x"), nullptr);
+}
+
 TEST(Hemisphere, NoSamplesAndNoRadiusAreRefused) {
   const Effect& effect = *find_effect("hemisphere");
   ParameterBytes bytes = test::parameters_of(effect, {});
