@@ -1,6 +1,7 @@
 #include "core/gbuffer.h"
 
 #include <fmt/core.h>
+#include <charconv>
 
 #include <glm/matrix.hpp>
 
@@ -91,6 +92,13 @@ std::string shadow_plane(int light) { return light == 0 ? "shadow" : fmt::format
 
 std::string layer_plane(int layer, std::string_view name) {
   return layer == 0 ? std::string(name) : fmt::format("layer{}.{}", layer, name);
+}
+
+int layer_of_plane(std::string_view name) {
+  constexpr std::string_view kStart = "layer";
+  int layer = 0;
+  if (name.starts_with(kStart)) std::from_chars(name.data() + kStart.size(), name.data() + name.size(), layer);
+  return layer;
 }
 
 }  // namespace umbrage

@@ -87,6 +87,9 @@ std::string shadow_plane(int light);
 /// The name of a plane of a depth layer in a picture that holds them all: `depth`, `layer1.depth`.
 std::string layer_plane(int layer, std::string_view name);
 
+/// The layer of a plane of that name.
+int layer_of_plane(std::string_view name);
+
 /// A G-buffer on the host: its information and one image per depth layer, nearest first, of the information's size.
 struct GBuffer {
   PictureInfo info;

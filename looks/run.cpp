@@ -128,23 +128,29 @@ Result<void> run_step(const LookRun& run, const Steps& steps, std::size_t step, 
 Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last, Device& device,
                          Frame& frame) {
   std::vector<std::string> read;
+  std::vector<std::string_view> made;  // by the technique: of an earlier run at full resolution nothing is taken
+  for (const Pass& pass : steps[first]->passes)
+    if (!pass.needed || pass.needed(params_of(run, *steps[first])))
+      made.insert(made.end(), pass.outputs.begin(), pass.outputs.end());
+  const auto has = [](const auto& names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
   bool light = false;
   for (std::size_t step = first; step < last; ++step)
     for (const Pass& pass : steps[step]->passes) {
       if (pass.needed && !pass.needed(params_of(run, *steps[step]))) continue;
       for (std::string_view input : pass.inputs)
         // Every layer's plane of that name is reduced with the first one's.
-        if (!input.starts_with("layer") && std::find(read.begin(), read.end(), input) == read.end())
-          read.emplace_back(input);
-      light |= std::find(pass.outputs.begin(), pass.outputs.end(), "indirect.r") != pass.outputs.end();
+        if (!input.starts_with("layer") && !has(made, input) && !has(read, input)) read.emplace_back(input);
+      light |= has(pass.outputs, "indirect.r");
     }
   auto small = device.reduced(frame, run.occlusion_every, read);
   if (!small) return small.error();
   for (std::size_t step = first; step < last; ++step)
     if (auto done = run_step(run, steps, step, device, *small); !done) return done;
-  std::vector<std::string> made = {"ao"};
-  if (light) made.insert(made.end(), {"indirect.r", "indirect.g", "indirect.b"});
-  if (auto done = device.place(*small, made, frame); !done) return done;
+  std::vector<std::string> taken_back = {"ao"};
+  if (light) taken_back.insert(taken_back.end(), {"indirect.r", "indirect.g", "indirect.b"});
+  if (auto done = device.place(*small, taken_back, frame); !done) return done;
   EffectSettings settings = *run.settings;
   for (const std::string& setting : {fmt::format("upsample.factor={}", run.occlusion_every),
                                      fmt::format("upsample.indirect={}", light ? "on" : "off")})

@@ -19,14 +19,22 @@
 #define to_uint uint
 #define to_signed int
 #define to_real float
+#define bits_of floatBitsToUint
+#define real_of_bits uintBitsToFloat
 #define popcount bitCount
 #define some(mask) (mask)
+#define how_many(mask) ((mask) ? 1 : 0)
+#define this_lane() 0
+#define of_lane(v, lane) (v)
+#define added_to_lanes(sum, lane, v) ((sum) + (v))
 #define select(mask, a, b) ((mask) ? (a) : (b))
 #define pow(a, b) pow_of(a, b)
 #include "machine/frame_constants.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 ivec2 here;
+const int kLanes = 1;
+const int kListLength = 8;  // a GPU keeps a list where it keeps what registers cannot hold
 
 float pow_of(float a, float b) { return a > 0.0f ? exp2(b * log2(a)) : 0.0f; }
 uint ones_from(int b) { return b < 32 ? 0xffffffffu << b : 0u; }
@@ -38,6 +46,7 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
     Constants C;                                                                                         \
   };                                                                                                     \
   int index_of(int X, int Y) { return clamp(Y, 0, F.height - 1) * F.stride + clamp(X, 0, F.width - 1); } \
+  int place_of(float X, float Y) { return int(Y) * F.stride + int(X); }                                  \
   bool near_inside(int i, int j) {                                                                       \
     return here.x + i >= 0 && here.x + i < F.width && here.y + j >= 0 && here.y + j < F.height;          \
   }
@@ -45,44 +54,48 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
 #define IN_REAL(name)                                                                                          \
   layout(scalar) readonly buffer name##_block { float name##_plane[]; };                                       \
   float load_##name(int X, int Y) { return name##_plane[index_of(X, Y)]; }                                     \
+  float read_##name(int place) { return name##_plane[place]; }                                                 \
   float near_##name(int i, int j) { return name##_plane[index_of(here.x + i, here.y + j)]; }                   \
   float corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
   float block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
-#define IN_TRIPLE(name, a, b, c)                                                                              \
-  layout(scalar) readonly buffer name##_##a##_block { float name##_plane_0[]; };                              \
-  layout(scalar) readonly buffer name##_##b##_block { float name##_plane_1[]; };                              \
-  layout(scalar) readonly buffer name##_##c##_block { float name##_plane_2[]; };                              \
-  vec3 load_##name(int X, int Y) {                                                                            \
-    int k = index_of(X, Y);                                                                                   \
-    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]);                                     \
-  }                                                                                                           \
-  vec3 near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                              \
-  vec3 corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
+#define IN_TRIPLE(name, a, b, c)                                                                                    \
+  layout(scalar) readonly buffer name##_##a##_block { float name##_plane_0[]; };                                    \
+  layout(scalar) readonly buffer name##_##b##_block { float name##_plane_1[]; };                                    \
+  layout(scalar) readonly buffer name##_##c##_block { float name##_plane_2[]; };                                    \
+  vec3 load_##name(int X, int Y) {                                                                                  \
+    int k = index_of(X, Y);                                                                                         \
+    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]);                                           \
+  }                                                                                                                 \
+  vec3 read_##name(int place) { return vec3(name##_plane_0[place], name##_plane_1[place], name##_plane_2[place]); } \
+  vec3 near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                                    \
+  vec3 corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); }       \
   vec3 block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
 #define IN_VECTOR(name) IN_TRIPLE(name, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE(name, r, g, b)
-// A plane of every layer: load_NAME_of(layer, X, Y), layer the same for all pixels.
-#define OF_LAYERS(type, name)                      \
-  type load_##name##_of(int layer, int X, int Y) { \
-    switch (layer) {                               \
-      case 0:                                      \
-        return load_##name(X, Y);                  \
-      case 1:                                      \
-        return load_layer1_##name(X, Y);           \
-      case 2:                                      \
-        return load_layer2_##name(X, Y);           \
-      case 3:                                      \
-        return load_layer3_##name(X, Y);           \
-      case 4:                                      \
-        return load_layer4_##name(X, Y);           \
-      case 5:                                      \
-        return load_layer5_##name(X, Y);           \
-      case 6:                                      \
-        return load_layer6_##name(X, Y);           \
-      default:                                     \
-        return load_layer7_##name(X, Y);           \
-    }                                              \
+// A plane of every layer: read_NAME_of(layer, place), layer the same for all pixels.
+#define OF_LAYERS(type, name)                   \
+  type read_##name##_of(int layer, int place) { \
+    switch (layer) {                            \
+      case 0:                                   \
+        return read_##name(place);              \
+      case 1:                                   \
+        return read_layer1_##name(place);       \
+      case 2:                                   \
+        return read_layer2_##name(place);       \
+      case 3:                                   \
+        return read_layer3_##name(place);       \
+      case 4:                                   \
+        return read_layer4_##name(place);       \
+      case 5:                                   \
+        return read_layer5_##name(place);       \
+      case 6:                                   \
+        return read_layer6_##name(place);       \
+      default:                                  \
+        return read_layer7_##name(place);       \
+    }                                           \
   }
+#define NEAR_LAYERS(type, name) \
+  type near_##name##_of(int layer, int i, int j) { return read_##name##_of(layer, index_of(here.x + i, here.y + j)); }
 #define IN_LAYERS_REAL(name) \
   IN_REAL(name)              \
   IN_REAL(layer1_##name)     \
@@ -92,7 +105,8 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
   IN_REAL(layer5_##name)     \
   IN_REAL(layer6_##name)     \
   IN_REAL(layer7_##name)     \
-  OF_LAYERS(float, name)
+  OF_LAYERS(float, name)     \
+  NEAR_LAYERS(float, name)
 #define IN_LAYERS_VECTOR(name) \
   IN_VECTOR(name)              \
   IN_VECTOR(layer1_##name)     \
@@ -102,7 +116,8 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
   IN_VECTOR(layer5_##name)     \
   IN_VECTOR(layer6_##name)     \
   IN_VECTOR(layer7_##name)     \
-  OF_LAYERS(vec3, name)
+  OF_LAYERS(vec3, name)        \
+  NEAR_LAYERS(vec3, name)
 #define IN_LAYERS_COLOR(name) \
   IN_COLOR(name)              \
   IN_COLOR(layer1_##name)     \
@@ -112,10 +127,40 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
   IN_COLOR(layer5_##name)     \
   IN_COLOR(layer6_##name)     \
   IN_COLOR(layer7_##name)     \
-  OF_LAYERS(vec3, name)
+  OF_LAYERS(vec3, name)       \
+  NEAR_LAYERS(vec3, name)
+#define LIST(type, name, length)                                \
+  type name##_list[length];                                     \
+  void keep_##name(int slot, type v) { name##_list[slot] = v; } \
+  type kept_##name(int slot) { return name##_list[slot]; }      \
+  void append_##name(int at, bool where, type v) {              \
+    if (where) name##_list[at] = v;                             \
+  }                                                             \
+  type entries_##name(int at) { return name##_list[at]; }
+#define LIST_REAL(name, length) LIST(float, name, length)
+#define LIST_UINT(name, length) LIST(uint, name, length)
 #define OUT_REAL(name)                                                    \
   layout(scalar) writeonly buffer name##_block { float name##_plane[]; }; \
   void store_##name(float v) { name##_plane[here.y * F.stride + here.x] = v; }
+#define OUT_LAYERS_REAL(name)                  \
+  OUT_REAL(name)                               \
+  OUT_REAL(layer1_##name)                      \
+  OUT_REAL(layer2_##name)                      \
+  OUT_REAL(layer3_##name)                      \
+  OUT_REAL(layer4_##name)                      \
+  OUT_REAL(layer5_##name)                      \
+  OUT_REAL(layer6_##name)                      \
+  OUT_REAL(layer7_##name)                      \
+  void store_##name##_of(int layer, float v) { \
+    if (layer == 0) store_##name(v);           \
+    if (layer == 1) store_layer1_##name(v);    \
+    if (layer == 2) store_layer2_##name(v);    \
+    if (layer == 3) store_layer3_##name(v);    \
+    if (layer == 4) store_layer4_##name(v);    \
+    if (layer == 5) store_layer5_##name(v);    \
+    if (layer == 6) store_layer6_##name(v);    \
+    if (layer == 7) store_layer7_##name(v);    \
+  }
 #define OUT_ALPHA(name)                                                       \
   layout(scalar) writeonly buffer name##_a_block { float name##_plane_3[]; }; \
   void store_##name##_alpha(float v) { name##_plane_3[here.y * F.stride + here.x] = v; }

@@ -23,6 +23,7 @@ using D = hn::CappedTag<float, 16>;
 using DI = hn::RebindToSigned<D>;
 using DU = hn::RebindToUnsigned<D>;
 constexpr int kLanes = int(hn::MaxLanes(D()));
+constexpr int kListLength = 16;
 
 #define OP HWY_INLINE HWY_MAYBE_UNUSED
 
@@ -105,9 +106,14 @@ OP Bool operator<(Uint a, Uint b) {
   return {hn::RebindMask(D(), hn::Lt(hn::BitCast(DI(), hn::Xor(a.v, flip)), hn::BitCast(DI(), hn::Xor(b.v, flip))))};
 }
 
-// Highway's own order of operands decides what NaN gives on each machine; scalar.h gives the second operand.
+// What NaN gives is the machine's own choice in Highway's; scalar.h gives the second operand, and so does x86.
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+OP Real min(Real a, Real b) { return hn::Min(a.v, b.v); }
+OP Real max(Real a, Real b) { return hn::Max(a.v, b.v); }
+#else
 OP Real min(Real a, Real b) { return hn::IfThenElse(hn::Lt(a.v, b.v), a.v, b.v); }
 OP Real max(Real a, Real b) { return hn::IfThenElse(hn::Lt(b.v, a.v), a.v, b.v); }
+#endif
 OP Int min(Int a, Int b) { return hn::Min(a.v, b.v); }
 OP Int max(Int a, Int b) { return hn::Max(a.v, b.v); }
 OP Real clamp(Real x, Real least, Real most) { return min(max(x, least), most); }
@@ -145,7 +151,16 @@ OP Real mad(Real a, Real b, Real c) {
   return hn::Load(D(), z);
 #endif
 }
+// Highway's conversion spends four more instructions on numbers that do not fit.
+#if HWY_TARGET == HWY_AVX3
+OP Int to_int(Real a) { return hn::Vec512<std::int32_t>{_mm512_cvttps_epi32(a.v.raw)}; }
+#elif HWY_TARGET == HWY_AVX2
+OP Int to_int(Real a) { return hn::Vec256<std::int32_t>{_mm256_cvttps_epi32(a.v.raw)}; }
+#elif HWY_TARGET == HWY_SSE4
+OP Int to_int(Real a) { return hn::Vec128<std::int32_t>{_mm_cvttps_epi32(a.v.raw)}; }
+#else
 OP Int to_int(Real a) { return hn::ConvertTo(DI(), a.v); }
+#endif
 OP Uint to_uint(Int a) { return hn::BitCast(DU(), a.v); }
 OP Int to_signed(Uint a) { return hn::BitCast(DI(), a.v); }
 OP Real to_real(Int a) { return hn::ConvertTo(D(), a.v); }
@@ -154,6 +169,8 @@ OP Real to_real(Uint a) {
   const Real high = to_real(to_signed(a >> 16)), low = to_real(to_signed(a & Uint(0xffffu)));
   return hn::Add(hn::Mul(high.v, hn::Set(D(), 65536.0f)), low.v);
 }
+OP Uint bits_of(Real a) { return hn::BitCast(DU(), a.v); }
+OP Real real_of_bits(Uint a) { return hn::BitCast(D(), a.v); }
 OP Int popcount(Uint a) { return hn::BitCast(DI(), hn::PopulationCount(a.v)); }
 /// In two halves, because a shift by 32 is undefined.
 OP Uint ones_from(Int b) {
@@ -180,6 +197,11 @@ OP hn::Vec256<std::int32_t> add_where(hn::Mask256<std::int32_t> mask, hn::Vec256
 #endif
 OP Bool is_finite(Real a) { return {hn::Le(hn::Abs(a.v), hn::Set(D(), 3.402823466e38f))}; }
 OP bool some(Bool a) { return !hn::AllFalse(D(), a.m); }
+OP int how_many(Bool a) { return int(hn::CountTrue(D(), a.m)); }
+OP Int this_lane() { return hn::Iota(DI(), 0); }
+OP Real of_lane(Real v, Int lane) { return hn::TableLookupLanes(v.v, hn::IndicesFromVec(D(), lane.v)); }
+OP Real packed(Bool where, Real v) { return hn::Compress(v.v, where.m); }
+OP Uint packed(Bool where, Uint v) { return hn::Compress(v.v, hn::RebindMask(DU(), where.m)); }
 
 OP Real select(Bool mask, Real a, Real b) { return hn::IfThenElse(mask.m, a.v, b.v); }
 OP Int select(Bool mask, Int a, Int b) { return hn::IfThenElse(hn::RebindMask(DI(), mask.m), a.v, b.v); }
@@ -194,6 +216,24 @@ OP Real pow(Real a, Real b) {
 #define inline OP
 #include "machine/vectors.h"
 #undef inline
+
+OP Vec3 added_to_lanes(Vec3 sum, Int lane, Vec3 v) {
+  HWY_ALIGN float x[2][kLanes], y[2][kLanes], z[2][kLanes];
+  HWY_ALIGN std::int32_t to[kLanes];
+  hn::Store(lane.v, DI(), to);
+  hn::Store(sum.x.v, D(), x[0]);
+  hn::Store(sum.y.v, D(), y[0]);
+  hn::Store(sum.z.v, D(), z[0]);
+  hn::Store(v.x.v, D(), x[1]);
+  hn::Store(v.y.v, D(), y[1]);
+  hn::Store(v.z.v, D(), z[1]);
+  for (int i = 0; i < kLanes; ++i) {
+    x[0][to[i]] += x[1][i];
+    y[0][to[i]] += y[1][i];
+    z[0][to[i]] += z[1][i];
+  }
+  return Vec3{hn::Load(D(), x[0]), hn::Load(D(), y[0]), hn::Load(D(), z[0])};
+}
 #undef OP
 
 }  // namespace

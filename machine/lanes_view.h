@@ -23,6 +23,9 @@ constexpr int kMarginBlocks = 4;
 
 struct LanesView {
   const KernelFrame& frame;
+  float real_stride = float(frame.frame.stride);
+  // Floats hold all places in a plane.
+  bool exact = (std::int64_t(frame.frame.height) + 1) * frame.frame.stride <= 1 << 24;
   int x = 0, y = 0;         // the first lane's pixel
   bool inner = false;       // all lanes lie kMargin or more inside the picture
   std::ptrdiff_t here = 0;  // of pixel (x, y) in a plane
@@ -41,6 +44,15 @@ struct LanesView {
     const Int row = clamp(Y, Int(0), Int(frame.frame.height - 1));
     return hn::GatherIndex(D(), plane, (row * Int(frame.frame.stride) + column).v);
   }
+  HWY_INLINE Int place_of(Real X, Real Y) const {
+    if (HWY_LIKELY(exact)) return to_int(Y * Real(real_stride) + X);
+    return to_int(Y) * Int(frame.frame.stride) + to_int(X);
+  }
+  HWY_INLINE Real read(const float* plane, Int place) const { return hn::GatherIndex(D(), plane, place.v); }
+  HWY_INLINE void write(float* list, Real v) const { hn::StoreU(v.v, D(), list); }
+  HWY_INLINE void write(std::uint32_t* list, Uint v) const { hn::StoreU(v.v, DU(), list); }
+  HWY_INLINE Real listed(const float* list) const { return hn::LoadU(D(), list); }
+  HWY_INLINE Uint listed(const std::uint32_t* list) const { return hn::LoadU(DU(), list); }
   HWY_INLINE Real near(const float* plane, int i, int j) const {
     const bool close = unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin;
     if (HWY_LIKELY(inner && close)) return hn::LoadU(D(), plane + here + std::ptrdiff_t(j) * frame.frame.stride + i);

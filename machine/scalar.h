@@ -1,6 +1,7 @@
 // The dialect of kernel texts as plain C++: one pixel at a time. It defines what the dialect means; lanes.h and glsl.h
 // follow it.
 #pragma once
+#include <bit>
 #include <cmath>
 #include <cstdint>
 
@@ -11,6 +12,8 @@ using Int = std::int32_t;
 using Uint = std::uint32_t;
 using Bool = bool;
 constexpr int kLanes = 1;
+/// How long lists are that pay on the machine, in numbers per pixel.
+constexpr int kListLength = 8;
 
 inline Real min(Real a, Real b) { return a < b ? a : b; }
 inline Real max(Real a, Real b) { return a > b ? a : b; }
@@ -34,12 +37,21 @@ inline Int to_signed(Uint a) { return Int(a); }
 /// Rounded to nearest even.
 inline Real to_real(Int a) { return Real(a); }
 inline Real to_real(Uint a) { return Real(a); }
+inline Uint bits_of(Real a) { return std::bit_cast<Uint>(a); }
+/// The bits must be those of a normal number: a machine may turn others into 0 or another NaN.
+inline Real real_of_bits(Uint a) { return std::bit_cast<Real>(a); }
 inline Int popcount(Uint a) { return __builtin_popcount(a); }
 /// Bits b and up; none for b = 32. b in [0, 32].
 inline Uint ones_from(Int b) { return b < 32 ? 0xffffffffu << b : 0u; }
 inline bool is_finite(Real a) { return std::fabs(a) <= 3.402823466e38f; }
 /// Whether the mask holds anywhere among the pixels that run together.
 inline bool some(Bool a) { return a; }
+/// At how many of them it holds.
+inline int how_many(Bool a) { return a ? 1 : 0; }
+/// Which one of them this pixel is, from 0 to kLanes - 1.
+inline Int this_lane() { return 0; }
+/// A value of another of them.
+inline Real of_lane(Real v, Int) { return v; }
 
 struct Vec2 {
   Real x, y;
@@ -54,5 +66,13 @@ inline T select(Bool mask, T a, T b) {
 }
 
 #include "machine/vectors.h"
+
+/// The numbers of pixels where the mask holds come first, in their order; what follows is anything.
+template <class T>
+inline T packed(Bool, T v) {
+  return v;
+}
+/// Each pixel's v added to the sum of the pixel `lane`, in the pixels' order.
+inline Vec3 added_to_lanes(Vec3 sum, Int, Vec3 v) { return sum + v; }
 
 }  // namespace umbrage::scalar

@@ -26,6 +26,17 @@ struct ScalarView {
   Bool inside(int i, int j) const {
     return x + i >= 0 && x + i < frame.frame.width && y + j >= 0 && y + j < frame.frame.height;
   }
+  /// Where the pixel of these coordinates, whole numbers inside the picture, is in a plane.
+  Int place_of(Real X, Real Y) const { return Int(Y) * frame.frame.stride + Int(X); }
+  Real read(const float* plane, Int place) const { return plane[place]; }
+  template <class T>
+  void write(T* list, T v) const {
+    *list = v;
+  }
+  template <class T>
+  T listed(const T* list) const {
+    return *list;
+  }
   void store(float* plane, Real v) const { plane[std::ptrdiff_t(y) * frame.frame.stride + x] = v; }
 };
 

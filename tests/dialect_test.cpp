@@ -24,6 +24,11 @@ struct DialectResults {
   std::vector<unsigned> ones_from, shifted;
   std::vector<float> real_of_uint, real_of_int, mad, rsqrt, pow, floor, fract;
   std::vector<int> less;
+  // Of the pixels that run together, `lanes` of them.
+  int lanes = 0;
+  std::vector<int> how_many, this_lane;
+  std::vector<float> packed, of_lane, added;
+  std::vector<unsigned> packed_bits, bits_of;
 };
 #endif
 
@@ -33,6 +38,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 void RunDialect(const DialectInput& in, DialectResults& out) {
+  out.lanes = kLanes;
   const D d;
   const DI di;
   const DU du;
@@ -52,6 +58,16 @@ void RunDialect(const DialectInput& in, DialectResults& out) {
     hn::StoreU(floor(real - Real(3.0f)).v, d, out.floor.data() + i);
     hn::StoreU(fract(real - Real(3.0f)).v, d, out.fract.data() + i);
     hn::StoreU(select(bits < Uint(0x80000001u), Int(1), Int(0)).v, di, out.less.data() + i);
+    const Bool odd = to_signed(bits & Uint(1u)) == Int(1);
+    const Int lane = to_signed((bits >> 9) & Uint(unsigned(kLanes - 1)));
+    hn::StoreU(Int(how_many(odd)).v, di, out.how_many.data() + i);
+    hn::StoreU(this_lane().v, di, out.this_lane.data() + i);
+    hn::StoreU(packed(odd, real).v, d, out.packed.data() + i);
+    hn::StoreU(packed(odd, bits).v, du, out.packed_bits.data() + i);
+    hn::StoreU(of_lane(real, lane).v, d, out.of_lane.data() + i);
+    hn::StoreU(added_to_lanes(Vec3{real, real, real}, lane, Vec3{real, real, real * Real(3.0f)}).z.v, d,
+               out.added.data() + i);
+    hn::StoreU(bits_of(real_of_bits(bits_of(real))).v, du, out.bits_of.data() + i);
   }
 }
 
@@ -77,9 +93,26 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
   const std::size_t n = in.bits.size();
   for (const std::string& target : simd_target_names()) {
     ASSERT_TRUE(choose_simd_target(target));
-    DialectResults out{std::vector<int>(n),   std::vector<int>(n),   std::vector<unsigned>(n), std::vector<unsigned>(n),
-                       std::vector<float>(n), std::vector<float>(n), std::vector<float>(n),    std::vector<float>(n),
-                       std::vector<float>(n), std::vector<float>(n), std::vector<float>(n),    std::vector<int>(n)};
+    DialectResults out{std::vector<int>(n),
+                       std::vector<int>(n),
+                       std::vector<unsigned>(n),
+                       std::vector<unsigned>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<int>(n),
+                       0,
+                       std::vector<int>(n),
+                       std::vector<int>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<float>(n),
+                       std::vector<unsigned>(n),
+                       std::vector<unsigned>(n)};
     HWY_DYNAMIC_DISPATCH(RunDialect)(in, out);
     EXPECT_EQ(out.rsqrt[0], 1.0f) << target;  // unit normals stay what they are
     for (std::size_t i = 0; i < n; ++i) {
@@ -98,6 +131,31 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
       ASSERT_EQ(out.floor[i], scalar::floor(real - 3.0f)) << target;
       ASSERT_EQ(out.fract[i], scalar::fract(real - 3.0f)) << target;
       ASSERT_EQ(out.less[i], bits < 0x80000001u ? 1 : 0) << target;
+      ASSERT_EQ(out.bits_of[i], scalar::bits_of(real)) << target;
+    }
+    for (std::size_t first = 0; first < n; first += std::size_t(out.lanes)) {
+      std::vector<float> odd, sums;
+      std::vector<unsigned> odd_bits;
+      for (int lane = 0; lane < out.lanes; ++lane) {
+        const std::size_t i = first + std::size_t(lane);
+        sums.push_back(in.reals[i]);
+        if (in.bits[i] % 2 == 0) continue;
+        odd.push_back(in.reals[i]);
+        odd_bits.push_back(in.bits[i]);
+      }
+      for (int lane = 0; lane < out.lanes; ++lane) {
+        const std::size_t i = first + std::size_t(lane);
+        const unsigned other = in.bits[i] >> 9 & unsigned(out.lanes - 1);
+        ASSERT_EQ(out.this_lane[i], lane) << target;
+        ASSERT_EQ(out.how_many[i], int(odd.size())) << target;
+        ASSERT_EQ(out.of_lane[i], in.reals[first + other]) << target;
+        sums[other] += in.reals[i] * 3.0f;
+      }
+      for (std::size_t k = 0; k < odd.size(); ++k) {
+        ASSERT_EQ(out.packed[first + k], odd[k]) << target;
+        ASSERT_EQ(out.packed_bits[first + k], odd_bits[k]) << target;
+      }
+      for (std::size_t k = 0; k < sums.size(); ++k) ASSERT_EQ(out.added[first + k], sums[k]) << target;
     }
   }
   choose_simd_target("");

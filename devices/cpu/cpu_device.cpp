@@ -24,6 +24,7 @@ struct Planes {
   Image image;
   std::vector<std::string> neutral;  ///< names that have been asked for, in that order; `image` may have got one since
   std::map<float, Plane> constants;
+  std::map<std::string, std::pair<int, int>> placed;  ///< by name, size of the reduced picture that lies there
 };
 
 Planes& planes_of(const Frame& frame) { return *static_cast<Planes*>(frame.storage.get()); }
@@ -43,6 +44,7 @@ FrameConstants frame_constants(const PictureInfo& info, int stride, int round) {
 
 /// What a plane of a bare G-buffer is when it does not have it, or nothing where no value would do.
 std::optional<float> neutral_value(std::string_view plane) {
+  bool of_layer = false;
   if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
   // A layer that is not there has no surface.
   if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
@@ -50,6 +52,7 @@ std::optional<float> neutral_value(std::string_view plane) {
     const std::size_t dot = plane.find('.');
     plane = plane.substr(dot == std::string_view::npos ? plane.size() : dot + 1);
     if (plane.starts_with("normal.")) return 0.0f;
+    of_layer = true;
   }
   if (plane.starts_with("albedo.")) return 0.8f;
   if (plane == "specular") return 0.0f;
@@ -60,6 +63,7 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
       plane.starts_with("emission."))
     return 0.0f;
+  if (of_layer) return 0.0f;  // what an effect makes of every layer, of one that is not there
   return std::nullopt;
 }
 
@@ -68,6 +72,11 @@ const Plane* find_plane(const Planes& planes, std::string_view name) {
   if (const Plane* made = planes.image.find(name)) return made;
   const bool neutral = std::find(planes.neutral.begin(), planes.neutral.end(), name) != planes.neutral.end();
   return neutral ? &planes.constants.at(*neutral_value(name)) : nullptr;
+}
+
+template <int step>
+void take_every(const float* from, float* to, int count) {
+  for (int x = 0; x < count; ++x) to[x] = from[std::ptrdiff_t(x) * step];
 }
 
 /// As many as asked for, but no more than the machine has.
@@ -133,6 +142,7 @@ class CpuDevice final : public Device {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
       check_equal(planes.planes[p].height, frame.info.height, planes.names[p]);
       planes_of(frame).image.add(planes.names[p]) = planes.planes[p];
+      planes_of(frame).placed.erase(planes.names[p]);
     }
     return {};
   }
@@ -168,7 +178,13 @@ class CpuDevice final : public Device {
         for_rows(out.height, [&](int y) {
           const float* from = in->row(y * factor);
           float* to = out.row(y);
-          for (int x = 0; x < out.width; ++x) to[x] = from[std::ptrdiff_t(x) * factor];
+          // A step that the compiler knows makes vectors.
+          if (factor == 2)
+            take_every<2>(from, to, out.width);
+          else if (factor == 4)
+            take_every<4>(from, to, out.width);
+          else
+            for (int x = 0; x < out.width; ++x) to[x] = from[std::ptrdiff_t(x) * factor];
         });
       }
     small.storage = std::move(planes);
@@ -183,10 +199,14 @@ class CpuDevice final : public Device {
       const Plane* in = find_plane(planes_of(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
       Plane& out = planes_of(full).image.add(reduced_plane(name));
-      for_rows(out.height, [&](int y) {
+      // The rest is 0 already where a picture of this size lay there before.
+      std::pair<int, int>& placed = planes_of(full).placed[reduced_plane(name)];
+      const bool fresh = placed != std::pair(in->width, in->height);
+      placed = {in->width, in->height};
+      for_rows(fresh ? out.height : in->height, [&](int y) {
         const int copied = y < in->height ? in->width : 0;
         std::copy_n(in->row(copied > 0 ? y : 0), copied, out.row(y));
-        std::fill_n(out.row(y) + copied, out.width - copied, 0.0f);
+        if (fresh) std::fill_n(out.row(y) + copied, out.width - copied, 0.0f);
       });
     }
     return {};
@@ -232,13 +252,18 @@ class CpuDevice final : public Device {
       if (!planes.constants.count(*value)) planes.constants.emplace(*value, Plane(info.width, info.height, *value));
       planes.neutral.push_back(name);
     }
-    for (std::string_view output : pass.outputs) planes.image.add(layer_plane(layer, output));
+    // Of the layers that the picture has; a kernel does not store to others.
+    const auto is_there = [&](std::string_view output) {
+      return layer_of_plane(output) <= int(info.more_layers.size());
+    };
+    for (std::string_view output : pass.outputs)
+      if (is_there(output)) planes.image.add(layer_plane(layer, output));
     std::vector<KernelPlane> kernel_planes;
     // A kernel stores to its outputs alone, which are nobody else's.
     for (std::string_view name : pass.inputs)
       kernel_planes.push_back({name, const_cast<float*>(find_plane(planes, layer_plane(layer, name))->data())});
     for (std::string_view name : pass.outputs)
-      kernel_planes.push_back({name, planes.image.plane(layer_plane(layer, name)).data()});
+      kernel_planes.push_back({name, is_there(name) ? planes.image.plane(layer_plane(layer, name)).data() : nullptr});
     const int stride = planes.image.plane(layer_plane(layer, pass.outputs[0])).stride;
     const KernelFrame kernel_frame{frame_constants(info, stride, round), constants.data(), kernel_planes};
     const CpuKernel kernel = settings_.scalar ? pass.scalar : settings_.tuned && pass.tuned ? pass.tuned : pass.lanes;

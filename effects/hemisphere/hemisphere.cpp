@@ -274,6 +274,9 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
       c.other[i] = view > 0 ? 1 : 0;
       c.new_view[i] = view != view_before ? 1 : 0;
       view_before = view;
+      c.view_end[i] = i + 1;
+      for (int k = 0; k < i; ++k)
+        if (c.view_end[k] == i && c.new_view[i] == 0) c.view_end[k] = i + 1;
       const Camera& camera = view > 0 ? info_of(view).camera : info.camera;
       c.orthographic[i] = camera.projection == Projection::kOrthographic ? 1 : 0;
       c.ray_scale_x[i] = (camera.right - camera.left) / float(info.width);
@@ -362,10 +365,20 @@ bool occludes_alone(const ParameterBytes& bytes) { return !bleeds(bytes); }
 bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
 int rounds(const ParameterBytes& bytes) { return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1; }
 
+std::vector<std::string_view> packed_planes() {
+  return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
+}
+
+std::vector<std::string_view> sent_inputs() {
+  auto inputs = of_all_layers(
+      {"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"});
+  inputs.insert(inputs.end(), {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
+  return inputs;
+}
+
 std::vector<std::string_view> bleeding_inputs() {
-  auto inputs = of_all_layers({"depth", "normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b",
-                               "ambient.r", "ambient.g", "ambient.b"});
-  inputs.insert(inputs.end(), {"hemisphere_sent.r", "hemisphere_sent.g", "hemisphere_sent.b"});
+  auto inputs = of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
+  inputs.insert(inputs.end(), {"normal.x", "normal.y", "normal.z"});
   return inputs;
 }
 
@@ -391,9 +404,8 @@ const Effect& effect_hemisphere() {
       .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
       .quantum = kQuantum,
       .passes = {{.name = "sent",
-                  .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "albedo.r",
-                             "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"},
-                  .outputs = {"hemisphere_sent.r", "hemisphere_sent.g", "hemisphere_sent.b"},
+                  .inputs = sent_inputs(),
+                  .outputs = packed_planes(),
                   .scalar = run_scalar_hemisphere_sent,
                   .lanes = run_lanes_hemisphere_sent,
                   .spirv = kSentSpirv,

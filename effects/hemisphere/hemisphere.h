@@ -73,6 +73,7 @@ struct HemisphereConstants {
   int back[kLayersRead];      // the layer that shows the other side of its surfaces, or -1
   int other[kLayersRead];     // 0 or 1: seen by another camera than the first layer
   int new_view[kLayersRead];  // 0 or 1: seen by another camera than the layer before in this list
+  int view_end[kLayersRead];  // of the first layer of a camera: the index after its last in this list
   int orthographic[kLayersRead];
   // Of that camera. Pixel coordinates of a view-space position (x, y, z): x scale_x / -z + offset_x for a perspective
   // camera, x scale_x + offset_x otherwise; and the rays as in FrameConstants.

@@ -84,6 +84,8 @@ FN Vec3 turned_back(int i, Vec3 v) {
               dot(Vec3(Real(C.move[12 * i + 2]), Real(C.move[12 * i + 6]), Real(C.move[12 * i + 10])), v));
 }
 
+FN Real own_depth_of(int i, Vec3 position) { return -(turned_to(i, position) + added_to(i)).z; }
+
 // Antiderivative of the samples' density along a ray of sight, times b^2: sin(phi), without what lies within r0.
 FN Real passed(Real sine, Real inner_sine) {
   Real beyond = max(abs(sine) - inner_sine, Real(0.0f));
@@ -151,6 +153,96 @@ FN Vec3 seen_position(int i, Real x, Real y, Real depth) {
 // a s + b.
 FN Vec3 scaled_on(Vec3 a, Real s, Vec3 b) { return Vec3(mad(a.x, s, b.x), mad(a.y, s, b.y), mad(a.z, s, b.z)); }
 
+// Sample points are looked up first, many in a row; what lies before any of them, in the pixels that run together, is
+// kept for a closer look.
+LIST_REAL(tap_x, kListLength)  // the pixel's coordinates, whole numbers
+LIST_REAL(tap_y, kListLength)
+LIST_REAL(tap_depth, kListLength)     // 0 where there is none
+LIST_REAL(sample_depth, kListLength)  // of the sample point, by the camera that sees the tap
+
+// What may send light to a pixel is noted down and looked at later still, wherever it was found: few of the pixels that
+// run together find something at the same sample point.
+CONST int kMostFound = 2 * kListLength * kLanes;
+LIST_UINT(found_pixel, 2 * kListLength)   // column + 65536 x row
+LIST_UINT(found_by, 2 * kListLength)      // which of the pixels that run together + 256 x index in C.layer
+LIST_REAL(found_depth, 2 * kListLength)   // by the layer's own camera
+LIST_REAL(hidden_depth, 2 * kListLength)  // of the sample point that it hides
+
+// `light`, and what arrives from the first `found` that were noted, of the layers `first` to before C.view_end[first],
+// which one camera sees.
+FN Vec3 with_light_of_found(Vec3 light, int found, int first, Vec3 position, Vec3 normal, Int own_place) {
+  int end = C.view_end[first];
+  bool other = C.other[first] != 0;
+  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  for (int at = 0; at < found; at += kLanes) {
+    Bool sends = this_lane() + Int(at) < Int(found);
+    Uint by = entries_found_by(at);
+    Int layer = to_signed(by >> 8);
+    if (C.view_end[0] < C.layer_count) {
+      sends = sends && layer >= Int(first) && layer < Int(end);
+      if (!some(sends)) continue;
+    }
+    Uint pixel = entries_found_pixel(at);
+    Real x = to_real(to_signed(pixel & Uint(0xffffu)));
+    Real y = to_real(to_signed(pixel >> 16));
+    Int place = select(sends, place_of(x, y), own_place);
+    Int lane = select(sends, to_signed(by & Uint(0xffu)), Int(0));
+    Vec3 to = of_lane(position, lane);
+    Real own_depth = -to.z;
+    Real tap = entries_found_depth(at);
+    Vec3 seen = seen_position(first, x, y, tap);
+    Vec3 occluder = seen;
+    if (other) {
+      occluder = turned_back(first, seen - added_to(first));
+      own_depth = own_depth_of(first, to);
+    }
+    Vec3 way = occluder - to;
+    Vec3 facing = none;
+    Bool away = sends && !sends;
+    for (int i = first; i < end; ++i) {
+      Bool here = sends;
+      if (end - first > 1) here = here && layer == Int(i);
+      if (some(here)) {
+        Vec3 its_normal = normal_of(C.layer[i], place);
+        if (other) its_normal = turned_back(i, its_normal);
+        if (C.back[i] >= 0) {
+          // The other side's normal is the opposite one.
+          Bool turned = dot(way, its_normal) >= 0.0f;
+          its_normal = select(turned, -its_normal, its_normal);
+          away = away || (here && turned);
+        }
+        facing = select(here, its_normal, facing);
+      }
+    }
+    // What faces away is not looked up: such pixels read themselves, which are at hand.
+    sends = sends && dot(way, facing) < 0.0f;
+    place = select(sends, place, own_place);
+    Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
+    Real widening = Real(1.0f);
+    if (C.orthographic[first] == 0) {
+      sight = seen * rsqrt(dot(seen, seen));
+      widening = entries_hidden_depth(at) / tap;
+    }
+    if (other) sight = turned_back(first, sight);
+    Real share = arriving_share(way, of_lane(normal, lane), facing, sight, widening) *
+                 range_weight(own_depth, tap, range_limit(own_depth));
+    share = select(sends, share, Real(0.0f));
+    Vec3 sent = none;
+    for (int i = first; i < end; ++i) {
+      Bool front = sends && !away;
+      Bool back = sends && away;
+      if (end - first > 1) {
+        front = front && layer == Int(i);
+        back = back && layer == Int(i);
+      }
+      if (some(front)) sent = select(front, sent_of(C.layer[i], place), sent);
+      if (C.back[i] >= 0 && some(back)) sent = select(back, sent_of(C.back[i], place), sent);
+    }
+    light = added_to_lanes(light, lane, sent * share);
+  }
+  return light;
+}
+
 FN void gather(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Real depth = near_depth(0, 0);
@@ -173,107 +265,115 @@ FN void gather(Int px, Int py) {
   Real least_height = rounding + Real(C.least_height);
   Real least_nearer = rounding + Real(C.least_nearer);
   Real least_depth = depth * kLeastDepth;
+  Real own_limit = range_limit(depth);
+  Int own_place = place_of(to_real(px), to_real(py));
+  int found_count = 0;
   Real hidden = Real(0.0f);
   Real count = Real(0.0f);
   Vec3 light = none;
-  for (int k = 0; k < C.samples; ++k) {
-    Vec3 v = scaled_on(along_x, Real(C.points[5 * k]),
-                       scaled_on(along_y, Real(C.points[5 * k + 1]), along_z * Real(C.points[5 * k + 2])));
-    Real length = Real(1.0f);
-    if (C.even != 0) {
-      length = Real(C.points[5 * k + 3]);
-      if (k % 2 == 0) {
-        length = length * shorter;  // what would be shorter than r0 goes on at R
-        length = select(length < Real(C.inner), length * Real(C.one_over_inner), length);
-      } else {
-        length = fract(length + noise.z);
-      }
-    }
-    Real counts = Real(C.points[5 * k + 4]);
-    Vec3 point = scaled_on(v, length, position);
-    Bool found = surface && !surface;  // nowhere yet
-    Bool known = found;
-    // As the layer's camera sees it; the same for layers of one camera.
-    Real point_depth = depth;
-    Real own_depth = depth;
-    Real limit = depth;
-    Bool inside = surface;
-    Real x = depth;
-    Real y = depth;
-    for (int i = 0; i < C.layer_count; ++i) {
-      if (C.new_view[i] != 0) {
-        Vec3 there = point;
-        own_depth = depth;
-        if (C.other[i] != 0) {
-          there = turned_to(i, point) + added_to(i);
-          own_depth = -(turned_to(i, position) + added_to(i)).z;
+  Real last_column = Real(float(F.width - 1));
+  Real last_line = Real(float(F.height - 1));
+  int at_once = kListLength / C.layer_count;
+  for (int first = 0; first < C.samples; first += at_once) {
+    int end = first + at_once < C.samples ? first + at_once : C.samples;
+    int kept = 0;
+    int kept_sample[kListLength];
+    int kept_layer[kListLength];
+    for (int k = first; k < end; ++k) {
+      Vec3 v = scaled_on(along_x, Real(C.points[5 * k]),
+                         scaled_on(along_y, Real(C.points[5 * k + 1]), along_z * Real(C.points[5 * k + 2])));
+      Real length = Real(1.0f);
+      if (C.even != 0) {
+        length = Real(C.points[5 * k + 3]);
+        if (k % 2 == 0) {
+          length = length * shorter;  // what would be shorter than r0 goes on at R
+          length = select(length < Real(C.inner), length * Real(C.one_over_inner), length);
+        } else {
+          length = fract(length + noise.z);
         }
+      }
+      Vec3 point = scaled_on(v, length, position);
+      Bool known = surface && !surface;
+      // As the layer's camera sees it; the same for layers of one camera.
+      Real point_depth = depth;
+      Bool inside = surface;
+      Real x = depth;
+      Real y = depth;
+      Int place = own_place;
+      for (int i = 0; i < C.layer_count; ++i) {
+        if (C.new_view[i] != 0) {
+          Vec3 there = point;
+          if (C.other[i] != 0) there = turned_to(i, point) + added_to(i);
+          point_depth = max(-there.z, least_depth);
+          Real shrunk = Real(1.0f);
+          if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
+          x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
+          y = mad(there.y * shrunk, Real(C.scale_y[i]), Real(C.offset_y[i]));
+          Real column = floor(x);
+          Real line = floor(y);
+          x = clamp(column, Real(0.0f), last_column);
+          y = clamp(line, Real(0.0f), last_line);
+          place = place_of(x, y);
+          inside = surface && x == column && y == line;
+          if (C.clamp_border != 0 && C.other[i] == 0) inside = surface;
+          if (C.other[i] != 0) inside = inside && own_depth_of(i, position) > 0.0f && -there.z > 0.0f;
+          known = known || inside;
+        }
+        Real tap = select(inside, read_depth_of(C.layer[i], place), Real(0.0f));
+        keep_tap_x(kept, x);
+        keep_tap_y(kept, y);
+        keep_tap_depth(kept, tap);
+        keep_sample_depth(kept, point_depth);
+        kept_sample[kept] = k;
+        kept_layer[kept] = i;
+        // No branch: whether any lies before it is hard to foresee.
+        kept += some(tap > 0.0f && point_depth - tap > least_nearer) ? 1 : 0;
+      }
+      count = count + select(known, Real(C.points[5 * k + 4]), Real(0.0f));
+    }
+    Bool found = surface && !surface;  // the sample point is hidden already
+    for (int slot = 0; slot < kept; ++slot) {
+      int i = kept_layer[slot];
+      int k = kept_sample[slot];
+      if (slot > 0 && k != kept_sample[slot - 1]) found = surface && !surface;
+      Real tap = kept_tap_depth(slot);
+      Real point_depth = kept_sample_depth(slot);
+      Real x = kept_tap_x(slot);
+      Real y = kept_tap_y(slot);
+      Bool before = tap > 0.0f && point_depth - tap > least_nearer;
+      Vec3 seen = seen_position(i, x, y, tap);
+      Vec3 occluder = seen;
+      Real own_depth = depth;
+      Real limit = own_limit;
+      if (C.other[i] != 0) {
+        occluder = turned_back(i, seen - added_to(i));
+        own_depth = own_depth_of(i, position);
         limit = range_limit(own_depth);
-        point_depth = max(-there.z, least_depth);
-        Real shrunk = Real(1.0f);
-        if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
-        x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
-        y = mad(there.y * shrunk, Real(C.scale_y[i]), Real(C.offset_y[i]));
-        Real column = floor(x);
-        Real line = floor(y);
-        x = clamp(column, Real(0.0f), Real(float(F.width - 1)));
-        y = clamp(line, Real(0.0f), Real(float(F.height - 1)));
-        inside = x == column && y == line;
-        if (C.clamp_border != 0 && C.other[i] == 0) inside = surface;
-        if (C.other[i] != 0) inside = inside && own_depth > 0.0f && -there.z > 0.0f;
-        known = known || inside;
       }
-      Real tap = load_depth_of(C.layer[i], to_int(x), to_int(y));
-      Bool before = inside && tap > 0.0f && point_depth - tap > least_nearer;
-      if (some(before)) {
-        Vec3 seen = seen_position(i, x, y, tap);
-        Vec3 occluder = seen;
-        if (C.other[i] != 0) occluder = turned_back(i, seen - added_to(i));
-        Vec3 way = occluder - position;
-        Real weight = range_weight(own_depth, tap, limit);
-        before = before && weight > 0.0f;
-        Bool hides = before && !found;
-        if (C.rises != 0) hides = hides && dot(way, normal) > least_height;
-        hidden = hidden + select(hides, weight * counts, Real(0.0f));
-        found = found || hides;
-        if (kGathersLight) {
-          // The rest of it hangs on the emitter.
-          before = before && dot(way, normal) > rounding;
-          if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
-        }
-        if (kGathersLight && some(before)) {
-          // Lanes that have no occluder read their own pixel, which is at hand.
-          Int column = select(before, to_int(x), px);
-          Int row = select(before, to_int(y), py);
-          Vec3 facing = normal_of(C.layer[i], column, row);
-          Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
-          if (C.orthographic[i] == 0) sight = seen * rsqrt(dot(seen, seen));
-          if (C.other[i] != 0) {
-            facing = turned_back(i, facing);
-            sight = turned_back(i, sight);
-          }
-          Bool away = dot(way, facing) >= 0.0f;
-          bool both_sides = C.back[i] >= 0 && some(before && away);
-          if (both_sides) {
-            Vec3 back = normal_of(C.back[i], column, row);
-            if (C.other[i] != 0) back = turned_back(i, back);
-            facing = select(away, back, facing);
-          }
-          if (!both_sides) before = before && !away;
-          if (some(before)) {
-            Real widening = C.orthographic[i] != 0 ? Real(1.0f) : point_depth / tap;
-            Real share = arriving_share(way, normal, facing, sight, widening) * weight;
-            before = before && share > 0.0f;
-            column = select(before, column, px);
-            row = select(before, row, py);
-            Vec3 sent = sent_of(C.layer[i], column, row);
-            if (both_sides) sent = select(away, sent_of(C.back[i], column, row), sent);
-            light = light + sent * select(before, share, Real(0.0f));
-          }
-        }
+      Vec3 way = occluder - position;
+      Real weight = range_weight(own_depth, tap, limit);
+      before = before && weight > 0.0f;
+      Bool hides = before && !found;
+      if (C.rises != 0) hides = hides && dot(way, normal) > least_height;
+      hidden = hidden + select(hides, weight * Real(C.points[5 * k + 4]), Real(0.0f));
+      found = found || hides;
+      if (kGathersLight) {
+        // Whether it faces the pixel, and what it sends, is looked up later.
+        before = before && dot(way, normal) > rounding;
+        if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
+        append_found_pixel(found_count, before, (to_uint(to_int(y)) << 16) | to_uint(to_int(x)));
+        append_found_by(found_count, before, to_uint(this_lane() + Int(i * 256)));
+        append_found_depth(found_count, before, tap);
+        append_hidden_depth(found_count, before, point_depth);
+        found_count += how_many(before);
       }
     }
-    count = count + select(known, counts, Real(0.0f));
+    if (kGathersLight && (end == C.samples || found_count > kMostFound - kListLength * kLanes)) {
+      for (int i = 0; i < C.layer_count; i = C.view_end[i]) {
+        light = with_light_of_found(light, found_count, i, position, normal, own_place);
+      }
+      found_count = 0;
+    }
   }
   Real closed = hidden * Real(C.weight) / max(count, Real(1e-6f));
   bool darkens = C.occlusion != 0;

@@ -4,8 +4,8 @@ IN_VECTOR(normal)
 OUT_REAL(ao)
 
 CONST bool kGathersLight = false;
-FN Vec3 normal_of(int layer, Int x, Int y) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
-FN Vec3 sent_of(int layer, Int x, Int y) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+FN Vec3 normal_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+FN Vec3 sent_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
 FN void store_light(Vec3 light) {}
 #include "effects/hemisphere/hemisphere.kernel.h"
 

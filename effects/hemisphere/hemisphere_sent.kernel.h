@@ -1,23 +1,51 @@
-// What each pixel of the first layer sends on: its direct light and its ambient light. How much of the ambient light
-// gets there is a guess in the first round; after that it is known from the round before, and so is the light that has
-// bounced. Based on [Colliander and Törnquist 2015], "Discussion", which leaves the bounce of ambient light open.
-IN_COLOR(direct)
-IN_COLOR(ambient)
+// What each pixel of every layer sends on, and where it faces, packed for the pixels that look it up: its direct light
+// and its ambient light. How much of the ambient light gets there is a guess in the first round; after that it is known
+// of the first layer from the round before, and so is the light that has bounced. Based on [Colliander and Törnquist
+// 2015], "Discussion", which leaves the bounce of ambient light open.
+IN_LAYERS_VECTOR(normal)
+IN_LAYERS_COLOR(direct)
+IN_LAYERS_COLOR(ambient)
 IN_COLOR(albedo)
 IN_COLOR(indirect)
 IN_REAL(ao)
-OUT_COLOR(hemisphere_sent)
+OUT_LAYERS_REAL(hemisphere_facing)
+OUT_LAYERS_REAL(hemisphere_sum)
+OUT_LAYERS_REAL(hemisphere_shares)
+
+#include "effects/hemisphere/hemisphere_packed.kernel.h"
 
 CONST float kMostSent = 1e15f;  // a sum of 256 of them is finite
 FN Real bounded(Real v) { return clamp(finite_or_zero(v), Real(0.0f), Real(kMostSent)); }
 
+FN void store_sent(int layer, Vec3 sent, Bool faces) {
+  sent =
+      select(faces, Vec3(bounded(sent.x), bounded(sent.y), bounded(sent.z)), Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
+  store_hemisphere_sum_of(layer, light_sum(sent));
+  store_hemisphere_shares_of(layer, light_shares(sent));
+}
+
+FN Vec3 sent_at_first(int layer) {
+  return near_direct_of(layer, 0, 0) + near_ambient_of(layer, 0, 0) * Real(C.openness * C.ambient_bounce);
+}
+
 FN void hemisphere_sent_pixel(Int px, Int py) {
-  Vec3 sent = near_direct(0, 0);
-  Real open = Real(C.openness);
-  if (F.round > 0) {
-    open = near_ao(0, 0);
-    sent = sent + near_albedo(0, 0) * near_indirect(0, 0);
+  for (int i = 0; i < C.layer_count; ++i) {
+    int layer = C.layer[i];
+    if (F.round > 0 && layer > 0) continue;
+    Vec3 normal = near_normal_of(layer, 0, 0);
+    Real squared = dot(normal, normal);
+    Bool faces = squared > 1e-20f && squared < 1e20f;  // some way
+    Vec3 sent = sent_at_first(layer);
+    if (F.round == 0) {
+      store_hemisphere_facing_of(layer, packed_normal(select(faces, normal, Vec3(Real(0.0f), Real(0.0f), Real(1.0f)))));
+    } else {
+      sent = near_direct(0, 0) + near_albedo(0, 0) * near_indirect(0, 0) +
+             near_ambient(0, 0) * (near_ao(0, 0) * Real(C.ambient_bounce));
+    }
+    store_sent(layer, sent, faces);
+    if (C.back[i] >= 0 && F.round == 0) {
+      store_sent(C.back[i], sent_at_first(C.back[i]), faces);
+      store_hemisphere_facing_of(C.back[i], Real(0.0f));  // opposite to the front's: nobody asks
+    }
   }
-  sent = sent + near_ambient(0, 0) * (open * Real(C.ambient_bounce));
-  store_hemisphere_sent(Vec3(bounded(sent.x), bounded(sent.y), bounded(sent.z)));
 }

@@ -36,11 +36,9 @@ FN Int block_start(Int at) { return to_signed(to_uint(at) & to_uint(Int(-C.facto
 
 // Of the block (i, j) to the right and below this pixel's: how little its corner belongs to this pixel, by the distance
 // of each from the other's plane, and the angle of their normals; at least 1.
-FN Real misfit_of(int i, int j, Int px, Int py) {
-  Real own_depth = near_depth(0, 0);
+FN Real misfit_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
+  Real own_depth = -position.z;
   Bool surface = is_surface(own_depth);
-  Vec3 position = view_position(px, py, own_depth);
-  Vec3 normal = near_normal(0, 0);
   Int x = block_start(px) + Int(i * C.factor);
   Int y = block_start(py) + Int(j * C.factor);
   Real depth = corner_depth(C.factor, i, j);
@@ -52,7 +50,9 @@ FN Real misfit_of(int i, int j, Int px, Int py) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : min(depth, own_depth);
   Real distance = mad(abs(way.z), Real(kSlack), Real(F.ray_scale_x * C.distance) * spread);
   Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
-  Real misfit = max(max(off / max(distance, Real(1e-30f)), turned), Real(1.0f));
+  Real misfit = max(turned, Real(1.0f));
+  // Most are near enough. Where a number is none, the division keeps it so.
+  if (some(!(off <= distance))) misfit = max(max(off / max(distance, Real(1e-30f)), turned), Real(1.0f));
   misfit = select(misfit < kOtherKind, misfit, Real(kOtherKind));  // also where it is no number
   misfit = select(surface && other_surface, misfit, Real(kOtherKind));
   misfit = select(!surface && !other_surface, Real(1.0f), misfit);
@@ -61,7 +61,9 @@ FN Real misfit_of(int i, int j, Int px, Int py) {
 }
 
 // How much it belongs to this pixel, 0 to 1.
-FN Real joint_of(int i, int j, Int px, Int py) { return max(Real(kNoJoint) - misfit_of(i, j, px, py), Real(0.0f)); }
+FN Real joint_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
+  return max(Real(kNoJoint) - misfit_of(i, j, px, py, position, normal), Real(0.0f));
+}
 
 // How far the pixel lies from its block's corner, in blocks.
 FN Vec2 offset_of(Int px, Int py) {
@@ -73,10 +75,16 @@ FN Vec2 offset_of(Int px, Int py) {
 // corner, and x is -1 where too few of the four join.
 FN Vec3 shares_of(Int px, Int py) {
   Vec2 at = offset_of(px, py);
-  Real own = (1.0f - at.x) * (1.0f - at.y) * joint_of(0, 0, px, py);
-  Real right = at.x * (1.0f - at.y) * joint_of(1, 0, px, py);
-  Real below = (1.0f - at.x) * at.y * joint_of(0, 1, px, py);
-  Real both = at.x * at.y * joint_of(1, 1, px, py);
+  Vec3 position = view_position(px, py, near_depth(0, 0));
+  Vec3 normal = near_normal(0, 0);
+  Real own = (1.0f - at.x) * (1.0f - at.y) * joint_of(0, 0, px, py, position, normal);
+  Real right = at.x * (1.0f - at.y) * joint_of(1, 0, px, py, position, normal);
+  Real below = Real(0.0f);
+  Real both = Real(0.0f);
+  if (some(at.y > 0.0f)) {
+    below = (1.0f - at.x) * at.y * joint_of(0, 1, px, py, position, normal);
+    both = at.x * at.y * joint_of(1, 1, px, py, position, normal);
+  }
   Real sum = own + right + (below + both);
   Real scale = Real(1.0f) / max(sum, Real(kFew));
   Bool corner = at.x + at.y == Real(0.0f);  // whatever its joint: a normal that is no number fits nowhere
@@ -89,7 +97,7 @@ FN Real wide_weight(int i, int j, Int px, Int py) {
   Vec2 at = offset_of(px, py);
   Real x = at.x - float(i);
   Real y = at.y - float(j);
-  Real misfit = misfit_of(i, j, px, py);
+  Real misfit = misfit_of(i, j, px, py, view_position(px, py, near_depth(0, 0)), near_normal(0, 0));
   Real inverse = Real(1.0f) / (misfit * misfit);
   Real joint = max(Real(kNoJoint) - misfit, inverse * inverse * kLeastJoint);
   return select(misfit < kOutside, joint / max(mad(x, x, y * y), Real(kLeastSquare)), Real(0.0f));
