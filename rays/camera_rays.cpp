@@ -40,7 +40,7 @@ bool within_reach(const CameraRays& rays, const PictureInfo& info) {
   for (const float x : {0.0f, float(info.width)})
     for (const float y : {0.0f, float(info.height)}) {
       const glm::vec3 reach = glm::max(glm::abs(rays.origin_at(x, y)), glm::abs(rays.direction_at(x, y)));
-      if (!(std::max({reach.x, reach.y, reach.z}) < kEmbreeInfinity)) return false;
+      if (!(reach.x < kEmbreeInfinity && reach.y < kEmbreeInfinity && reach.z < kEmbreeInfinity)) return false;
     }
   return true;
 }

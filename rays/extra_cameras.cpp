@@ -24,8 +24,11 @@ constexpr float kFarthest = 1.6f;        // c from the eye, in median depths
 constexpr float kClearlyBetter = 1.1f;
 constexpr float kNearest = 1e-3f;  // least distance of an eye from c, as a share of the picture's own
 
-/// Distance to the first surface, in lengths of `direction`.
+/// Distance to the first surface, in lengths of `direction`; infinite where a ray would leave the range of floats.
 float free_distance(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction) {
+  constexpr float kLargest = 1e18f;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(std::abs(origin[axis]) < kLargest && std::abs(direction[axis]) < kLargest)) return kInfinity;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   alignas(16) RTCRayHit hit{};
@@ -52,7 +55,7 @@ float median_depth(const TracedScene& traced, const PictureInfo& info) {
         const float x = (float(i) + 0.5f) / kGrid * float(info.width),
                     y = (float(j) + 0.5f) / kGrid * float(info.height);
         const float depth = free_distance(traced, rays.origin_at(x, y), rays.direction_at(x, y));
-        if (std::isfinite(depth)) depths.push_back(depth);
+        if (std::isfinite(depth) && depth > 0.0f) depths.push_back(depth);
       }
   if (depths.empty()) return 0.5f * (info.depth_min + info.depth_max);
   const auto middle = depths.begin() + std::ptrdiff_t(depths.size() / 2);
@@ -125,7 +128,7 @@ std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& 
       const float ahead = free_distance(traced, traced.unit_of(point), sides[k]) / traced.scale;
       // From outside a room nothing in it is seen. Straight ahead the way out may be one that the eye has not.
       left_the_house = left_the_house || (k > 0 && !std::isfinite(ahead) && !eye_sees_out[k]);
-      free[k] = std::clamp(kShareOfRoom * ahead, kNearest * own_distance, depth * axis_length);
+      free[k] = std::max(std::min(kShareOfRoom * ahead, depth * axis_length), kNearest * own_distance);
       room +=
           std::sqrt(std::min(free[k] / own_distance, 1.0f));  // a little room for each is worth more than much for one
     }

@@ -1,5 +1,7 @@
 #include "rays/traced_scene.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -77,6 +79,11 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
 glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from) {
   const glm::vec3 extent = glm::abs(surface.position) + glm::abs(surface.position - seen_from);
   return surface.position + surface.geometric * (kStartOffset * std::max({extent.x, extent.y, extent.z}));
+}
+
+Result<TracedScenePtr> trace_ready(const Scene& scene, int threads) {
+  tbb::task_arena arena(threads);
+  return arena.execute([&] { return trace_ready(scene); });
 }
 
 Result<TracedScenePtr> trace_ready(const Scene& scene) {

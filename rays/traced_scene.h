@@ -35,6 +35,8 @@ using TracedScenePtr = std::unique_ptr<TracedScene, FreeTracedScene>;
 /// Builds the hierarchy. The scene must outlive the result. Rays pass where a texture's alpha is cut away.
 /// Errors: kDevice where Embree cannot (out of memory).
 Result<TracedScenePtr> trace_ready(const Scene& scene);
+/// The same by so many threads.
+Result<TracedScenePtr> trace_ready(const Scene& scene, int threads);
 
 /// What a ray met, in unit space.
 struct Surface {

@@ -1435,10 +1435,13 @@ TEST(CaptureExtraViews, TheirNumberTheLayersAndTheGuardBandDoNotMoveThem) {
 }
 
 TEST(CaptureExtraViews, ScenesAndCamerasThatShowNothingStillGiveThem) {
-  for (const Scene& scene : {scene_of({square(1.0f)}), scene_of({shapes::sphere(1.0f, 16, 8)})})
+  for (const Scene& scene :
+       {scene_of({square(1.0f)}), scene_of({shapes::sphere(1.0f, 16, 8)}), scene_of({square(1e-20f)})})
     for (const Camera& camera : {perspective_camera({0, 0, 5}, {0, 0, 9}, {0, 1, 0}, 40.0f, 1.0f), from_above(3.0f),
                                  perspective_camera({0, 0, 0.5f}, {0, 0, 0}, {0, 1, 0}, 170.0f, 1.0f),
-                                 perspective_camera({0, 0, 1e16f}, {0, 0, 0}, {0, 1, 0}, 40.0f, 1.0f)}) {
+                                 perspective_camera({0, 0, 1e16f}, {0, 0, 0}, {0, 1, 0}, 40.0f, 1.0f),
+                                 // On the surface, which half of the rays leave at once.
+                                 perspective_camera({0, 0, 0}, {1, 0.01f, 0.001f}, {0, 0, 1}, 40.0f, 1.0f)}) {
       const Picture picture = capture_with({.width = 5, .height = 5, .extra_views = 4}, scene, camera);
       ASSERT_EQ(picture.info.more_layers.size(), 4u);
       for (const LayerInfo& layer : picture.info.more_layers) {

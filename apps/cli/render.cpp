@@ -37,6 +37,13 @@ std::map<std::string, std::vector<std::string>> groups_of(const Image& image) {
   return groups;
 }
 
+/// The depth layer that a plane belongs to.
+int layer_of(std::string_view plane) {
+  for (int layer = 1; layer < kMostLayers; ++layer)
+    if (plane.starts_with(layer_plane(layer, ""))) return layer;
+  return 0;
+}
+
 /// The layers that a picture must have for a pass, where they are all that it lacks, or 0.
 int layers_for(std::string_view pass, std::span<const std::string> names) {
   for (int layer = 1; layer < kMostLayers; ++layer) {
@@ -67,19 +74,25 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int 
         ((*found)->kind == EffectKind::kOcclusion || (*found)->kind == EffectKind::kFilter))
       found = std::find(all.begin(), all.end(), find_effect("upsample"));
     if (found != all.end())
-      for (const Pass& pass : (*found)->passes)
+      for (const Pass& pass : (*found)->passes) {
+        if (pass.needed && !pass.needed(recipe->settings.find((*found)->name)->second)) continue;
         // Inputs too: what nobody made, such as `ao` under --ao none, becomes a neutral plane.
         for (const auto* planes : {&pass.inputs, &pass.outputs})
           for (std::string_view plane : *planes) {
+            if (plane.starts_with("layer")) continue;  // one that was captured, or nobody's
             const std::string group = group_of(plane);
             if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
           }
+      }
   }
   names.push_back("all");
   const std::vector<std::string> words = split(*o.passes);
   for (const std::string& word : words) {
     if (std::find(names.begin(), names.end(), word) == names.end()) {
-      if (const int layers = layers_for(word, captured); layers > 0)
+      const int layers = layers_for(word, captured);
+      if (layers > 0 && (draw.extra_views.value_or(0) > 0 || recipe->look->back_sides || recipe->look->extra_views > 0))
+        return usage_error("there is no pass '{}': this picture has {} layers, counted from 0", word, captured_layers);
+      if (layers > 0)
         return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, captured_layers,
                            layers);
       return usage_error("there is no pass '{}'{}", word, suggestion(word, names));
@@ -138,7 +151,14 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
   }
   const auto all = device.download(frame, {});
   if (!all) return all.error();
-  if (*o.passes == "all") return write_image(o.output, *all, settings);
+  if (*o.passes == "all") {
+    // Of layers that nobody captured there are but neutral planes.
+    std::vector<std::string> names;
+    for (const std::string& name : all->names)
+      if (layer_of(name) <= int(frame.info.more_layers.size())) names.push_back(name);
+    const auto image = device.download(frame, names);
+    return image ? write_image(o.output, *image, settings) : image.error();
+  }
   const auto groups = groups_of(*all);
   std::vector<std::string> names;
   for (const std::string& word : split(*o.passes)) {

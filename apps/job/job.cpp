@@ -136,6 +136,12 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
 
 namespace {
 
+/// Whether an effect sees by the scene's lights, or brings its own.
+bool by_scene_lights(const Effect& effect, const EffectSettings& settings) {
+  const Parameter* rig = find_parameter(effect, "rig");
+  return rig && parameter_text(*rig, settings.find(effect.name)->second) == "scene";
+}
+
 /// The shadows that effects of the look read and do not leave out, as so many of the first lights: others are not
 /// traced.
 int wanted_shadows(const Recipe& recipe) {
@@ -145,6 +151,7 @@ int wanted_shadows(const Recipe& recipe) {
     if (!effect) continue;
     const Parameter* strength = find_parameter(*effect, "shadow");
     if (strength && parameter_text(*strength, recipe.settings.find(effect->name)->second) == "0") continue;
+    if (find_parameter(*effect, "rig") && !by_scene_lights(*effect, recipe.settings)) continue;
     for (const Pass& pass : effect->passes)
       for (int light = wanted; light < kMostShadows; ++light)
         if (std::find(pass.inputs.begin(), pass.inputs.end(), shadow_plane(light)) != pass.inputs.end())
@@ -165,15 +172,21 @@ Result<void> apply_radius(const std::string& text, const PictureInfo& info, Effe
 }
 
 /// Gives lights to a scene that has none.
-Result<void> add_lights(Scene& scene, const Camera& camera, const DrawSettings& settings) {
+Result<void> add_lights(Scene& scene, const Camera& camera, const DrawSettings& settings, const Recipe& recipe,
+                        int threads) {
   // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
   constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
   scene.lights = default_lights(scene, camera);
   const glm::vec3 eye = camera.eye();
   const bool inside =
       glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
-  if (!inside) return {};
-  const auto traced = trace_ready(scene);
+  bool seen = recipe.occlusion == reference_effect().name;
+  for (const std::string_view name : recipe.look->effects) {
+    const Effect* effect = find_effect(name);
+    seen = seen || (effect && by_scene_lights(*effect, recipe.settings));
+  }
+  if (!inside || !seen) return {};
+  const auto traced = trace_ready(scene, threads);
   if (!traced) return traced.error();
   const PictureInfo info{.width = settings.width, .height = settings.height, .camera = camera};
   std::vector<Light> lights = interior_lights(**traced, info, scene.lights);
@@ -212,6 +225,9 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
     if (const auto radius = parse_radius("--ao-radius", draw.radius); !radius) return radius.error();
   recipe.settings = look_settings(*recipe.look, handed_in());
   for (const std::string& setting : draw.settings)
+    if (setting.starts_with("upsample.factor=") || setting.starts_with("upsample.indirect="))
+      return usage_error("--set {}: {} follows from --ao-scale", setting, setting.substr(0, setting.find('=')));
+  for (const std::string& setting : draw.settings)
     if (auto done = apply_setting(recipe.settings, setting, handed_in()); !done) return done.error();
   return recipe;
 }
@@ -221,7 +237,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   if (!recipe) return recipe.error();
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty())
-    if (auto added = add_lights(scene, camera, settings); !added) return added.error();
+    if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
   const auto capture_with =
       capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();
@@ -235,7 +251,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
       if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) return done.error();
   }
   const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
-    const auto traced = trace_ready(scene);
+    const auto traced = trace_ready(scene, device.threads());
     if (!traced) return traced.error();
     const auto planes = trace_reference(**traced, on.info, params, {device.threads(), settings.progress});
     return planes ? device.add(*planes, on) : planes.error();

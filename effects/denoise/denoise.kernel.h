@@ -29,12 +29,15 @@ FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool
   Real depth = near_depth(i, j);
   Vec3 other_normal = near_normal(i, j);
   Vec3 way = view_position(px + Int(i), py + Int(j), depth) - position;
-  Real off = max(abs(dot(way, normal)), abs(dot(way, other_normal)));
+  Real off_own = abs(dot(way, normal));
+  Real off_other = abs(dot(way, other_normal));
+  Real off = max(off_own, off_other);
   Real spread = F.orthographic != 0 ? Real(1.0f) : min(depth, -position.z);
   Real distance = mad(abs(way.z), Real(kSlack), Real(F.ray_scale_x * C.distance) * spread);
   Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
   Real misfit = max(turned, off / max(distance, Real(1e-30f)));
-  // No number, of a normal or a position, is no joint: clamp gives 0.
   Real joint = clamp(Real(kNoJoint) - misfit, Real(0.0f), Real(1.0f));
-  return select(surface && is_surface(depth) && near_inside(i, j), joint * Real(most), Real(0.0f));
+  // What is no number, of a normal or a position, is no joint; max overlooks it.
+  Bool number = is_finite(turned + (off_own + off_other));
+  return select(number && surface && is_surface(depth) && near_inside(i, j), joint * Real(most), Real(0.0f));
 }

@@ -45,15 +45,19 @@ FN Real misfit_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   Bool other_surface = is_surface(depth);
   Vec3 other_normal = corner_normal(C.factor, i, j);
   Vec3 way = view_position(x, y, depth) - position;
-  Real off = max(abs(dot(way, normal)), abs(dot(way, other_normal)));
+  Real off_own = abs(dot(way, normal));
+  Real off_other = abs(dot(way, other_normal));
+  Real off = max(off_own, off_other);
   // The smaller pixel of the two, so that either finds the other equally far.
   Real spread = F.orthographic != 0 ? Real(1.0f) : min(depth, own_depth);
   Real distance = mad(abs(way.z), Real(kSlack), Real(F.ray_scale_x * C.distance) * spread);
   Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
   Real misfit = max(turned, Real(1.0f));
-  // Most are near enough. Where a number is none, the division keeps it so.
+  // Most are near enough.
   if (some(!(off <= distance))) misfit = max(max(off / max(distance, Real(1e-30f)), turned), Real(1.0f));
-  misfit = select(misfit < kOtherKind, misfit, Real(kOtherKind));  // also where it is no number
+  // max overlooks what is no number.
+  Bool number = is_finite(turned + (off_own + off_other));
+  misfit = select(number && misfit < kOtherKind, misfit, Real(kOtherKind));
   misfit = select(surface && other_surface, misfit, Real(kOtherKind));
   misfit = select(!surface && !other_surface, Real(1.0f), misfit);
   Bool inside = x >= Int(0) && y >= Int(0) && x < Int(F.width) && y < Int(F.height);
