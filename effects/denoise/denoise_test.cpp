@@ -239,6 +239,16 @@ TEST(Denoise, StrengthsHoldForTheirOwnPlanes) {
   EXPECT_LT(changed({{"occlusion", "0.5"}}, "ao"), 0.9 * ao);
 }
 
+TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {
+  GBuffer g = flat(30, 12, 0.5f);
+  g.layers[0].plane("normal.x").at(9, 5) = std::nanf("");
+  g.layers[0].plane("ao").at(9, 5) = 0.9f;
+  test::on_every_target("denoise", g, both(1), [&](const Image& image) {
+    EXPECT_FLOAT_EQ(image.plane("ao").at(9, 5), 0.9f);
+    for (const int x : {7, 8, 10, 11}) EXPECT_FLOAT_EQ(image.plane("ao").at(x, 5), 0.5f) << x;
+  });
+}
+
 TEST(Denoise, WhatIsNoNumberIsOpenAndDark) {
   GBuffer g = flat(30, 12, 0.5f);
   const float odd[] = {std::nanf(""), kInfinity, -kInfinity, 3e38f};
