@@ -25,6 +25,7 @@ struct Planes {
   std::vector<std::string> neutral;  ///< names that have been asked for, in that order; `image` may have got one since
   std::map<float, Plane> constants;
   std::map<std::string, std::pair<int, int>> placed;  ///< by name, size of the reduced picture that lies there
+  std::shared_ptr<Planes> last_reduced;               ///< what was made of this last at reduced resolution
 };
 
 Planes& planes_of(const Frame& frame) { return *static_cast<Planes*>(frame.storage.get()); }
@@ -166,7 +167,12 @@ class CpuDevice final : public Device {
     check_less(0, factor, "factor of a reduced frame");
     Frame small;
     small.info = reduced_info(frame.info, factor);
-    auto planes = std::make_shared<Planes>(Planes{Image(small.info.width, small.info.height)});
+    // Planes of a reduced frame that nobody has any more are written anew: fresh memory costs as much as the technique.
+    std::shared_ptr<Planes>& last = planes_of(frame).last_reduced;
+    const bool again = last && last.use_count() == 1 && last->image.width == small.info.width &&
+                       last->image.height == small.info.height;
+    if (!again) last = std::make_shared<Planes>(Planes{Image(small.info.width, small.info.height)});
+    std::shared_ptr<Planes> planes = last;
     // The first pixel of each block, not their mean: a mean of two surfaces' depths lies on neither of them, and there
     // a technique would find occluders in the air. The first and not the nearest, so that one camera fits all of them.
     for (const std::string& name : names)
