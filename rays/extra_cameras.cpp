@@ -24,25 +24,10 @@ constexpr float kFarthest = 1.6f;        // c from the eye, in median depths
 constexpr float kClearlyBetter = 1.1f;
 constexpr float kNearest = 1e-3f;  // least distance of an eye from c, as a share of the picture's own
 
-/// Distance to the first surface, in lengths of `direction`; infinite where a ray would leave the range of floats.
+/// Distance to the first surface, in lengths of `direction`.
 float free_distance(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction) {
-  constexpr float kLargest = 1e18f;
-  for (int axis = 0; axis < 3; ++axis)
-    if (!(std::abs(origin[axis]) < kLargest && std::abs(direction[axis]) < kLargest)) return kInfinity;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  alignas(16) RTCRayHit hit{};
-  hit.ray.org_x = origin.x;
-  hit.ray.org_y = origin.y;
-  hit.ray.org_z = origin.z;
-  hit.ray.dir_x = direction.x;
-  hit.ray.dir_y = direction.y;
-  hit.ray.dir_z = direction.z;
-  hit.ray.tfar = kInfinity;
-  hit.ray.mask = ~0u;
-  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(traced.rtc, &context, &hit);
-  return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kInfinity : hit.ray.tfar;
+  alignas(16) RTCRayHit hit;
+  return first_hit(traced, origin, direction, hit) ? hit.ray.tfar : kInfinity;
 }
 
 /// Median of the depths that the picture shows, or of nothing the scene's distance.

@@ -34,23 +34,6 @@ struct Seen {
   float distance;   // from the eye, scene units
 };
 
-bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  hit = {};
-  hit.ray.org_x = origin.x;
-  hit.ray.org_y = origin.y;
-  hit.ray.org_z = origin.z;
-  hit.ray.dir_x = direction.x;
-  hit.ray.dir_y = direction.y;
-  hit.ray.dir_z = direction.z;
-  hit.ray.tfar = kInfinity;
-  hit.ray.mask = ~0u;
-  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(traced.rtc, &context, &hit);
-  return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-}
-
 std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& info) {
   const CameraRays rays = camera_rays(traced, info);
   std::vector<Seen> seen;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <limits>
 
 namespace umbrage {
 
@@ -126,6 +127,26 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
     return device_error("{}: Embree cannot build its hierarchy of {} triangles (error {})", scene.name,
                         scene.triangle_count(), int(error));
   return traced;
+}
+
+bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit) {
+  constexpr float kLargest = 1e18f;
+  for (int axis = 0; axis < 3; ++axis)
+    if (!(std::abs(origin[axis]) < kLargest && std::abs(direction[axis]) < kLargest)) return false;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  hit = {};
+  hit.ray.org_x = origin.x;
+  hit.ray.org_y = origin.y;
+  hit.ray.org_z = origin.z;
+  hit.ray.dir_x = direction.x;
+  hit.ray.dir_y = direction.y;
+  hit.ray.dir_z = direction.z;
+  hit.ray.tfar = std::numeric_limits<float>::infinity();
+  hit.ray.mask = ~0u;
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(traced.rtc, &context, &hit);
+  return hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
 }  // namespace umbrage

@@ -61,6 +61,10 @@ glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from);
 /// Texture coordinates of a hit. The mesh must have some.
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);
 
+/// Whether a single ray, in unit space, meets a surface, and which one. It meets none where it would leave the range of
+/// floats.
+bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit);
+
 /// The largest packet of rays that Embree takes.
 inline constexpr int kPacket = 16;
 
