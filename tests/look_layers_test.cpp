@@ -89,5 +89,33 @@ TEST(LookLayers, TheUserWinsOverTheLook) {
   EXPECT_FALSE(capture_settings(draw, look, 1)) << "three layers of so many pixels";
 }
 
+// What stands near another camera hides much of the scene from it, and none of that from light.
+TEST(LookLayers, FurtherCamerasDarkenNothingThatTheFirstSeesInTheOpen) {
+  auto scene = load_scene("scene:room?detail=12000");
+  ASSERT_TRUE(scene);
+  const auto device = make_device("cpu", 0);
+  ASSERT_TRUE((*device)->prepare(*scene));
+  const auto occlusion_with = [&](int views) {
+    DrawSettings settings;
+    settings.width = 160;
+    settings.height = 120;
+    settings.look = "ao";
+    settings.occlusion = "hemisphere";
+    settings.settings = {"hemisphere.radius=25%"};
+    settings.extra_views = views;
+    StageTimes times;
+    const auto frame = draw(**device, *scene, settings, times);
+    EXPECT_TRUE(frame);
+    return *(*device)->download(*frame, {"ao"});
+  };
+  const Image alone = occlusion_with(0), seen_by_more = occlusion_with(3);
+  double darker = 0.0;
+  for (int y = 0; y < alone.height; ++y)
+    for (int x = 0; x < alone.width; ++x)
+      darker += std::max(alone.plane("ao").at(x, y) - seen_by_more.plane("ao").at(x, y), 0.0f);
+  // At the picture's border more is known, and may be dark.
+  EXPECT_LT(darker / (alone.width * alone.height), 0.02);
+}
+
 }  // namespace
 }  // namespace umbrage

@@ -294,6 +294,8 @@ FN void gather(Int px, Int py) {
       }
       Vec3 point = scaled_on(v, length, position);
       Bool known = surface && !surface;
+      // The first camera sees the sample point itself: it is in the open, whatever another camera has before it.
+      Bool open = known;
       // As the layer's camera sees it; the same for layers of one camera.
       Real point_depth = depth;
       Bool inside = surface;
@@ -323,7 +325,9 @@ FN void gather(Int px, Int py) {
         keep_tap_x(kept, x);
         keep_tap_y(kept, y);
         keep_tap_depth(kept, tap);
-        keep_sample_depth(kept, point_depth);
+        if (i == 0) open = inside && !(tap > 0.0f && point_depth - tap > least_nearer);
+        // Below 0 where what is found sends light, but does not hide.
+        keep_sample_depth(kept, select(open, -point_depth, point_depth));
         kept_sample[kept] = k;
         kept_layer[kept] = i;
         // No branch: whether any lies before it is hard to foresee.
@@ -337,7 +341,8 @@ FN void gather(Int px, Int py) {
       int k = kept_sample[slot];
       if (slot > 0 && k != kept_sample[slot - 1]) found = surface && !surface;
       Real tap = kept_tap_depth(slot);
-      Real point_depth = kept_sample_depth(slot);
+      Bool hideable = kept_sample_depth(slot) > 0.0f;
+      Real point_depth = abs(kept_sample_depth(slot));
       Real x = kept_tap_x(slot);
       Real y = kept_tap_y(slot);
       Bool before = tap > 0.0f && point_depth - tap > least_nearer;
@@ -354,6 +359,7 @@ FN void gather(Int px, Int py) {
       Real weight = range_weight(own_depth, tap, limit);
       before = before && weight > 0.0f;
       Bool hides = before && !found;
+      if (C.other[i] != 0) hides = hides && hideable && dot(way, way) <= Real(C.radius * C.radius);
       if (C.rises != 0) hides = hides && dot(way, normal) > least_height;
       hidden = hidden + select(hides, weight * Real(C.points[5 * k + 4]), Real(0.0f));
       found = found || hides;
