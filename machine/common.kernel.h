@@ -10,6 +10,36 @@ FN Vec3 normalized(Vec3 v) {
   return v * select(squared > 1e-30f, rsqrt(max(squared, 1e-30f)), Real(0.0f));
 }
 
+// Whether a pixel's depth is that of a surface.
+FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
+
+// Light beyond it is no number, nor is occlusion: sums must stay finite.
+CONST float kLargestLight = 1e30f;
+
+// Occlusion, or 1 (open) where it is no number.
+FN Real clean_ao(Real ao) { return select(abs(ao) <= kLargestLight, ao, Real(1.0f)); }
+
+// Light, or none where it is no number.
+FN Real clean_light(Real light) { return select(abs(light) <= kLargestLight, light, Real(0.0f)); }
+FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
+
+// The integer hash "lowbias32", found by search [Wellons 2018].
+FN Uint scrambled(Uint v) {
+  v = (v ^ (v >> 16)) * Uint(0x7feb352du);
+  v = (v ^ (v >> 15)) * Uint(0x846ca68bu);
+  return v ^ (v >> 16);
+}
+
+// Scaled to length 1; towards the eye where it is 0 or no number. Rounds alike on every machine: no rsqrt.
+FN Vec3 unit_normal(Vec3 n, Vec3 position) {
+  Real squared = dot(n, n);
+  Bool usable = squared > 1e-20f && squared < 1e20f;
+  Vec3 eye = F.orthographic != 0 ? Vec3(Real(0.0f), Real(0.0f), Real(1.0f)) : -position;
+  n = select(usable, n, eye);
+  Real length = sqrt(max(dot(n, n), Real(1e-30f)));
+  return n * (Real(1.0f) / length);
+}
+
 // View-space position of the centre of pixel (x, y) at a depth.
 FN Vec3 view_position(Int x, Int y, Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;

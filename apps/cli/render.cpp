@@ -37,13 +37,6 @@ std::map<std::string, std::vector<std::string>> groups_of(const Image& image) {
   return groups;
 }
 
-/// The depth layer that a plane belongs to.
-int layer_of(std::string_view plane) {
-  for (int layer = 1; layer < kMostLayers; ++layer)
-    if (plane.starts_with(layer_plane(layer, ""))) return layer;
-  return 0;
-}
-
 /// The layers that a picture must have for a pass, where they are all that it lacks, or 0.
 int layers_for(std::string_view pass, std::span<const std::string> names) {
   for (int layer = 1; layer < kMostLayers; ++layer) {
@@ -79,7 +72,7 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int 
         // Inputs too: what nobody made, such as `ao` under --ao none, becomes a neutral plane.
         for (const auto* planes : {&pass.inputs, &pass.outputs})
           for (std::string_view plane : *planes) {
-            if (plane.starts_with("layer")) continue;  // one that was captured, or nobody's
+            if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
             const std::string group = group_of(plane);
             if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
           }
@@ -155,7 +148,7 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
     // Of layers that nobody captured there are but neutral planes.
     std::vector<std::string> names;
     for (const std::string& name : all->names)
-      if (layer_of(name) <= int(frame.info.more_layers.size())) names.push_back(name);
+      if (layer_of_plane(name) <= int(frame.info.more_layers.size())) names.push_back(name);
     const auto image = device.download(frame, names);
     return image ? write_image(o.output, *image, settings) : image.error();
   }

@@ -5,8 +5,6 @@
 // out of it.
 CONST float kLargest = 1e15f;  // sums of 225 stay finite
 
-FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
-
 // 1 for a pixel that counts and 0 for one that does not: outside the picture, or background.
 FN Real counts(int i, int j, Real depth) {
   Bool there = near_inside(i, j);

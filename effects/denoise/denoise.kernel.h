@@ -13,16 +13,6 @@ CONST float kNoJoint = 2.0f;
 // Normals that were rounded, or interpolated over a coarse mesh, are off by a few degrees. On a surface seen at a
 // grazing angle the next pixel is far away, and off the plane by that share of the way.
 CONST float kSlack = 0.05f;
-CONST float kLargest = 1e30f;  // light beyond it is no number: sums of eight must stay finite
-
-FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
-
-// Occlusion, or 1 (open) where it is no number.
-FN Real clean_ao(Real ao) { return select(abs(ao) <= kLargest, ao, Real(1.0f)); }
-
-// Light, or none where it is no number.
-FN Real clean_light(Real light) { return select(abs(light) <= kLargest, light, Real(0.0f)); }
-FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
 
 // The weight of the neighbour (i, j) pixels right and down, of at most `most`.
 FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool surface, float most) {

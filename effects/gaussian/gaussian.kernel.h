@@ -10,10 +10,6 @@ IN_VECTOR(normal)
 // next pixel of one surface is off by its curvature alone, which is far less.
 CONST float kSameSurface = 1.0f;
 CONST float kOtherSurface = 2.0f;
-CONST float kLargest = 1e30f;  // occlusion beyond it is no number: sums of four must stay finite
-
-// Occlusion, or 1 (open) where it is no number.
-FN Real clean(Real ao) { return select(abs(ao) <= kLargest, ao, Real(1.0f)); }
 
 // How much a neighbour's occlusion belongs to this pixel: plane distance over the size of a pixel, from either side.
 // `position` and `normal` are this pixel's, `there` and `other` the neighbour's. Background (no finite depth) never

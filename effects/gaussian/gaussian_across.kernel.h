@@ -4,9 +4,9 @@ OUT_REAL(gaussian_ao)
 #include "effects/gaussian/gaussian.kernel.h"
 
 FN void gaussian_across_pixel(Int px, Int py) {
-  Real before = clean(near_ao(-1, 0));
-  Real own = clean(near_ao(0, 0));
-  Real after = clean(near_ao(1, 0));
+  Real before = clean_ao(near_ao(-1, 0));
+  Real own = clean_ao(near_ao(0, 0));
+  Real after = clean_ao(near_ao(1, 0));
   Real weight_before = Real(1.0f);
   Real weight_after = Real(1.0f);
   if (C.edges != 0) {

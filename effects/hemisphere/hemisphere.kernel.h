@@ -27,8 +27,6 @@ CONST float kMostLight = 1e18f;      // what a pixel gets stays a number
 
 #include "effects/hemisphere/hemisphere_basis.kernel.h"
 
-FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
-
 // e^x for x in [-8, 0] by operations that round alike everywhere: the series for x/16, squared four times.
 FN Real exp_of(Real x) {
   Real y = x * 0.0625f;

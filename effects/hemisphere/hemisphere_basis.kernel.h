@@ -1,25 +1,8 @@
 // The basis about a pixel's normal in which its sample points lie, and the noise that turns it. Based on [Colliander
 // and Törnquist 2015], "The Noise Texture" and "SSAO Pass".
 
-// The integer hash "lowbias32", found by search [Wellons 2018].
-FN Uint scrambled(Uint v) {
-  v = (v ^ (v >> 16)) * Uint(0x7feb352du);
-  v = (v ^ (v >> 15)) * Uint(0x846ca68bu);
-  return v ^ (v >> 16);
-}
-
 // In [0, 1).
 FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
-
-// Scaled to length 1; towards the eye where it is 0 or no number.
-FN Vec3 unit_normal(Vec3 n, Vec3 position) {
-  Real squared = dot(n, n);
-  Bool usable = squared > 1e-20f && squared < 1e20f;
-  Vec3 eye = F.orthographic != 0 ? Vec3(Real(0.0f), Real(0.0f), Real(1.0f)) : -position;
-  n = select(usable, n, eye);
-  Real length = sqrt(max(dot(n, n), Real(1e-30f)));
-  return n * (Real(1.0f) / length);
-}
 
 // The remainder of a pixel's coordinate by the tile's side.
 FN Int in_tile(Int x) {

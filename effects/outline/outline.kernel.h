@@ -17,8 +17,6 @@ OUT_REAL(outline)
 CONST float kLeastFacing = 0.01f;  // as in outline_find
 CONST float kSideEnds = 0.4f;      // a surface ends at a crossing that lies more than this on one side
 
-FN Bool is_surface(Real depth) { return is_finite(depth) && depth > 0.0f; }
-
 FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 
 // Where a crossing lies between its two pixels.

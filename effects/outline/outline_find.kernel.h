@@ -43,8 +43,6 @@ CONST float kWeight0 = 9.0f;
 CONST float kWeight1 = 8.5f;
 CONST float kWeight2 = 7.0f;
 
-FN Bool is_surface(Real depth) { return is_finite(depth) && depth > 0.0f; }
-
 // Nearness of a pixel, and how it changes by one pixel to the right (`rightwards` 1) or down (0) on its own plane.
 FN Vec2 nearness(Int px, Int py, int i, int j, int rightwards) {
   Real depth = near_depth(i, j);

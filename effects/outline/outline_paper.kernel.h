@@ -8,8 +8,6 @@ IN_REAL(outline_window)
 INOUT_COLOR(lit)
 OUT_REAL(outline)
 
-FN Bool is_surface(Real depth) { return is_finite(depth) && depth > 0.0f; }
-
 FN void outline_paper_pixel(Int px, Int py) {
   Real base = near_outline_window(0, 0);
   Vec3 base_normal = near_normal(0, 0);

@@ -14,13 +14,6 @@ CONST float kWindowRounding = 4.7683716e-7f;  // 2^-21 of the range of window de
 CONST float kDepthRounding = 2e-6f;           // share of the depth: 16 to 32 steps of a float
 CONST float kLeastDepth = 1e-3f;              // a sample behind the eye is moved to this share of the pixel's depth
 
-// The integer hash "lowbias32", found by search [Wellons 2018].
-FN Uint scrambled(Uint v) {
-  v = (v ^ (v >> 16)) * Uint(0x7feb352du);
-  v = (v ^ (v >> 15)) * Uint(0x846ca68bu);
-  return v ^ (v >> 16);
-}
-
 FN Real minus_one_to_one(Uint v) { return mad(to_real(v >> 8), Real(1.1920929e-7f), Real(-1.0f)); }  // 2^-23
 
 // The tile of random vectors: pixel i of one holds the same vector as pixel i of the next. Not of unit length, and
@@ -40,24 +33,12 @@ FN Vec3 random_vector(Int px, Int py) {
   return Vec3(minus_one_to_one(seed) + 5.9604645e-8f, minus_one_to_one(second), minus_one_to_one(third));
 }
 
-// Scaled to length 1; towards the eye where it is 0 or no number.
-FN Vec3 unit_normal(Vec3 n, Vec3 position) {
-  Real squared = dot(n, n);
-  Bool usable = squared > 1e-20f && squared < 1e20f;
-  Vec3 eye = F.orthographic != 0 ? Vec3(Real(0.0f), Real(0.0f), Real(1.0f)) : -position;
-  n = select(usable, n, eye);
-  Real length = sqrt(max(dot(n, n), Real(1e-30f)));
-  return n * (Real(1.0f) / length);
-}
-
 // What is compared: window depth, or depth itself.
 FN Real compared_depth(Real depth) {
   if (C.linear != 0) return depth;
   Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));  // as the frustum's planes would have cut it
   return Real(C.window_one) - Real(C.window_inverse) / between;
 }
-
-FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
 
 // How much a sample counts, by how much nearer than the pixel its occluder is.
 FN Real range_weight(Real nearer, Real limit) {

@@ -20,16 +20,6 @@ CONST float kLeastSquare = 1e-2f;  // of a distance in blocks: the nearest pixel
 // What rounds a normal, and interpolates it over a coarse mesh, turns it by a few degrees. On a surface seen at a
 // grazing angle the next pixel is far away, and off the plane by that share of the way.
 CONST float kSlack = 0.05f;
-CONST float kLargest = 1e30f;  // light beyond it is no number
-
-FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
-
-// Occlusion, or 1 (open) where it is no number.
-FN Real clean_ao(Real ao) { return select(abs(ao) <= kLargest, ao, Real(1.0f)); }
-
-// Light, or none where it is no number.
-FN Real clean_light(Real light) { return select(abs(light) <= kLargest, light, Real(0.0f)); }
-FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
 
 // The column or row at which the block of a pixel in column or row `at` begins.
 FN Int block_start(Int at) { return to_signed(to_uint(at) & to_uint(Int(-C.factor))); }
