@@ -1,23 +1,12 @@
 // The basis about a pixel's normal in which its sample points lie, and the noise that turns it. Based on [Colliander
 // and Törnquist 2015], "The Noise Texture" and "SSAO Pass".
 
-// In [0, 1).
-FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
+#include "machine/angles.kernel.h"
 
 // The remainder of a pixel's coordinate by the tile's side.
 FN Int in_tile(Int x) {
   Real tiles = floor((to_real(x) + 0.5f) * Real(C.one_over_noise));  // half a pixel off every border: rounding is safe
   return x - to_int(tiles) * Int(C.noise);
-}
-
-// The sine of u quarters of a turn, u in [-0.5, 0.5], by series; error below 1e-6.
-FN Real sine_of_quarters(Real u) {
-  Real x = u * 1.57079633f;
-  Real squared = x * x;
-  Real sum = mad(squared, Real(2.7557319e-6f), Real(-1.9841270e-4f));
-  sum = mad(sum, squared, Real(8.3333333e-3f));
-  sum = mad(sum, squared, Real(-0.16666667f));
-  return mad(sum * squared, x, x);
 }
 
 // How each pixel turns its sample points about the normal: cosine and sine (x, y); and z in [0, 1), by what share of

@@ -1,0 +1,350 @@
+#include "effects/bitmask/bitmask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(bitmask_mips)
+UMBRAGE_DECLARE_KERNEL(bitmask_sent)
+UMBRAGE_DECLARE_KERNEL(bitmask_horizon)
+UMBRAGE_DECLARE_KERNEL(bitmask_occlusion)
+UMBRAGE_DECLARE_KERNEL(bitmask_layers)
+UMBRAGE_DECLARE_KERNEL(bitmask_bleeding)
+UMBRAGE_DECLARE_KERNEL(bitmask_bent)
+
+namespace {
+
+constexpr std::uint32_t kMipsSpirv[] = {
+#include "spirv/bitmask_mips.inc"
+};
+constexpr std::uint32_t kSentSpirv[] = {
+#include "spirv/bitmask_sent.inc"
+};
+constexpr std::uint32_t kHorizonSpirv[] = {
+#include "spirv/bitmask_horizon.inc"
+};
+constexpr std::uint32_t kOcclusionSpirv[] = {
+#include "spirv/bitmask_occlusion.inc"
+};
+constexpr std::uint32_t kLayersSpirv[] = {
+#include "spirv/bitmask_layers.inc"
+};
+constexpr std::uint32_t kBleedingSpirv[] = {
+#include "spirv/bitmask_bleeding.inc"
+};
+constexpr std::uint32_t kBentSpirv[] = {
+#include "spirv/bitmask_bent.inc"
+};
+
+constexpr float kOpenness = 0.7f;  // of ambient light, where nobody has measured it: typical of a room
+
+const std::vector<Parameter> kTable = {
+    {.name = "slices",
+     .help = "planes through the line of sight in which occluders are sought",
+     .type = ParameterType::kInt,
+     .offset = offsetof(BitmaskParams, slices),
+     .initial = 2,
+     .least = 1,
+     .most = 64},
+    {.name = "steps",
+     .help = "depths that are read along each side of a slice",
+     .type = ParameterType::kInt,
+     .offset = offsetof(BitmaskParams, steps),
+     .initial = 8,
+     .least = 1,
+     .most = 512},
+    {.name = "distribution",
+     .help = "power of the steps' distances: the higher, the more of them lie near the pixel",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(BitmaskParams, distribution),
+     .initial = kBitmaskStep15,
+     .choices = {"1", "1.5", "2", "3"}},
+    {.name = "radius",
+     .help = "how far away occluders are sought, in scene units or as a share of the scene's radius",
+     .type = ParameterType::kLength,
+     .offset = offsetof(BitmaskParams, radius),
+     .initial = 10.0,
+     .least = 0.0,
+     .most = 1e12,
+     .unit = "scene units",
+     .initially_relative = true,
+     .above_zero = true},
+    {.name = "mode",
+     .help = "where occluders end in depth: at their assumed thickness, nowhere, or at the next depth layer, of which "
+             "each occludes by itself, and at the assumed thickness at the latest",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(BitmaskParams, mode),
+     .choices = {"thick", "infinite", "layers"}},
+    {.name = "thickness",
+     .help = "assumed thickness of occluders, in radii",
+     .offset = offsetof(BitmaskParams, thickness),
+     .initial = 1.0,
+     .least = 0.0,
+     .most = 100.0},
+    {.name = "slope",
+     .help = "assumed thickness of occluders as a share of their distance; the larger of the two holds",
+     .offset = offsetof(BitmaskParams, slope),
+     .initial = 0.0,
+     .least = 0.0,
+     .most = 100.0},
+    {.name = "measure",
+     .help = "what a bit of a slice is: an equal share of cosine-weighted directions, an equal angle, or an equal step of "
+             "the sine of the angle to the normal",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(BitmaskParams, measure),
+     .choices = {"exact", "uniform", "sectors"}},
+    {.name = "falloff",
+     .help = "mode infinite: the last share of the radius, over which occluders fade",
+     .offset = offsetof(BitmaskParams, falloff),
+     .initial = 0.0,
+     .least = 0.0,
+     .most = 1.0},
+    {.name = "noise",
+     .help = "what turns slices and moves steps from pixel to pixel: a sequence along a Hilbert curve, a tile of 4x4 "
+             "pixels, a hash, or nothing",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(BitmaskParams, noise),
+     .choices = {"hilbert", "tile", "hash", "none"}},
+    {.name = "frame",
+     .help = "number of the picture among several that are averaged: each has other noise",
+     .type = ParameterType::kInt,
+     .offset = offsetof(BitmaskParams, frame),
+     .least = 0,
+     .most = 65535},
+    {.name = "mips",
+     .help = "read what is far away in the picture from smaller copies of it",
+     .type = ParameterType::kBool,
+     .offset = offsetof(BitmaskParams, mips),
+     .initial = 1},
+    {.name = "border",
+     .help = "what lies outside the picture: left out of the count, or open",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(BitmaskParams, border),
+     .choices = {"skip", "open"}},
+    {.name = "bent",
+     .help = "write the plane `bent` as well: the mean of the open directions",
+     .type = ParameterType::kBool,
+     .offset = offsetof(BitmaskParams, bent)},
+    {.name = "bleeding",
+     .help = "factor of the light that occluders reflect",
+     .offset = offsetof(BitmaskParams, bleeding),
+     .initial = 0.0,
+     .least = 0.0,
+     .most = 100.0,
+     .zero_means = "off"},
+    {.name = "ambient_bounce",
+     .help = "factor of the ambient light that surfaces send on",
+     .offset = offsetof(BitmaskParams, ambient_bounce),
+     .initial = 1.0,
+     .least = 0.0,
+     .most = 10.0},
+    {.name = "bounces",
+     .help = "how often light is reflected: 1, or more with what arrived the time before",
+     .type = ParameterType::kInt,
+     .offset = offsetof(BitmaskParams, bounces),
+     .initial = 1,
+     .least = 1,
+     .most = 16},
+    {.name = "layers",
+     .help = "mode layers: depth layers in which occluders are sought, of those that were captured",
+     .type = ParameterType::kInt,
+     .offset = offsetof(BitmaskParams, layers),
+     .initial = 0,
+     .least = 0,
+     .most = kLayersRead,
+     .zero_means = "all"},
+};
+
+// One tap of one, the fewest, may cover the whole slice: two quanta.
+constexpr double kQuantum = 0.5;
+
+/// The layers of the first camera, nearest first, and those that show their other side.
+void fill_layers(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
+  const int there = std::min(int(info.more_layers.size()) + 1, kLayersRead);
+  const int most = params.mode != kBitmaskLayers ? 1 : params.layers > 0 ? params.layers : kLayersRead;
+  const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
+  int behind = 0;  // the layer that the next one must be behind of
+  for (int layer = 0; layer < there && c.layer_count < most; ++layer) {
+    if (layer > 0 && (info_of(layer).kind != LayerKind::kBehind || info_of(layer).of != behind)) continue;
+    behind = layer;
+    const int i = c.layer_count++;
+    c.layer[i] = layer;
+    c.back[i] = -1;
+    for (int k = 1; k < there; ++k)
+      if (info_of(k).kind == LayerKind::kBack && info_of(k).of == layer) c.back[i] = k;
+  }
+}
+
+/// As many levels, up to the most, as fit into one plane of the picture's size below each other.
+void fill_mips(const PictureInfo& info, BitmaskConstants& c) {
+  for (int levels = kBitmaskMostMips; levels > 0; --levels) {
+    const int multiple = 1 << (levels - 1);  // so that every level begins at a whole row
+    const int rows = (info.height / 2 + multiple - 1) / multiple * multiple;
+    if (2 * rows - rows / multiple > info.height || info.width >> levels == 0 || info.height >> levels == 0) continue;
+    c.mip_levels = levels;
+    c.mip_rows = rows;
+    return;
+  }
+}
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  const auto& params = as<BitmaskParams>(bytes);
+  auto& c = *static_cast<BitmaskConstants*>(out);
+  c = {};
+  c.slices = params.slices;
+  c.steps = params.steps;
+  c.one_over_steps = 1.0f / float(params.steps);
+  c.distribution = params.distribution;
+  const double turn = std::numbers::pi / params.slices;
+  c.turn_cos = float(std::cos(turn));
+  c.turn_sin = float(std::sin(turn));
+  c.one_over_slices = 1.0f / float(params.slices);
+  const float radius = params.radius.relative ? params.radius.value / 100.0f * info.scene_radius : params.radius.value;
+  c.radius = std::clamp(radius, 1e-15f, 1e15f);  // its square stays a number
+  c.radius2 = c.radius * c.radius;
+  const Camera& camera = info.camera;
+  const float column = (camera.right - camera.left) / float(info.width);
+  const float row = -(camera.top - camera.bottom) / float(info.height);
+  c.reach = c.radius / column;
+  c.step_y = column / row;
+  c.along_y = row / column;
+  c.infinite = params.mode == kBitmaskInfinite ? 1 : 0;
+  c.thickness = params.thickness * c.radius;
+  c.slope = params.slope;
+  c.measure = params.measure;
+  c.falloff = params.falloff;
+  c.fade = params.falloff > 0.0f ? 1.0f / (c.radius * params.falloff) : 0.0f;
+  c.noise = params.noise;
+  // The golden ratio's three-dimensional sequence [Roberts 2018].
+  const auto share = [&](double step) { return float(std::fmod(step * params.frame, 1.0)); };
+  c.frame_turn = share(0.8191725133961644);
+  c.frame_step = share(0.6710436067037893);
+  c.frame_bit = share(0.5497004779019703);
+  c.skip_outside = params.border == 0 ? 1 : 0;
+  if (params.mips && params.mode != kBitmaskLayers) fill_mips(info, c);
+  c.bleeding = params.bleeding;
+  c.ambient_bounce = params.ambient_bounce;
+  c.openness = kOpenness;
+  fill_layers(params, info, c);
+}
+
+void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
+  as<BitmaskParams>(bytes).radius = {radius, 0};
+}
+
+bool bleeds(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bleeding > 0.0f; }
+bool bends(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bent != 0; }
+bool through_layers(const ParameterBytes& bytes) {
+  return as<BitmaskParams>(bytes).mode == kBitmaskLayers && !bleeds(bytes) && !bends(bytes);
+}
+/// One highest occluder a side says all.
+bool by_horizon(const ParameterBytes& bytes) {
+  const auto& params = as<BitmaskParams>(bytes);
+  return params.mode == kBitmaskInfinite && params.measure == kBitmaskExact && !bleeds(bytes) && !bends(bytes);
+}
+bool by_bits(const ParameterBytes& bytes) {
+  return !bleeds(bytes) && !bends(bytes) && !through_layers(bytes) && !by_horizon(bytes);
+}
+int rounds(const ParameterBytes& bytes) { return bleeds(bytes) ? as<BitmaskParams>(bytes).bounces : 1; }
+
+using Planes = std::vector<std::string_view>;
+Planes joined(Planes a, const Planes& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+const Planes kOwn = {"normal.x", "normal.y", "normal.z", "bitmask_mips"};
+const Planes kSurface = joined({"depth"}, kOwn);
+
+Planes packed_planes() { return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
+Planes sent_inputs() {
+  return joined(of_all_layers({"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r",
+                               "ambient.g", "ambient.b"}),
+                {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
+}
+
+}  // namespace
+
+const Effect& effect_bitmask() {
+  static const Effect effect = {
+      .name = "bitmask",
+      .summary = "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
+      .source = "Therrien et al. 2023",
+      .kind = EffectKind::kOcclusion,
+      .parameters = kTable,
+      .params_size = sizeof(BitmaskParams),
+      .constants_size = sizeof(BitmaskConstants),
+      .constants = fill_constants,
+      .set_radius = set_radius,
+      .variants = {"", "mode=infinite", "measure=uniform", "slices=4 steps=12", "bleeding=1"},
+      .quantum = kQuantum,
+      .passes = {{.name = "mips",
+                  .inputs = {"depth"},
+                  .outputs = {"bitmask_mips"},
+                  .scalar = run_scalar_bitmask_mips,
+                  .lanes = run_lanes_bitmask_mips,
+                  .spirv = kMipsSpirv},
+                 {.name = "sent",
+                  .inputs = sent_inputs(),
+                  .outputs = packed_planes(),
+                  .scalar = run_scalar_bitmask_sent,
+                  .lanes = run_lanes_bitmask_sent,
+                  .spirv = kSentSpirv,
+                  .needed = bleeds},
+                 {.name = "horizon",
+                  .inputs = kSurface,
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_bitmask_horizon,
+                  .lanes = run_lanes_bitmask_horizon,
+                  .spirv = kHorizonSpirv,
+                  .needed = by_horizon,
+                  .tile_width = 128,
+                  .tile_height = 32},
+                 {.name = "occlusion",
+                  .inputs = kSurface,
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_bitmask_occlusion,
+                  .lanes = run_lanes_bitmask_occlusion,
+                  .spirv = kOcclusionSpirv,
+                  .needed = by_bits,
+                  .tile_width = 128,
+                  .tile_height = 32},
+                 {.name = "layers",
+                  .inputs = joined(of_all_layers({"depth"}), kOwn),
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_bitmask_layers,
+                  .lanes = run_lanes_bitmask_layers,
+                  .spirv = kLayersSpirv,
+                  .needed = through_layers,
+                  .tile_width = 128,
+                  .tile_height = 32},
+                 {.name = "bleeding",
+                  .inputs = joined(
+                      of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}), kOwn),
+                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                  .scalar = run_scalar_bitmask_bleeding,
+                  .lanes = run_lanes_bitmask_bleeding,
+                  .spirv = kBleedingSpirv,
+                  .needed = bleeds,
+                  .tile_width = 128,
+                  .tile_height = 32},
+                 {.name = "bent",
+                  .inputs = joined(of_all_layers({"depth"}), kOwn),
+                  .outputs = {"ao", "bent.x", "bent.y", "bent.z"},
+                  .scalar = run_scalar_bitmask_bent,
+                  .lanes = run_lanes_bitmask_bent,
+                  .spirv = kBentSpirv,
+                  .needed = bends,
+                  .tile_width = 128,
+                  .tile_height = 32}},
+      .rounds = rounds,
+  };
+  return effect;
+}
+
+}  // namespace umbrage

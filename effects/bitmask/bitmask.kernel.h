@@ -1,0 +1,407 @@
+// Occlusion by slices of the hemisphere: along each slice the picture's depths are walked outwards to both sides, and
+// what rises above the surface covers an interval of directions. Based on the visibility bitmask of [Therrien et al.
+// 2023], with bits of equal cosine weight (bitmask_measure.kernel.h).
+//
+// The text is included by several kernels. They define before it what they want: kLayers, that occluders are sought in
+// all depth layers, kLight, that what covers directions sends its light, kBent, that the mean open direction is stored;
+// and depth_of, normal_of, sent_of, store_light and store_bent.
+//
+// A tap reads one pixel, whose centre does not lie in the slice. Its height above the surface is taken as it is, and its
+// distance along the slice too; so a plane stays open at every tilt.
+//
+// Which pixel a tap falls into hangs on operations alone that round alike on every machine: no rsqrt there.
+#include "effects/bitmask/bitmask_measure.kernel.h"
+#include "effects/bitmask/bitmask_noise.kernel.h"
+
+CONST float kDepthRounding = 2e-6f;   // share of the depth: 16 to 32 steps of a float
+CONST float kFirstStep = 1.3f;        // pixels: nearer taps would read the pixel itself
+CONST float kMostReach = 1e5f;        // pixels
+CONST float kLeastFacing = 0.04f;     // N.V; surfaces seen more edge-on are taken as turned that far
+CONST float kStepTurn = 0.61803399f;  // of the steps from slice to slice
+CONST float kBitJitter = 0.9f;        // by how much of a bit the borders between bits are moved
+CONST float kMostLight = 1e18f;       // what a pixel gets stays a number
+
+// What taps of one pixel share.
+struct Origin {
+  Real x, y, depth;
+  Real height;            // of one unit of depth along the ray of sight: N . ray
+  Real height_x, height_y;  // of one pixel to the right and down, at depth 1
+  Real one_over_nv;
+};
+
+// One side of a slice: the bit of a direction with cosine c is k0 + k1 f(c) + k2 g(c).
+struct Side {
+  Real x, y;      // pixels that one step is long, towards it
+  Real along_x, along_y;  // the step that a pixel to the right and one down are long
+  Real across;    // of one step at depth 1, at right angles to the line of sight
+  Real tangent;   // what the tangent plane falls away from the eye on the way
+  Real k0, k1, k2;
+  Real low;       // cosine of the tangent plane
+};
+
+// The pixel read, whole coordinates of its centre less a half, and whether it is one of the picture.
+struct Tap {
+  Real x, y, depth;
+  Bool inside;
+};
+
+// A direction from the pixel: towards the eye, across that, squared length.
+struct Way {
+  Real to_eye, across, squared;
+};
+
+FN Real bit_of(Real c, Side side) {
+  if (C.measure == kBitmaskUniform) return mad(angle_of_cosine(c), side.k2, side.k0);
+  if (C.measure == kBitmaskSectors)
+    return mad(sqrt(max(mad(-c, c, Real(1.0f)), Real(0.0f))), side.k1, mad(c, side.k2, side.k0));
+  return mad(c * c, side.k1, mad(arc(c), side.k2, side.k0));
+}
+
+// How many of the slice's 32 bits lie on the side on which directions turn below 0, with a share of a bit.
+FN Real bits_below(Real sn, Real m) {
+  if (C.measure == kBitmaskUniform) return Real(16.0f) - (Real(1.57079633f) - angle_of_cosine(sn)) * m;
+  if (C.measure == kBitmaskSectors) return mad(-sn, m, Real(16.0f));
+  return mad(sn * -1.57079633f, m, Real(16.0f));
+}
+
+FN Real step_length(Real t) {
+  if (C.distribution == kBitmaskStep15) return t * sqrt(t);
+  if (C.distribution == kBitmaskStep2) return t * t;
+  if (C.distribution == kBitmaskStep3) return t * t * t;
+  return t;
+}
+
+// Size of the pixels of the mip level for taps so many pixels away: about a tenth of the way.
+FN Real mip_size(Real off) {
+  Uint power = bits_of(off * 0.8122524f) & Uint(0x7f800000u);  // 2^-0.3: of log2(off) - 3.3, what is whole, plus 3
+  return clamp(real_of_bits(power) * 0.125f, Real(1.0f), Real(float(1 << C.mip_levels)));
+}
+
+// The pixel `off` steps away. `size` is that of the mip level's pixels; of a plane of the picture's own pixels: 1.
+FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
+  Real x = mad(side.x, off, from.x + 0.5f);
+  Real y = mad(side.y, off, from.y + 0.5f);
+  Bool inside = from.depth > 0.0f;
+  if (near_border) inside = x >= 0.0f && x < float(F.width) && y >= 0.0f && y < float(F.height);
+  if (C.mip_levels == 0) {
+    x = floor(x);
+    y = floor(y);
+    if (near_border) {
+      x = clamp(x, Real(0.0f), Real(float(F.width - 1)));
+      y = clamp(y, Real(0.0f), Real(float(F.height - 1)));
+    }
+    return Tap(x, y, depth_of(0, place_of(x, y)), inside);
+  }
+  Real scale = Real(1.0f) / size;
+  Real column = floor(x * scale);
+  Real row = floor(y * scale);
+  // The last pixel of a level may be missing where the picture's size is no multiple of its own.
+  column = clamp(column, Real(0.0f), floor(scale * float(F.width)) - 1.0f);
+  row = clamp(row, Real(0.0f), floor(scale * float(F.height)) - 1.0f);
+  Bool small = size == 1.0f;
+  Real depth = from.depth;
+  if (some(small)) depth = depth_of(0, place_of(column, row));
+  if (some(!small)) {
+    Real first_row = mad(scale, Real(float(-4 * C.mip_rows)), Real(float(2 * C.mip_rows)));
+    Real mip_depth = mip_of(place_of(column, row + max(first_row, Real(0.0f))));
+    depth = select(small, depth, mip_depth);
+  }
+  return Tap(mad(column + 0.5f, size, Real(-0.5f)), mad(row + 0.5f, size, Real(-0.5f)), depth, inside);
+}
+
+// The way to what a tap shows, its height above the tangent plane as it is, its distance in the slice.
+FN Way way_to(Origin from, Side side, Real x, Real y, Real depth) {
+  Real dx = x - from.x;
+  Real dy = y - from.y;
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  Real height = mad(mad(from.height_x, dx, from.height_y * dy), spread, (depth - from.depth) * from.height);
+  height = height - from.depth * kDepthRounding;
+  Real across = mad(side.along_x, dx, side.along_y * dy) * spread * side.across;
+  Real to_eye = mad(across, side.tangent, height * from.one_over_nv);
+  return Way(to_eye, across, mad(to_eye, to_eye, across * across));
+}
+
+FN Real cosine_of(Way way) { return way.to_eye * rsqrt(max(way.squared, Real(1e-30f))); }
+
+// The directions that an occluder covers which is as thick as it is assumed to be, or `most` thick at most.
+FN Uint covered_bits(Way way, Side side, Real most) {
+  Real one_over = rsqrt(max(way.squared, Real(1e-30f)));
+  Real front = max(way.to_eye * one_over, side.low);
+  Real back = side.low;
+  if (C.infinite == 0) {
+    Real thick = min(max(way.squared * one_over * Real(C.slope), Real(C.thickness)), most);
+    Real to_eye = way.to_eye - thick;
+    back = max(to_eye * rsqrt(max(mad(to_eye, to_eye, way.across * way.across), Real(1e-30f))), side.low);
+  }
+  Uint from = ones_from(to_int(bit_of(front, side)));
+  return from ^ ones_from(to_int(bit_of(back, side)));
+}
+
+// The normal, turned towards the eye where it is seen too much edge-on.
+FN Vec3 seen_normal(Vec3 normal, Vec3 eye) {
+  Real lacking = max(Real(kLeastFacing) - dot(normal, eye), Real(0.0f));
+  Vec3 turned = normal + eye * lacking;
+  return turned * rsqrt(dot(turned, turned));
+}
+
+// How many columns the radius is wide.
+FN Real reach_of(Real depth) {
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  return clamp(Real(C.reach) / spread, Real(0.0f), Real(kMostReach));
+}
+
+// Whether taps may fall outside the picture.
+FN Bool is_near_border(Origin from, Real reach) {
+  Real wide = reach + (kFirstStep + 1.0f);
+  Real high = mad(wide, Real(-C.step_y), Real(1.0f));
+  return from.x < wide || from.x > float(F.width - 1) - wide || from.y < high || from.y > float(F.height - 1) - high;
+}
+
+// The direction of the first slice, of the share `turn` of the angle between two.
+FN Vec2 direction_of(Real turn) {
+  // Of half a turn less a quarter: by the half angle.
+  Real s = sine_of_quarters(mad(turn, Real(C.one_over_slices), Real(-0.5f)));
+  Real c = sqrt(mad(-s, s, Real(1.0f)));
+  return Vec2(mad(s * s, Real(-2.0f), Real(1.0f)), 2.0f * s * c);
+}
+
+FN Bool is_near(Way way, Real depth) { return way.squared <= Real(C.radius2) && depth > 0.0f; }
+
+FN Origin origin_of(Int px, Int py, Real depth, Vec3 normal, Real facing) {
+  Real x = to_real(px);
+  Real y = to_real(py);
+  Real height = -normal.z;
+  if (F.orthographic == 0) {
+    height = mad(normal.x, mad(x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)),
+                 mad(normal.y, mad(y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)), -normal.z));
+  }
+  return Origin(x, y, depth, height, normal.x * Real(F.ray_scale_x), normal.y * Real(F.ray_scale_y), 1.0f / facing);
+}
+
+// What holds for a whole slice.
+struct Slice {
+  Side above, below;  // the sides of higher and of lower bits
+  Real cn, sn;        // n, of the normal's projection
+  Real weight;        // how much all of its directions count
+  Real first_above;   // bits lie below this one, or above
+  Real projected;     // |n_p|
+  Vec3 outwards;      // of length 1, towards higher bits at right angles to the line of sight
+};
+
+// A slice in the direction (x, y) of the picture, y upwards. `jitter` moves the borders between bits.
+FN Slice slice_of(Real x, Real y, Vec3 to_eye, Vec3 normal, Real facing, Real jitter) {
+  Real lean = mad(x, to_eye.x, y * to_eye.y);
+  Real t2 = max(mad(-lean, lean, Real(1.0f)), Real(1e-6f));
+  Real one_over_t = rsqrt(t2);
+  Real nt = (mad(normal.x, x, normal.y * y) - lean * facing) * one_over_t;
+  Real projected2 = mad(facing, facing, nt * nt);
+  Real one_over_projected = rsqrt(projected2);
+  Real cn = facing * one_over_projected;
+  Real sn = nt * one_over_projected;
+  Real whole = mad(cn * cn, cn, sn * arc(sn));
+  Real weight = projected2 * one_over_projected * whole;
+  Real m = Real(16.0f) / whole;
+  Real k1 = -(m * cn);
+  Real k2 = -(m * sn);
+  Real middle = jitter + 16.0f;
+  if (C.measure == kBitmaskUniform) {
+    weight = Real(1.0f);
+    m = Real(10.1859164f);  // 32 / pi
+    middle = middle - (Real(1.57079633f) - angle_of_cosine(sn)) * m;
+  }
+  if (C.measure == kBitmaskSectors) {
+    weight = Real(1.0f);
+    m = Real(16.0f);
+    k1 = m * cn;
+    k2 = -(m * sn);
+  }
+  Real k0_above = middle - k1;
+  Real k0_below = middle + k1;
+  Real k2_above = k2;
+  Real k2_below = k2;
+  if (C.measure != kBitmaskExact) {
+    k0_above = middle;
+    k0_below = middle;
+  }
+  if (C.measure == kBitmaskUniform) {
+    k2_above = m;
+    k2_below = -m;
+  }
+  Real across = t2 * one_over_t * Real(F.ray_scale_x);
+  Real tangent = nt / facing;
+  Real down_y = y * Real(C.step_y);
+  Real along_y = y * Real(C.along_y);
+  return Slice(Side(x, down_y, x, along_y, across, -tangent, k0_above, k1, k2_above, -sn),
+               Side(-x, -down_y, -x, -along_y, across, tangent, k0_below, -k1, k2_below, sn), cn, sn, weight,
+               bits_below(sn, m), projected2 * one_over_projected,
+               (Vec3(x, y, Real(0.0f)) - to_eye * lean) * one_over_t);
+}
+
+// What one tap adds: bits that were not covered, their light, 1 if it lay in the picture.
+struct Found {
+  Uint bits;
+  Vec3 light;
+  Real inside;
+};
+
+// The light that comes from the i-th of the layers at a tap, where `fresh` has bits: one for each of them.
+FN Vec3 light_of(int i, Uint fresh, Origin from, Tap tap, Real depth, Vec3 position) {
+  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  Real count = to_real(popcount(fresh));
+  Bool sends = count > 0.0f;
+  if (!some(sends)) return none;
+  Int place = place_of(select(sends, floor(tap.x), from.x), select(sends, floor(tap.y), from.y));
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  Vec3 there = Vec3(mad(tap.x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
+                    mad(tap.y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
+  // Its other side, where that is what the pixel sees.
+  Bool away = dot(there - position, normal_of(C.layer[i], place)) >= 0.0f;
+  Vec3 light = select(sends && !away, sent_of(C.layer[i], place), none);
+  if (C.back[i] >= 0 && some(sends && away)) light = select(sends && away, sent_of(C.back[i], place), light);
+  return light * count;
+}
+
+FN Found found_at(Origin from, Side side, Real off, Real size, bool near_border, Uint covered, Vec3 position) {
+  Vec3 light = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  Tap tap = tap_at(from, side, off, size, near_border);
+  Uint bits = Uint(0u);
+  Real depth = tap.depth;
+  int count = kLayers ? C.layer_count : 1;
+  for (int i = 0; i < count; ++i) {
+    Way way = way_to(from, side, tap.x, tap.y, depth);
+    Bool counts = is_near(way, depth) && tap.inside;
+    Real next = depth;
+    Real most = Real(3e38f);
+    if (kLayers && i + 1 < count) {
+      next = depth_of(C.layer[i + 1], place_of(tap.x, tap.y));
+      // It ends where the next surface begins, at the latest.
+      most = select(next > depth, next - depth, most);
+    }
+    Uint fresh = select(counts, covered_bits(way, side, most), Uint(0u));
+    if (kLight) light = light + light_of(i, fresh & ~(covered | bits), from, tap, depth, position);
+    bits = bits | fresh;
+    depth = next;
+  }
+  return Found(bits, light, select(tap.inside, Real(1.0f), Real(0.0f)));
+}
+
+// Sum of the open directions of a slice, by the middles of 32 equal angles, each by its weight: x along the slice, y
+// towards the eye.
+FN Vec2 open_directions(Slice slice, Uint bits) {
+  // The angle of half a step, and of a whole one.
+  float half_cos = 0.99879546f;
+  float half_sin = 0.04906767f;
+  float step_cos = 0.99518473f;
+  float step_sin = 0.09801714f;
+  Real c = mad(slice.sn, Real(half_cos), slice.cn * half_sin);
+  Real s = mad(slice.sn, Real(half_sin), slice.cn * -half_cos);
+  // Sine and cosine of the angle to the tangent plane.
+  float height = half_sin;
+  float width = half_cos;
+  Vec2 sum = Vec2(Real(0.0f), Real(0.0f));
+  for (int i = 0; i < 32; ++i) {
+    Real above = bit_of(max(c, slice.above.low), slice.above);
+    Real below = bit_of(max(c, slice.below.low), slice.below);
+    Int bit = clamp(to_int(select(s < 0.0f, below, above)), Int(0), Int(31));
+    Bool open = popcount(bits & (ones_from(bit) ^ ones_from(bit + Int(1)))) == Int(0);
+    Real weight = select(open, abs(s) * height, Real(0.0f));
+    sum = Vec2(mad(s, weight, sum.x), mad(c, weight, sum.y));
+    Real turned = mad(c, Real(step_cos), s * -step_sin);
+    s = mad(s, Real(step_cos), c * step_sin);
+    c = turned;
+    float higher = height * step_cos + width * step_sin;
+    width = width * step_cos - height * step_sin;
+    height = higher;
+  }
+  return sum;
+}
+
+// Turns slices and finds what covers them.
+FN void gather(Int px, Int py) {
+  Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  if (!some(surface)) {
+    store_ao(Real(1.0f));
+    if (kLight) store_light(none);
+    if (kBent) store_bent(none);
+    return;
+  }
+  depth = select(surface, depth, Real(1.0f));
+  Vec3 position = view_position(px, py, depth);
+  Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
+  Vec3 eye = to_eye(sight);
+  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
+  Real facing = dot(normal, eye);
+  Origin from = origin_of(px, py, depth, normal, facing);
+  Real reach = reach_of(depth);
+  bool near_border = some(is_near_border(from, reach));
+  Vec3 noise = noise_at(px, py);
+  Vec2 direction = direction_of(noise.x);
+  Real bit_jitter = mad(noise.z, Real(kBitJitter), Real(0.5f - 0.5f * kBitJitter));
+  Real open_sum = Real(0.0f);
+  Real whole_sum = Real(0.0f);
+  Vec3 light = none;
+  Vec3 bent = none;
+  for (int s = 0; s < C.slices; ++s) {
+    Slice slice = slice_of(direction.x, direction.y, eye, normal, facing, bit_jitter);
+    Real jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.y));
+    Uint bits = Uint(0u);
+    Real inside_above = Real(0.0f);
+    Real inside_below = Real(0.0f);
+    Vec3 light_above = none;
+    Vec3 light_below = none;
+    for (int k = 0; k < C.steps; ++k) {
+      Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), reach, Real(kFirstStep));
+      Real size = mip_size(off);
+      Found above = found_at(from, slice.above, off, size, near_border, bits, position);
+      bits = bits | above.bits;
+      Found below = found_at(from, slice.below, off, size, near_border, bits, position);
+      bits = bits | below.bits;
+      if (kLight) {
+        light_above = light_above + above.light;
+        light_below = light_below + below.light;
+      }
+      if (near_border) {
+        inside_above = inside_above + above.inside;
+        inside_below = inside_below + below.inside;
+      }
+    }
+    Real covered = to_real(popcount(bits));
+    Real open = mad(covered, Real(-0.03125f), Real(1.0f)) * slice.weight;
+    Real whole = slice.weight;
+    light_above = light_above * slice.weight;
+    light_below = light_below * slice.weight;
+    if (near_border && C.skip_outside != 0) {
+      // A side counts by the share of its taps that lay in the picture.
+      Real share_above = inside_above * Real(C.one_over_steps);
+      Real share_below = inside_below * Real(C.one_over_steps);
+      Real low = floor(slice.first_above + 0.5f);
+      Real covered_above = to_real(popcount(bits & ones_from(to_int(low))));
+      Real whole_above = (32.0f - low) * share_above * slice.weight * 0.03125f;
+      Real whole_below = low * share_below * slice.weight * 0.03125f;
+      whole = whole_above + whole_below;
+      open = mad(whole_above, 1.0f - covered_above / max(32.0f - low, Real(1.0f)),
+                 whole_below * (1.0f - (covered - covered_above) / max(low, Real(1.0f))));
+      light_above = light_above * share_above;
+      light_below = light_below * share_below;
+    }
+    open_sum = open_sum + open;
+    whole_sum = whole_sum + whole;
+    if (kLight) light = light + (light_above + light_below);
+    if (kBent) {
+      Vec2 sum = open_directions(slice, bits);
+      bent = bent + (slice.outwards * sum.x + eye * sum.y) * slice.projected;
+    }
+    direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
+                     mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
+  }
+  Real known = max(whole_sum, Real(1e-6f));
+  store_ao(select(surface && whole_sum > 1e-6f, min(open_sum / known, Real(1.0f)), Real(1.0f)));
+  if (kLight) {
+    light = light * (Real(C.bleeding * 0.03125f) / known);
+    light = Vec3(min(light.x, Real(kMostLight)), min(light.y, Real(kMostLight)), min(light.z, Real(kMostLight)));
+    store_light(select(surface, finite_or_zero(light), none));
+  }
+  if (kBent) store_bent(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), normal), none));
+}

@@ -1,0 +1,89 @@
+// Occlusion alone by occluders without an end in depth: of all that a side of a slice meets, what stands highest hides
+// all below it, so that directions are measured once a side. Based on [Jimenez et al. 2016], Algorithm 1, and its
+// equation 7; the arcs as in bitmask_measure.kernel.h.
+IN_REAL(depth)
+IN_VECTOR(normal)
+IN_REAL(bitmask_mips)
+OUT_REAL(ao)
+
+CONST bool kLayers = false;
+FN Real depth_of(int layer, Int place) { return read_depth(place); }
+FN Real mip_of(Int place) { return read_bitmask_mips(place); }
+CONST bool kLight = false;
+FN Vec3 normal_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+FN Vec3 sent_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+FN void store_light(Vec3 light) {}
+CONST bool kBent = false;
+FN void store_bent(Vec3 bent) {}
+#include "effects/bitmask/bitmask.kernel.h"
+
+// The higher of `highest` and the cosine of what a tap shows.
+FN Real higher_of(Real highest, Side side, Way way, Real depth) {
+  Real c = cosine_of(way);
+  if (C.falloff > 0.0f) {
+    Real distance = way.squared * rsqrt(max(way.squared, Real(1e-30f)));
+    Real share = clamp((Real(C.radius) - distance) * Real(C.fade), Real(0.0f), Real(1.0f));
+    c = mad(c - side.low, share, side.low);
+  }
+  return select(is_near(way, depth), max(c, highest), highest);
+}
+
+// The directions of one side from the eye down to the cosine c.
+FN Real open_above(Real c, Real nv, Real nt) {
+  return mad(nv, mad(-c, c, Real(1.0f)), nt * (Real(1.57079633f) - arc(c)));
+}
+
+FN void bitmask_horizon_pixel(Int px, Int py) {
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  if (!some(surface)) {
+    store_ao(Real(1.0f));
+    return;
+  }
+  depth = select(surface, depth, Real(1.0f));
+  Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
+  Vec3 eye = to_eye(sight);
+  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
+  Real facing = dot(normal, eye);
+  Origin from = origin_of(px, py, depth, normal, facing);
+  Real reach = reach_of(depth);
+  bool near_border = some(is_near_border(from, reach));
+  Vec3 noise = noise_at(px, py);
+  Vec2 direction = direction_of(noise.x);
+  Real open_sum = Real(0.0f);
+  Real whole_sum = Real(0.0f);
+  for (int s = 0; s < C.slices; ++s) {
+    Slice slice = slice_of(direction.x, direction.y, eye, normal, facing, Real(0.0f));
+    Real jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.y));
+    Real above = slice.above.low;
+    Real below = slice.below.low;
+    Real inside_above = Real(0.0f);
+    Real inside_below = Real(0.0f);
+    for (int k = 0; k < C.steps; ++k) {
+      Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), reach, Real(kFirstStep));
+      Real size = mip_size(off);
+      Tap tap = tap_at(from, slice.above, off, size, near_border);
+      Real seen = select(tap.inside, tap.depth, Real(0.0f));
+      above = higher_of(above, slice.above, way_to(from, slice.above, tap.x, tap.y, seen), seen);
+      if (near_border) inside_above = inside_above + select(tap.inside, Real(1.0f), Real(0.0f));
+      tap = tap_at(from, slice.below, off, size, near_border);
+      seen = select(tap.inside, tap.depth, Real(0.0f));
+      below = higher_of(below, slice.below, way_to(from, slice.below, tap.x, tap.y, seen), seen);
+      if (near_border) inside_below = inside_below + select(tap.inside, Real(1.0f), Real(0.0f));
+    }
+    Real nt = slice.sn * slice.projected;
+    Real share_above = Real(1.0f);
+    Real share_below = Real(1.0f);
+    if (near_border && C.skip_outside != 0) {
+      share_above = inside_above * Real(C.one_over_steps);
+      share_below = inside_below * Real(C.one_over_steps);
+    }
+    open_sum = mad(open_above(above, facing, nt), share_above, mad(open_above(below, facing, -nt), share_below, open_sum));
+    whole_sum = mad(open_above(slice.above.low, facing, nt), share_above,
+                    mad(open_above(slice.below.low, facing, -nt), share_below, whole_sum));
+    direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
+                     mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
+  }
+  Real known = max(whole_sum, Real(1e-6f));
+  store_ao(select(surface && whole_sum > 1e-6f, min(open_sum / known, Real(1.0f)), Real(1.0f)));
+}

@@ -1,0 +1,52 @@
+// Which way each pixel's slices turn and how far its steps are moved along them: x the turn, as a share of the angle
+// between two slices; y the steps, z the bits' borders; all in [0, 1).
+#include "machine/angles.kernel.h"
+
+// How far along a Hilbert curve through 64 x 64 pixels a pixel lies: neighbours have neighbouring numbers.
+FN Uint hilbert_index(Uint x, Uint y) {
+  Uint index = Uint(0u);
+  for (int level = 5; level >= 0; --level) {
+    Uint right = (x >> level) & Uint(1u);
+    Uint low = (y >> level) & Uint(1u);
+    index = (index << 2) | ((right * Uint(3u)) ^ low);
+    // Of the next square: mirrored where this is the lower right one, and turned over unless it is low.
+    Uint mirrored = right & (low ^ Uint(1u));
+    Uint mask = Uint(0u) - mirrored;
+    Uint turned = Uint(0u) - (low ^ Uint(1u));
+    x = x ^ mask;
+    y = y ^ mask;
+    Uint swapped = (x ^ y) & turned;
+    x = x ^ swapped;
+    y = y ^ swapped;
+  }
+  return index;
+}
+
+FN Vec3 noise_at(Int px, Int py) {
+  Vec3 noise = Vec3(Real(0.5f), Real(0.5f), Real(0.5f));
+  if (C.noise == kBitmaskHilbert || C.noise == kBitmaskHash) {
+    // The golden ratio's three-dimensional sequence [Roberts 2018], along the curve: what lies together differs most.
+    Uint index = hilbert_index(to_uint(px) & Uint(63u), to_uint(py) & Uint(63u));
+    Uint first = index * Uint(0xd1b54a33u);
+    Uint second = index * Uint(0xabc98389u);
+    Uint third = index * Uint(0x8cb92ba7u);
+    if (C.noise == kBitmaskHash) {
+      first = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
+      second = scrambled(first + Uint(1u));
+      third = scrambled(first + Uint(2u));
+    }
+    noise = Vec3(share_of_one(first), share_of_one(second), share_of_one(third));
+  }
+  if (C.noise == kBitmaskTile) {
+    // Sixteen turns and sixteen steps in 4 x 4 pixels: what a filter as wide leaves nothing of.
+    Uint x = to_uint(px) & Uint(3u);
+    Uint y = to_uint(py) & Uint(3u);
+    Uint turn = (((x + y) & Uint(3u)) << 2) + x;
+    Uint steps = (((y - x) & Uint(3u)) << 2) + (((x >> 1) + (y << 1)) & Uint(3u));
+    noise = Vec3(to_real(to_signed(turn)) * 0.0625f, to_real(to_signed(steps)) * 0.0625f,
+                 to_real(to_signed((turn * Uint(7u)) & Uint(15u))) * 0.0625f);
+    noise = noise + Vec3(Real(0.03125f), Real(0.03125f), Real(0.03125f));
+  }
+  return Vec3(fract(noise.x + Real(C.frame_turn)), fract(noise.y + Real(C.frame_step)),
+              fract(noise.z + Real(C.frame_bit)));
+}

@@ -1,0 +1,15 @@
+// Numbers of noise and angles in the dialect, by operations that round alike on every machine. For kernels that include
+// it.
+
+// In [0, 1).
+FN Real share_of_one(Uint v) { return to_real(v >> 8) * 5.9604645e-8f; }  // 2^-24
+
+// The sine of u quarters of a turn, u in [-0.5, 0.5], by series; error below 1e-6.
+FN Real sine_of_quarters(Real u) {
+  Real x = u * 1.57079633f;
+  Real squared = x * x;
+  Real sum = mad(squared, Real(2.7557319e-6f), Real(-1.9841270e-4f));
+  sum = mad(sum, squared, Real(8.3333333e-3f));
+  sum = mad(sum, squared, Real(-0.16666667f));
+  return mad(sum * squared, x, x);
+}
