@@ -62,12 +62,12 @@ TEST(RecordedScores, NoTechniqueGotWorse) {
 }
 
 // Those of light, in tests/light_scores.json, by
-//   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere --light --layers 2
+//   umbrage compare "scene:atrium?detail=20000" "scene:solids?detail=20000" --ao hemisphere,bitmask --light --layers 2
 //     --resolution 240,135 --cameras 1 --samples 64 --runs 1 -o FOLDER
 TEST(RecordedScores, NoLightGotWorse) {
   CompareSettings settings;
   settings.models = {"scene:atrium?detail=20000", "scene:solids?detail=20000"};
-  settings.techniques = {"hemisphere"};
+  settings.techniques = {"hemisphere", "bitmask"};
   settings.light = true;
   settings.draw.layers = 2;
   expect_none_worse("light_scores.json", settings);

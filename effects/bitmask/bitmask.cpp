@@ -84,18 +84,19 @@ const std::vector<Parameter> kTable = {
     {.name = "thickness",
      .help = "assumed thickness of occluders, in radii",
      .offset = offsetof(BitmaskParams, thickness),
-     .initial = 1.0,
+     .initial = 0.2,
      .least = 0.0,
      .most = 100.0},
     {.name = "slope",
      .help = "assumed thickness of occluders as a share of their distance; the larger of the two holds",
      .offset = offsetof(BitmaskParams, slope),
-     .initial = 0.0,
+     .initial = 0.85,
      .least = 0.0,
      .most = 100.0},
     {.name = "measure",
-     .help = "what a bit of a slice is: an equal share of cosine-weighted directions, an equal angle, or an equal step of "
-             "the sine of the angle to the normal",
+     .help =
+         "what a bit of a slice is: an equal share of cosine-weighted directions, an equal angle, or an equal step of "
+         "the sine of the angle to the normal",
      .type = ParameterType::kChoice,
      .offset = offsetof(BitmaskParams, measure),
      .choices = {"exact", "uniform", "sectors"}},
@@ -110,6 +111,7 @@ const std::vector<Parameter> kTable = {
              "pixels, a hash, or nothing",
      .type = ParameterType::kChoice,
      .offset = offsetof(BitmaskParams, noise),
+     .initial = kBitmaskTile,
      .choices = {"hilbert", "tile", "hash", "none"}},
     {.name = "frame",
      .help = "number of the picture among several that are averaged: each has other noise",
@@ -273,7 +275,8 @@ Planes sent_inputs() {
 const Effect& effect_bitmask() {
   static const Effect effect = {
       .name = "bitmask",
-      .summary = "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
+      .summary =
+          "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
       .source = "Therrien et al. 2023",
       .kind = EffectKind::kOcclusion,
       .parameters = kTable,
@@ -281,7 +284,8 @@ const Effect& effect_bitmask() {
       .constants_size = sizeof(BitmaskConstants),
       .constants = fill_constants,
       .set_radius = set_radius,
-      .variants = {"", "mode=infinite", "measure=uniform", "slices=4 steps=12", "bleeding=1"},
+      .variants = {"", "slices=1 steps=12", "slices=4 steps=12", "mode=infinite", "measure=uniform slope=0 thickness=1",
+                   "mode=infinite falloff=0.6", "bleeding=1"},
       .quantum = kQuantum,
       .passes = {{.name = "mips",
                   .inputs = {"depth"},
@@ -324,8 +328,8 @@ const Effect& effect_bitmask() {
                   .tile_width = 128,
                   .tile_height = 32},
                  {.name = "bleeding",
-                  .inputs = joined(
-                      of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}), kOwn),
+                  .inputs = joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}),
+                                   kOwn),
                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
                   .scalar = run_scalar_bitmask_bleeding,
                   .lanes = run_lanes_bitmask_bleeding,

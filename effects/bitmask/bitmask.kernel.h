@@ -6,8 +6,8 @@
 // all depth layers, kLight, that what covers directions sends its light, kBent, that the mean open direction is stored;
 // and depth_of, normal_of, sent_of, store_light and store_bent.
 //
-// A tap reads one pixel, whose centre does not lie in the slice. Its height above the surface is taken as it is, and its
-// distance along the slice too; so a plane stays open at every tilt.
+// A tap reads one pixel, whose centre does not lie in the slice. Its height above the surface is taken as it is, and
+// its distance along the slice too; so a plane stays open at every tilt.
 //
 // Which pixel a tap falls into hangs on operations alone that round alike on every machine: no rsqrt there.
 #include "effects/bitmask/bitmask_measure.kernel.h"
@@ -16,27 +16,28 @@
 CONST float kDepthRounding = 2e-6f;   // share of the depth: 16 to 32 steps of a float
 CONST float kFirstStep = 1.3f;        // pixels: nearer taps would read the pixel itself
 CONST float kMostReach = 1e5f;        // pixels
-CONST float kLeastFacing = 0.04f;     // N.V; surfaces seen more edge-on are taken as turned that far
-CONST float kStepTurn = 0.61803399f;  // of the steps from slice to slice
-CONST float kBitJitter = 0.9f;        // by how much of a bit the borders between bits are moved
+CONST float kLeastFacing = 0.04f;     // N.V; surfaces seen more edge-on are measured as if turned that far
+CONST float kStepTurn = 0.61803399f;  // of steps and bits from slice to slice
+CONST float kEdgeOn = 2.5e-7f;        // square of a cosine: packed normals are off by that; what is edge-on sends
+CONST float kBitJitter = 0.98f;       // by how much of a bit the borders between bits are moved
 CONST float kMostLight = 1e18f;       // what a pixel gets stays a number
 
 // What taps of one pixel share.
 struct Origin {
   Real x, y, depth;
-  Real height;            // of one unit of depth along the ray of sight: N . ray
+  Real height;              // of one unit of depth along the ray of sight: N . ray
   Real height_x, height_y;  // of one pixel to the right and down, at depth 1
   Real one_over_nv;
 };
 
 // One side of a slice: the bit of a direction with cosine c is k0 + k1 f(c) + k2 g(c).
 struct Side {
-  Real x, y;      // pixels that one step is long, towards it
+  Real x, y;              // pixels that one step is long, towards it
   Real along_x, along_y;  // the step that a pixel to the right and one down are long
-  Real across;    // of one step at depth 1, at right angles to the line of sight
-  Real tangent;   // what the tangent plane falls away from the eye on the way
+  Real across;            // of one step at depth 1, at right angles to the line of sight
+  Real tangent;           // what the tangent plane falls away from the eye on the way
   Real k0, k1, k2;
-  Real low;       // cosine of the tangent plane
+  Real low;  // cosine of the tangent plane
 };
 
 // The pixel read, whole coordinates of its centre less a half, and whether it is one of the picture.
@@ -137,13 +138,6 @@ FN Uint covered_bits(Way way, Side side, Real most) {
   return from ^ ones_from(to_int(bit_of(back, side)));
 }
 
-// The normal, turned towards the eye where it is seen too much edge-on.
-FN Vec3 seen_normal(Vec3 normal, Vec3 eye) {
-  Real lacking = max(Real(kLeastFacing) - dot(normal, eye), Real(0.0f));
-  Vec3 turned = normal + eye * lacking;
-  return turned * rsqrt(dot(turned, turned));
-}
-
 // How many columns the radius is wide.
 FN Real reach_of(Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
@@ -210,7 +204,7 @@ FN Slice slice_of(Real x, Real y, Vec3 to_eye, Vec3 normal, Real facing, Real ji
     middle = middle - (Real(1.57079633f) - angle_of_cosine(sn)) * m;
   }
   if (C.measure == kBitmaskSectors) {
-    weight = Real(1.0f);
+    weight = projected2 * one_over_projected;
     m = Real(16.0f);
     k1 = m * cn;
     k2 = -(m * sn);
@@ -255,7 +249,9 @@ FN Vec3 light_of(int i, Uint fresh, Origin from, Tap tap, Real depth, Vec3 posit
   Vec3 there = Vec3(mad(tap.x + 0.5f, Real(F.ray_scale_x), Real(F.ray_offset_x)) * spread,
                     mad(tap.y + 0.5f, Real(F.ray_scale_y), Real(F.ray_offset_y)) * spread, -depth);
   // Its other side, where that is what the pixel sees.
-  Bool away = dot(there - position, normal_of(C.layer[i], place)) >= 0.0f;
+  Vec3 way = there - position;
+  Real turned = dot(way, normal_of(C.layer[i], place));
+  Bool away = turned * abs(turned) > dot(way, way) * kEdgeOn;
   Vec3 light = select(sends && !away, sent_of(C.layer[i], place), none);
   if (C.back[i] >= 0 && some(sends && away)) light = select(sends && away, sent_of(C.back[i], place), light);
   return light * count;
@@ -331,19 +327,20 @@ FN void gather(Int px, Int py) {
   Vec3 position = view_position(px, py, depth);
   Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
   Vec3 eye = to_eye(sight);
-  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
-  Real facing = dot(normal, eye);
+  Vec3 normal = unit_normal(near_normal(0, 0), sight);
+  Real facing = max(dot(normal, eye), Real(kLeastFacing));
   Origin from = origin_of(px, py, depth, normal, facing);
   Real reach = reach_of(depth);
   bool near_border = some(is_near_border(from, reach));
   Vec3 noise = noise_at(px, py);
   Vec2 direction = direction_of(noise.x);
-  Real bit_jitter = mad(noise.z, Real(kBitJitter), Real(0.5f - 0.5f * kBitJitter));
   Real open_sum = Real(0.0f);
   Real whole_sum = Real(0.0f);
   Vec3 light = none;
   Vec3 bent = none;
   for (int s = 0; s < C.slices; ++s) {
+    Real bit_jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.z));
+    bit_jitter = mad(bit_jitter, Real(kBitJitter), Real(0.5f - 0.5f * kBitJitter));
     Slice slice = slice_of(direction.x, direction.y, eye, normal, facing, bit_jitter);
     Real jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.y));
     Uint bits = Uint(0u);

@@ -43,8 +43,8 @@ FN void bitmask_horizon_pixel(Int px, Int py) {
   depth = select(surface, depth, Real(1.0f));
   Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
   Vec3 eye = to_eye(sight);
-  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
-  Real facing = dot(normal, eye);
+  Vec3 normal = unit_normal(near_normal(0, 0), sight);
+  Real facing = max(dot(normal, eye), Real(kLeastFacing));
   Origin from = origin_of(px, py, depth, normal, facing);
   Real reach = reach_of(depth);
   bool near_border = some(is_near_border(from, reach));
@@ -78,7 +78,8 @@ FN void bitmask_horizon_pixel(Int px, Int py) {
       share_above = inside_above * Real(C.one_over_steps);
       share_below = inside_below * Real(C.one_over_steps);
     }
-    open_sum = mad(open_above(above, facing, nt), share_above, mad(open_above(below, facing, -nt), share_below, open_sum));
+    open_sum =
+        mad(open_above(above, facing, nt), share_above, mad(open_above(below, facing, -nt), share_below, open_sum));
     whole_sum = mad(open_above(slice.above.low, facing, nt), share_above,
                     mad(open_above(slice.below.low, facing, -nt), share_below, whole_sum));
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),

@@ -1,6 +1,6 @@
 // Depth at a half to a 32nd of the picture's width and height, for taps far away: level l holds at (x, y) one depth for
-// 2^l x 2^l pixels. All levels lie in one plane below each other, at its left border. Based on XeGTAO's "prefilter depths"
-// [XeGTAO]: of four depths the farthest counts, and what is close to it is averaged, so that thin things do not
+// 2^l x 2^l pixels. All levels lie in one plane below each other, at its left border. Based on XeGTAO's "prefilter
+// depths" [XeGTAO]: of four depths the farthest counts, and what is close to it is averaged, so that thin things do not
 // grow.
 //
 // Differs: four of the block's pixels, symmetrical about its centre, are read at every level. On a plane their mean is
