@@ -12,6 +12,7 @@ namespace umbrage {
 
 UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
+UMBRAGE_DECLARE_KERNEL(outline_link)
 UMBRAGE_DECLARE_KERNEL(outline_ends)
 UMBRAGE_DECLARE_KERNEL(outline)
 UMBRAGE_DECLARE_KERNEL(outline_window)
@@ -24,6 +25,9 @@ constexpr std::uint32_t kFindSpirv[] = {
 };
 constexpr std::uint32_t kRefineSpirv[] = {
 #include "spirv/outline_refine.inc"
+};
+constexpr std::uint32_t kLinkSpirv[] = {
+#include "spirv/outline_link.inc"
 };
 constexpr std::uint32_t kEndsSpirv[] = {
 #include "spirv/outline_ends.inc"
@@ -169,16 +173,25 @@ const Effect& effect_outline() {
                   .lanes = run_lanes_outline_refine,
                   .spirv = kRefineSpirv,
                   .needed = is_robust},
+                 {.name = "outline_link",
+                  .inputs = {"outline_steep", "outline_steep_lean", "outline_flat", "outline_flat_lean"},
+                  .outputs = {"outline_steep_linked", "outline_steep_linked_lean", "outline_flat_linked",
+                              "outline_flat_linked_lean"},
+                  .scalar = run_scalar_outline_link,
+                  .lanes = run_lanes_outline_link,
+                  .spirv = kLinkSpirv,
+                  .needed = is_robust},
                  {.name = "outline_ends",
-                  .inputs = {"outline_steep", "outline_flat"},
+                  .inputs = {"outline_steep_linked", "outline_flat_linked"},
                   .outputs = {"outline_ends"},
                   .scalar = run_scalar_outline_ends,
                   .lanes = run_lanes_outline_ends,
                   .spirv = kEndsSpirv,
                   .needed = is_robust},
                  {.name = "outline",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep", "outline_steep_lean",
-                             "outline_flat", "outline_flat_lean", "outline_ends", "lit.r", "lit.g", "lit.b"},
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep_linked",
+                             "outline_steep_linked_lean", "outline_flat_linked", "outline_flat_linked_lean",
+                             "outline_ends", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,

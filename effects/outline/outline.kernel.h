@@ -6,15 +6,16 @@
 // line never reaches around a corner onto what lies behind. Where lines end they are round, so that corners close.
 IN_REAL(depth)
 IN_VECTOR(normal)
-IN_REAL(outline_steep)
-IN_REAL(outline_steep_lean)
-IN_REAL(outline_flat)
-IN_REAL(outline_flat_lean)
+IN_REAL(outline_steep_linked)
+IN_REAL(outline_steep_linked_lean)
+IN_REAL(outline_flat_linked)
+IN_REAL(outline_flat_linked_lean)
 IN_REAL(outline_ends)
 INOUT_COLOR(lit)
 OUT_REAL(outline)
 
 CONST float kLeastFacing = 0.01f;  // as in outline_find
+CONST float kFading = 3.0f;        // a line less sure than a third fades, too
 CONST float kSideEnds = 0.4f;      // a surface ends at a crossing that lies more than this on one side
 
 FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
@@ -28,6 +29,13 @@ FN Real place_of(Real v) {
 // On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
 FN Real side_of(Real v) { return mad(floor(v), Real(1.0f / 64.0f), Real(-65.0f / 64.0f)); }
 
+// How sure a line is, 0 to 1, and its lean's cosine, of what outline_link says of both.
+FN Real sure_of(Real lean) { return floor(abs(lean) * 0.5f) * Real(1.0f / 15.0f); }
+FN Real cosine_of(Real lean) {
+  Real steps = floor(abs(lean) * 0.5f);
+  return abs(lean) - (steps + steps);
+}
+
 // What the lines cover that this pixel sees in one of four directions: along its row (lying 0) or column (1), backward
 // (towards -1) or forward (1).
 FN Real seen_cover(int lying, int towards) {
@@ -35,17 +43,20 @@ FN Real seen_cover(int lying, int towards) {
   Real open = Real(1.0f);
   for (int k = 0; k < C.sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
-    Real v = abs(lying == 0 ? near_outline_steep(i, 0) : near_outline_flat(0, i));
+    Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
-    Real shrink = abs(lying == 0 ? near_outline_steep_lean(i, 0) : near_outline_flat_lean(0, i));
+    Real lean = lying == 0 ? near_outline_steep_linked_lean(i, 0) : near_outline_flat_linked_lean(0, i);
+    Real shrink = cosine_of(lean);
+    Real sure = sure_of(lean);
+    Real width = sure * C.width_px;
     Real side = side_of(v);
     Real off = (place_of(v) + Real(float(i))) * shrink;
     off = select(side < 0.0f, -off, off);
     side = abs(side);
-    Real wide = mad(side, Real(C.width_px * 0.5f), Real(C.width_px * 0.5f + 0.5f));  // onto the nearer side
-    Real narrow = Real(C.width_px + 1.0f) - wide;                                    // onto the other
-    Real cover = min(wide - off, narrow + off);
+    Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
+    Real narrow = width + 1.0f - wide;                         // onto the other
+    Real cover = min(wide - off, narrow + off) * unit_clamp(sure * kFading);
     covered = select(v >= 1.0f, max(covered, cover * open), covered);
     open = select(here && side > kSideEnds, Real(0.0f), open);
   }
@@ -58,7 +69,8 @@ FN Real seen_cover(int lying, int towards) {
 FN Real end_cover(Real v, Real lean, Real across, Real along, Real depth1, Real depth2, Real predicted) {
   Real side = side_of(v);
   across = across + place_of(v);
-  Real shrink = abs(lean);
+  Real shrink = cosine_of(lean);
+  Real width = sure_of(lean) * C.width_px;
   Real slant = sqrt(max(mad(-shrink, shrink, Real(1.0f)), Real(0.0f)));
   slant = select(lean < 0.0f, -slant, slant);
   Real off = mad(across, shrink, -along * slant);       // towards the first pixel's side
@@ -68,14 +80,14 @@ FN Real end_cover(Real v, Real lean, Real across, Real along, Real depth1, Real 
   Real nearer = select(side < 0.0f, depth2, depth1);
   side = abs(side);
   Real distance = sqrt(mad(off, off, past * past));
-  Real wide = mad(side, Real(C.width_px * 0.5f), Real(C.width_px * 0.5f));  // onto the nearer side
-  Real narrow = Real(C.width_px) - wide;                                    // onto the other
+  Real wide = mad(side, width * 0.5f, width * 0.5f);  // onto the nearer side
+  Real narrow = width - wide;                         // onto the other
   Real allowed = Real(C.depth * F.ray_scale_x) * (abs(across) + abs(along) + 1.0f);
   Bool behind = predicted < -nearer - allowed;
   if (F.orthographic == 0) behind = predicted * nearer < Real(1.0f) - allowed;
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
-  Real cover = select(off > 0.0f, inner, outer);
+  Real cover = select(off > 0.0f, inner, outer) * unit_clamp(sure_of(lean) * kFading);
   return select(behind && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
 }
 
@@ -104,18 +116,18 @@ FN Real ends_cover(int j, Vec3 own) {
   Real fj = Real(float(j));
   for (int i = -C.reach; i <= C.reach; ++i) {
     Real fi = Real(float(i));
-    Real v = -near_outline_steep(i, j);
+    Real v = -near_outline_steep_linked(i, j);
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.y, fi + place_of(v), own.z * fj);
       Real cover =
-          end_cover(v, near_outline_steep_lean(i, j), fi, fj, near_depth(i, j), near_depth(i + 1, j), predicted);
+          end_cover(v, near_outline_steep_linked_lean(i, j), fi, fj, near_depth(i, j), near_depth(i + 1, j), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
-    v = -near_outline_flat(i, j);
+    v = -near_outline_flat_linked(i, j);
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.z, fj + place_of(v), own.y * fi);
       Real cover =
-          end_cover(v, near_outline_flat_lean(i, j), fj, fi, near_depth(i, j), near_depth(i, j + 1), predicted);
+          end_cover(v, near_outline_flat_linked_lean(i, j), fj, fi, near_depth(i, j), near_depth(i, j + 1), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
   }

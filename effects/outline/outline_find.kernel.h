@@ -105,6 +105,21 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   return gap / max(pixel, Real(1e-30f));
 }
 
+// Whether the surface of pixel (k, l) is at most two pixels wide, seen from there by steps of (i, j), and what follows
+// lies behind: the last turn of a fold.
+FN Bool ends_soon(int k, int l, int i, int j) {
+  Real depth = near_depth(k, l);
+  Bool first = !goes_on(k, l, k + i, l + j) && !(near_depth(k + i, l + j) < depth);
+  Bool second = !goes_on(k + i, l + j, k + 2 * i, l + 2 * j) && !(near_depth(k + 2 * i, l + 2 * j) < depth);
+  return first || second;
+}
+
+// Whether a jump within an object is the inner side of such a turn: the outer one has the line, and a surface that
+// narrow has room for no more.
+FN Bool sliver(int i, int j, Real gap) {
+  return (gap > 0.0f && ends_soon(0, 0, -i, -j)) || (gap < 0.0f && ends_soon(i, j, i, j));
+}
+
 // The crease between pixel (0, 0) and (i, j): 0 for none, 1 for a faint one, 2 for a clear one; and t.
 FN Vec2 crease_between(Int px, Int py, int i, int j) {
   // Normals from four pixels before to four after, as long as they are of one surface, and squared chords between them,
@@ -218,6 +233,7 @@ FN Real edge(Int px, Int py, int i, int j) {
     Real rim = level + level + 1.5f;
     rim = select(certain || code > 0.0f, rim, -rim);
     Bool any = (surface1 || surface2) && (!both || other || abs(gap) > 1.0f);
+    any = any && !(both && !other && sliver(i, j, gap));
     code = select(parted && any, rim, code);
   }
   return code;

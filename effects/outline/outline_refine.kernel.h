@@ -7,11 +7,10 @@
 // ones. A crossing that has no neighbour in the next row on either side is a step of a line of the other kind and is
 // dropped where that line is there.
 //
-// A faint crossing stays where a clear one is near along the line.
-//
 // Planes, for crossings to the right and below: 0, kOnlyEnds where a surface ends but no piece of line is drawn, or 1 +
 // 2 level + (t + 1/2) / 2 as in outline_find, below 0 at the end of a line; and how the line leans: its angle's cosine
-// to the column (row), below 0 if it goes to the left (up).
+// to the column (row), below 0 if it goes to the left (up), and added to its size twice how many of kSureSteps parts
+// of the piece are clear.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_steep)
@@ -23,20 +22,29 @@ CONST int kRows = 3;  // on each side: the place is then known to about a sevent
 CONST float kSteepest = 1.5f;
 CONST float kSteepHere = 1.05f;   // from here on the other kind of crossing knows the line better
 CONST float kMiddle = 65.0f;      // side of a line that is nobody's
-CONST float kSameSide = 33.0f;    // as much of it makes one line of a faint crossing and a clear one
 CONST float kLeastLength = 2.5f;  // rows that a crease goes on
 CONST float kOneSided = 25.0f;    // from the middle: a surface ends there
 CONST float kOnlyEnds = 0.5f;
 CONST int kAround = 6;            // pixels within which a line has
 CONST float kLeastAround = 6.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
-CONST float kMostTurn = 97.0f;    // of side, as 1 + 2 level: three quarters of the whole range
+CONST int kShadow = 4;            // pixels beside a clear crossing
+CONST float kSureSteps = 15.0f;
+CONST float kMostTurn = 97.0f;       // of side, as 1 + 2 level: three quarters of the whole range
+CONST float kMostTurnFaint = 33.0f;  // if either crossing is faint
 
 // t from its code.
 FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
 
+// Whether a crossing can go on from one of side `side`: a line does not change from one surface's side to the other's
+// from one row to the next, and a faint crease does not go on from the rim that it runs beside.
+FN Bool same_line(Real v, Real side, Bool clear) {
+  Real turn = abs(floor(abs(v)) - side);
+  return abs(v) > 0.0f && turn < select(clear && v > 0.0f, Real(kMostTurn), Real(kMostTurnFaint));
+}
+
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
-// else 0: its code; how far beside; Straight on comes before aside.
-FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side) {
+// else 0: its code; how far beside. Straight on comes before aside.
+FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear) {
   Real straight = Real(0.0f);
   Real after = Real(0.0f);
   Real before = Real(0.0f);
@@ -49,10 +57,9 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side) {
     before = select(beside == Real(-1.0f), v, before);
   }
   alive = alive && (lying == 0 ? near_inside(0, row) : near_inside(row, 0));
-  // A line does not change from one surface's side to the other's from one row to the next.
-  Bool back = abs(floor(abs(before)) - side) < kMostTurn && abs(before) > 0.0f;
-  Bool on = abs(floor(abs(after)) - side) < kMostTurn && abs(after) > 0.0f;
-  Bool ahead = abs(floor(abs(straight)) - side) < kMostTurn && abs(straight) > 0.0f;
+  Bool back = same_line(before, side, clear);
+  Bool on = same_line(after, side, clear);
+  Bool ahead = same_line(straight, side, clear);
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
@@ -66,18 +73,11 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim.
   Bool rim = abs(side - kMiddle) > kOneSided;
   Bool shadow = v < 0.0f;
-  for (int k = -2; k <= 2; ++k) {
+  for (int k = -kShadow; k <= kShadow; ++k) {
     Real rival = lying == 0 ? near_outline_right(k, 0) : near_outline_below(0, k);
     shadow = shadow || (rival > 0.0f && (abs(rival - kMiddle) > kOneSided + 1.0f || !rim));
   }
   shadow = shadow && !clear;
-  // A bevel is clear in some rows and faint in others, as pixels fall on it.
-  for (int row = -kAround; row <= kAround; ++row)
-    if (some(v > 0.0f && !(clear || shadow)))
-      for (int k = -2; k <= 2; ++k) {
-        Real other = lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k);
-        clear = clear || (other > 0.0f && abs(floor(other) - side) < kSameSide);
-      }
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
@@ -89,13 +89,14 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real moments = Real(0.0f);  // for the slope
   Real squares = Real(0.0f);
   Real one_sided = Real(0.0f);
-  Real length = Real(0.0f);  // rows in which the line goes on
+  Real length = Real(0.0f);                             // rows in which the line goes on, and
+  Real clears = select(clear, Real(1.0f), Real(0.0f));  // of them and this one those where it is clear
   Bool joined = up_alive && !up_alive;
   Bool both = up_alive;
   Bool ends = !up_alive;
   for (int k = 1; k <= kRows; ++k) {
-    up = follow(lying, -k, up.y, up_alive, side);
-    down = follow(lying, k, down.y, down_alive, side);
+    up = follow(lying, -k, up.y, up_alive, side, clear);
+    down = follow(lying, k, down.y, down_alive, side, clear);
     up_alive = abs(up.x) > 0.0f;
     down_alive = abs(down.x) > 0.0f;
     Real up_side = floor(abs(up.x));
@@ -103,6 +104,7 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     Real up_place = up.y + place_of(abs(up.x) - up_side);
     Real down_place = down.y + place_of(abs(down.x) - down_side);
     length = length + select(up_alive, Real(1.0f), Real(0.0f)) + select(down_alive, Real(1.0f), Real(0.0f));
+    clears = clears + select(up.x > 0.0f, Real(1.0f), Real(0.0f)) + select(down.x > 0.0f, Real(1.0f), Real(0.0f));
     if (k == 1) {
       joined = up_alive || down_alive;
       ends = !(up_alive && down_alive);
@@ -126,12 +128,14 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   aside = aside || abs(slope) > kSteepHere;
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
-  Bool keep = v > 0.0f && clear && !step && !speck && !shadow;
+  Bool keep = v > 0.0f && !step && !speck && !shadow;
   Real code = select(keep, level + level + 1.0f + (place + 0.5f) * 0.5f, Real(kOnlyEnds));
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
   // No rsqrt: near 1 its last bit decides what angle outline gets back.
   Real lean = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
+  Real sure = floor(clears / (length + 1.0f) * kSureSteps + 0.5f);
+  lean = lean + sure + sure;
   return Vec2(select(known, select(ends && keep, -code, code), Real(0.0f)),
               select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
 }

@@ -1,0 +1,132 @@
+// Lines seen over a longer way: how sure each piece of line is, and where it passes. A bevel or a fold is clear in some
+// rows and faint in others, as pixels fall on it, so what decides is how much of the line is clear, before and after. A
+// line that fades tapers, as a pen's does, and a row of dashes becomes one thin line or none.
+//
+// From each piece the line is followed in hops, each from where the one before arrived and in the direction that the
+// line has there. A rim that leans little, whose place steps once in many rows, is straightened by the same way.
+//
+// Planes: those of outline_refine, with how sure a line is: kSureSteps for what is to be drawn whole, 0 for nothing.
+IN_REAL(outline_steep)
+IN_REAL(outline_steep_lean)
+IN_REAL(outline_flat)
+IN_REAL(outline_flat_lean)
+OUT_REAL(outline_steep_linked)
+OUT_REAL(outline_steep_linked_lean)
+OUT_REAL(outline_flat_linked)
+OUT_REAL(outline_flat_linked_lean)
+
+CONST int kHop = 6;                  // rows: a piece of outline_refine knows three to either side
+CONST int kHops = 5;                 // to either side
+CONST float kAstray = 1.1f;          // pixels beside where it is expected, at which a piece is another line's
+CONST float kMostTurn = 63.0f;       // of side, as 1 + 2 level: a crease is no rim
+CONST float kMostTurnFaint = 33.0f;  // if a piece is faint
+CONST float kStraight = 1.05f;       // pixels of bend: what the steps of a straight rim may look like
+CONST float kLeastClear = 0.1f;      // share of a line that is clear, below which it is not drawn,
+CONST float kWholeClear = 0.4f;      // and from which on it is drawn whole
+CONST float kSureSteps = 15.0f;
+CONST float kSides = 256.0f;   // more than any side, 1 + 2 level
+CONST float kOnlyEnds = 0.5f;  // as in outline_refine
+CONST float kSteepest = 1.5f;
+
+// What outline_refine says of a piece: the cosine of its lean, and how much of it is clear.
+FN Real sure_of(Real lean) { return floor(abs(lean) * 0.5f); }
+FN Real cosine_of(Real lean) { return abs(lean) - (sure_of(lean) + sure_of(lean)); }
+FN Real slope_of(Real lean) {
+  Real cosine = max(cosine_of(lean), Real(0.1f));
+  Real slope = sqrt(max(mad(-cosine, cosine, Real(1.0f)), Real(0.0f))) / cosine;
+  return select(lean < 0.0f, -slope, slope);
+}
+
+// A piece after a hop: where it lies beside the first, its slope, and of two that are packed into one, how much of it
+// is clear and its side: kSides times the former and the latter; below 0 for none.
+FN Vec3 hop(int lying, Int px, Int py, int row, Vec3 from, Real side) {
+  Real slope = from.y;
+  Real expected = mad(slope, Real(float(row < 0 ? -kHop : kHop)), from.x);
+  Real first = floor(expected);
+  Bool alive = from.z >= 0.0f;
+  Vec3 best = Vec3(expected, slope, Real(-1.0f));
+  Real nearest = Real(kAstray);
+  for (int k = -1; k <= 1; ++k) {
+    Int column = to_int(first) + Int(k);
+    Int X = lying == 0 ? px + column : px + Int(row);
+    Int Y = lying == 0 ? py + Int(row) : py + column;
+    Bool here = alive && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
+    if (!some(here)) continue;
+    Real v = abs(lying == 0 ? load_outline_steep(X, Y) : load_outline_flat(X, Y));
+    Real turn = abs(floor(v) - side);
+    here = here && v >= 1.0f && turn < kMostTurn;
+    if (!some(here)) continue;
+    Real lean = lying == 0 ? load_outline_steep_lean(X, Y) : load_outline_flat_lean(X, Y);
+    Real fraction = v - floor(v);
+    Real place = to_real(column) + (fraction + fraction - 0.5f);
+    Real away = abs(place - expected);
+    here = here && away < nearest && (turn < kMostTurnFaint || (sure_of(lean) > 0.0f && from.z >= kSides));
+    nearest = select(here, away, nearest);
+    best = select(here, Vec3(place, slope_of(lean), mad(sure_of(lean), Real(kSides), floor(v))), best);
+  }
+  return best;
+}
+
+// The piece of line at this pixel as its way on either side shows it: code and lean.
+FN Vec2 linked(int lying, Int px, Int py, Real code, Real lean) {
+  Real v = abs(code);
+  Bool drawn = v >= 1.0f;
+  Real side = floor(v);
+  Real place = (v - side) + (v - side) - 0.5f;
+  Vec3 up = Vec3(place, slope_of(lean), select(drawn, mad(sure_of(lean), Real(kSides), side), Real(-1.0f)));
+  Vec3 down = up;
+  Real slope = up.y;
+  Real clear = sure_of(lean);
+  Real sides = side;
+  Real pieces = Real(1.0f);
+  Real pairs = Real(0.0f);
+  Real places = Real(0.0f);
+  Real moments = Real(0.0f);
+  Real squares = Real(0.0f);
+  Bool straight = drawn;
+  for (int k = 1; k <= kHops; ++k) {
+    if (!some(up.z >= 0.0f || down.z >= 0.0f)) continue;
+    up = hop(lying, px, py, -k * kHop, up, side);
+    down = hop(lying, px, py, k * kHop, down, side);
+    Real up_sure = floor(max(up.z, Real(0.0f)) * Real(1.0f / kSides));
+    Real down_sure = floor(max(down.z, Real(0.0f)) * Real(1.0f / kSides));
+    clear = clear + up_sure + down_sure;
+    sides = sides + max(mad(up_sure, Real(-kSides), up.z), Real(0.0f)) +
+            max(mad(down_sure, Real(-kSides), down.z), Real(0.0f));
+    pieces = pieces + select(up.z >= 0.0f, Real(1.0f), Real(0.0f)) + select(down.z >= 0.0f, Real(1.0f), Real(0.0f));
+    straight = straight && up.z >= 0.0f && down.z >= 0.0f && abs(up.x + down.x - place - place) < kStraight;
+    Real counts = select(straight, Real(1.0f), Real(0.0f));
+    pairs = pairs + counts;
+    places = mad(counts, up.x + down.x, places);
+    moments = mad(counts, (down.x - up.x) * Real(float(k)), moments);
+    squares = squares + counts * Real(float(2 * kHop * k * k));
+  }
+  Real mean = (places + place) / (pairs + pairs + 1.0f);
+  mean = clamp(mean, Real(-0.5f), Real(1.499f));
+  slope = select(pairs > 0.5f, moments / max(squares, Real(1.0f)), slope);
+  slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
+  Real share = clear / (pieces * kSureSteps);
+  share = clamp((share - kLeastClear) * Real(1.0f / (kWholeClear - kLeastClear)), Real(0.0f), Real(1.0f));
+  Real sure = floor(share * kSureSteps + 0.5f);
+  Bool keep = drawn && sure > 0.5f;
+  Real cosine = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
+  Real level = floor((sides / pieces - 1.0f) * 0.5f + 0.5f);
+  Real found = level + level + 1.0f + (mean + 0.5f) * 0.5f;
+  found = select(code < 0.0f, -found, found);
+  Real leaning = cosine + sure + sure;
+  return Vec2(select(keep, found, select(v > 0.0f, Real(kOnlyEnds), Real(0.0f))),
+              select(keep, select(slope < 0.0f, -leaning, leaning), Real(0.0f)));
+}
+
+FN void outline_link_pixel(Int px, Int py) {
+  Real code = near_outline_steep(0, 0);
+  Vec2 steep = Vec2(code, Real(0.0f));
+  if (some(abs(code) >= 1.0f)) steep = linked(0, px, py, code, near_outline_steep_lean(0, 0));
+  store_outline_steep_linked(steep.x);
+  store_outline_steep_linked_lean(steep.y);
+  code = near_outline_flat(0, 0);
+  Vec2 lower = Vec2(code, Real(0.0f));
+  if (some(abs(code) >= 1.0f)) lower = linked(1, px, py, code, near_outline_flat_lean(0, 0));
+  store_outline_flat_linked(lower.x);
+  store_outline_flat_linked_lean(lower.y);
+}
