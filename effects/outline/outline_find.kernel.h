@@ -16,7 +16,8 @@
 //
 // The planes hold 0 for no edge, or 1 + 2 level + (t + 1/2) / 2: t in [-1/2, 3/2) from the pixel to its neighbour, 1/2
 // where that is not known; level 0 to 64, of which 64 is a line wholly on this pixel's side (it is nearer), 0 wholly on
-// the neighbour's, 32 in the middle. The same below 0 is faint: it counts where it goes on from a clear edge.
+// the neighbour's, 32 in the middle, where creases alone lie. The same below 0 is faint: how much of a line is clear
+// decides later.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)
@@ -24,11 +25,12 @@ IN_REAL(material_id)
 OUT_REAL(outline_right)
 OUT_REAL(outline_below)
 
-CONST float kLevels = 32.0f;       // of side, to either side of the middle
-CONST float kDeep = 2.0f;          // a jump within one object is clear from so many times `depth` on
-CONST float kSure = 0.9f;          // share of a threshold that tells without rounding that it is not reached
-CONST float kLeastFacing = 0.01f;  // cosine to the eye below which a plane's slope is not trusted further
-CONST float kSteepest = 10.0f;     // depth, in pixel sizes, of a step on a surface that still tells its shape
+CONST float kLevels = 32.0f;            // of side, to either side of the middle
+CONST float kLeastSide = 2.0f / 32.0f;  // of what is no crease
+CONST float kDeep = 2.0f;               // a jump within one object is clear from so many times `depth` on
+CONST float kSure = 0.9f;               // share of a threshold that tells without rounding that it is not reached
+CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane's slope is not trusted further
+CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a surface that still tells its shape
 
 // Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
 // three off may turn (round things have 1/5: 0.04), and those beside a sharp edge.
@@ -228,6 +230,7 @@ FN Real edge(Int px, Int py, int i, int j) {
     Real gap = jump_between(px, py, i, j) * Real(1.0f / C.depth);
     Real side = clamp(gap, Real(-1.0f), Real(1.0f));
     side = select(both, side, select(surface1, Real(1.0f), Real(-1.0f)));
+    side = select(abs(side) < kLeastSide, select(side < 0.0f, Real(-kLeastSide), Real(kLeastSide)), side);
     Real level = floor(side * kLevels + (kLevels + 0.5f));
     Bool certain = other || !both || abs(gap) > kDeep;
     Real rim = level + level + 1.5f;

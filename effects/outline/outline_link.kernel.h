@@ -15,14 +15,17 @@ OUT_REAL(outline_steep_linked_lean)
 OUT_REAL(outline_flat_linked)
 OUT_REAL(outline_flat_linked_lean)
 
-CONST int kHop = 6;                  // rows: a piece of outline_refine knows three to either side
-CONST int kHops = 5;                 // to either side
-CONST float kAstray = 1.1f;          // pixels beside where it is expected, at which a piece is another line's
-CONST float kMostTurn = 63.0f;       // of side, as 1 + 2 level: a crease is no rim
-CONST float kMostTurnFaint = 33.0f;  // if a piece is faint
-CONST float kStraight = 1.05f;       // pixels of bend: what the steps of a straight rim may look like
-CONST float kLeastClear = 0.1f;      // share of a line that is clear, below which it is not drawn,
-CONST float kWholeClear = 0.4f;      // and from which on it is drawn whole
+CONST int kHop = 6;                 // rows: a piece of outline_refine knows three to either side
+CONST int kHops = 5;                // to either side
+CONST float kAstray = 1.1f;         // pixels beside where it is expected, at which a piece is another line's
+CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level
+CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
+CONST float kDiagonal = 0.8f;       // slope from which on a line is made of pieces of both kinds
+CONST float kMiddle = 65.0f;        // side of a crease
+CONST float kLeastPieces = 3.0f;    // of a crease that is drawn whole; with one it is a speck
+CONST float kStraight = 1.05f;      // pixels of bend: what the steps of a straight rim may look like
+CONST float kLeastClear = 0.1f;     // share of a line that is clear, below which it is not drawn,
+CONST float kWholeClear = 0.4f;     // and from which on it is drawn whole
 CONST float kSureSteps = 15.0f;
 CONST float kSides = 256.0f;   // more than any side, 1 + 2 level
 CONST float kOnlyEnds = 0.5f;  // as in outline_refine
@@ -37,12 +40,13 @@ FN Real slope_of(Real lean) {
   return select(lean < 0.0f, -slope, slope);
 }
 
-// A piece after a hop: where it lies beside the first, its slope, and of two that are packed into one, how much of it
-// is clear and its side: kSides times the former and the latter; below 0 for none.
-FN Vec3 hop(int lying, Int px, Int py, int row, Vec3 from, Real side) {
+// A piece in row `row`, `rows` after the one before: where it lies beside the first, its slope, and of two that are
+// packed into one, how much of it is clear and its side: kSides times the former and the latter; below 0 for none.
+FN Vec3 hop(int lying, Int px, Int py, int row, int rows, Vec3 from, Real side) {
   Real slope = from.y;
-  Real expected = mad(slope, Real(float(row < 0 ? -kHop : kHop)), from.x);
+  Real expected = mad(slope, Real(float(rows)), from.x);
   Real first = floor(expected);
+  Bool crease = side == Real(kMiddle);
   Bool alive = from.z >= 0.0f;
   Vec3 best = Vec3(expected, slope, Real(-1.0f));
   Real nearest = Real(kAstray);
@@ -53,16 +57,19 @@ FN Vec3 hop(int lying, Int px, Int py, int row, Vec3 from, Real side) {
     Bool here = alive && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
     if (!some(here)) continue;
     Real v = abs(lying == 0 ? load_outline_steep(X, Y) : load_outline_flat(X, Y));
-    Real turn = abs(floor(v) - side);
-    here = here && v >= 1.0f && turn < kMostTurn;
+    Real other = floor(v);
+    here = here && v >= 1.0f && abs(other - side) < kMostTurn;
     if (!some(here)) continue;
     Real lean = lying == 0 ? load_outline_steep_lean(X, Y) : load_outline_flat_lean(X, Y);
     Real fraction = v - floor(v);
     Real place = to_real(column) + (fraction + fraction - 0.5f);
     Real away = abs(place - expected);
-    here = here && away < nearest && (turn < kMostTurnFaint || (sure_of(lean) > 0.0f && from.z >= kSides));
+    Bool mixed = crease || other == Real(kMiddle);
+    Bool clear = sure_of(lean) > 0.0f && from.z >= kSides;
+    here = here && (!mixed || clear || abs(other - side) < kMostTurnFaint) && away < nearest;
     nearest = select(here, away, nearest);
-    best = select(here, Vec3(place, slope_of(lean), mad(sure_of(lean), Real(kSides), floor(v))), best);
+    best =
+        select(here, Vec3(place, slope_of(lean), mad(sure_of(lean), Real(kSides), select(mixed, side, other))), best);
   }
   return best;
 }
@@ -86,8 +93,10 @@ FN Vec2 linked(int lying, Int px, Int py, Real code, Real lean) {
   Bool straight = drawn;
   for (int k = 1; k <= kHops; ++k) {
     if (!some(up.z >= 0.0f || down.z >= 0.0f)) continue;
-    up = hop(lying, px, py, -k * kHop, up, side);
-    down = hop(lying, px, py, k * kHop, down, side);
+    int row = k * kHop - kHop / 2;
+    int rows = k == 1 ? row : kHop;
+    up = hop(lying, px, py, -row, -rows, up, side);
+    down = hop(lying, px, py, row, rows, down, side);
     Real up_sure = floor(max(up.z, Real(0.0f)) * Real(1.0f / kSides));
     Real down_sure = floor(max(down.z, Real(0.0f)) * Real(1.0f / kSides));
     clear = clear + up_sure + down_sure;
@@ -98,8 +107,8 @@ FN Vec2 linked(int lying, Int px, Int py, Real code, Real lean) {
     Real counts = select(straight, Real(1.0f), Real(0.0f));
     pairs = pairs + counts;
     places = mad(counts, up.x + down.x, places);
-    moments = mad(counts, (down.x - up.x) * Real(float(k)), moments);
-    squares = squares + counts * Real(float(2 * kHop * k * k));
+    moments = mad(counts, (down.x - up.x) * Real(float(row)), moments);
+    squares = squares + counts * Real(float(2 * row * row));
   }
   Real mean = (places + place) / (pairs + pairs + 1.0f);
   mean = clamp(mean, Real(-0.5f), Real(1.499f));
@@ -107,6 +116,8 @@ FN Vec2 linked(int lying, Int px, Int py, Real code, Real lean) {
   slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
   Real share = clear / (pieces * kSureSteps);
   share = clamp((share - kLeastClear) * Real(1.0f / (kWholeClear - kLeastClear)), Real(0.0f), Real(1.0f));
+  Real support = clamp((pieces - 1.0f) * Real(1.0f / (kLeastPieces - 1.0f)), Real(0.0f), Real(1.0f));
+  share = select(side == Real(kMiddle) && abs(slope) < kDiagonal, share * support, share);
   Real sure = floor(share * kSureSteps + 0.5f);
   Bool keep = drawn && sure > 0.5f;
   Real cosine = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));

@@ -29,17 +29,19 @@ CONST int kAround = 6;            // pixels within which a line has
 CONST float kLeastAround = 6.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
 CONST int kShadow = 4;            // pixels beside a clear crossing
 CONST float kSureSteps = 15.0f;
-CONST float kMostTurn = 97.0f;       // of side, as 1 + 2 level: three quarters of the whole range
-CONST float kMostTurnFaint = 33.0f;  // if either crossing is faint
+CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
+CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
 
 // t from its code.
 FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
 
 // Whether a crossing can go on from one of side `side`: a line does not change from one surface's side to the other's
-// from one row to the next, and a faint crease does not go on from the rim that it runs beside.
+// from one row to the next, and a faint crease is not the rim that it runs beside.
 FN Bool same_line(Real v, Real side, Bool clear) {
-  Real turn = abs(floor(abs(v)) - side);
-  return abs(v) > 0.0f && turn < select(clear && v > 0.0f, Real(kMostTurn), Real(kMostTurnFaint));
+  Real other = floor(abs(v));
+  Bool alike = !(other == Real(kMiddle)) && !(side == Real(kMiddle));
+  Real most = select(alike || (clear && v > 0.0f), Real(kMostTurn), Real(kMostTurnFaint));
+  return abs(v) > 0.0f && abs(other - side) < most;
 }
 
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
@@ -108,8 +110,9 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     if (k == 1) {
       joined = up_alive || down_alive;
       ends = !(up_alive && down_alive);
-      one_sided = select(up_alive, t - up_place, select(down_alive, down_place - t, Real(0.0f)));
     }
+    one_sided = select(up_alive, (t - up_place) * Real(1.0f / float(k)),
+                       select(down_alive, (down_place - t) * Real(1.0f / float(k)), one_sided));
     // Rows count in pairs, lest the mean be known to one side.
     both = both && up_alive && down_alive;
     sides = sides + select(both, up_side + down_side, Real(0.0f));
