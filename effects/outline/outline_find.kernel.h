@@ -16,8 +16,8 @@
 //
 // The planes hold 0 for no edge, or 1 + 2 level + (t + 1/2) / 2: t in [-1/2, 3/2) from the pixel to its neighbour, 1/2
 // where that is not known; level 0 to 64, of which 64 is a line wholly on this pixel's side (it is nearer), 0 wholly on
-// the neighbour's, 32 in the middle, where creases alone lie. The same below 0 is faint: how much of a line is clear
-// decides later.
+// the neighbour's, 32 in the middle, where creases alone lie. Added to that is kStep times how clear
+// the edge is, 0 to kClearest; below half of it all is negated. How clear a line is in the mean decides later.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)
@@ -25,7 +25,9 @@ IN_REAL(material_id)
 OUT_REAL(outline_right)
 OUT_REAL(outline_below)
 
-CONST float kLevels = 32.0f;            // of side, to either side of the middle
+CONST float kLevels = 32.0f;  // of side, to either side of the middle
+CONST float kStep = 256.0f;
+CONST float kClearest = 7.0f;
 CONST float kLeastSide = 2.0f / 32.0f;  // of what is no crease
 CONST float kDeep = 2.0f;               // a jump within one object is clear from so many times `depth` on
 CONST float kSure = 0.9f;               // share of a threshold that tells without rounding that it is not reached
@@ -36,6 +38,7 @@ CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a
 // three off may turn (round things have 1/5: 0.04), and those beside a sharp edge.
 CONST float kFaintTurn = 0.5f;
 CONST float kSteady = 0.026f;
+CONST float kTurnRange = 0.4f;  // share of the threshold within which a crease becomes clear
 CONST float kSharp = 0.1f;
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
@@ -122,7 +125,7 @@ FN Bool sliver(int i, int j, Real gap) {
   return (gap > 0.0f && ends_soon(0, 0, -i, -j)) || (gap < 0.0f && ends_soon(i, j, i, j));
 }
 
-// The crease between pixel (0, 0) and (i, j): 0 for none, 1 for a faint one, 2 for a clear one; and t.
+// The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
 FN Vec2 crease_between(Int px, Int py, int i, int j) {
   // Normals from four pixels before to four after, as long as they are of one surface, and squared chords between them,
   // which stand for angles.
@@ -157,10 +160,12 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
   Bool peak = strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3) &&
               strength >= smooth_turn(a4, a3, a2, a1, a0, b0) && strength > smooth_turn(a0, b0, b1, b2, b3, b4);
   peak = peak && same_object(0, 0, i, j) && turn > Real(C.crease_chord * kFaintTurn);
-  if (!some(peak)) return Vec2(Real(0.0f), Real(0.5f));
-  Bool steady = max(turn_a3, turn_b3) < turn * kSteady;
+  if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   Bool sharp = max(turn_a1, turn_b1) < here * kSharp;
-  Bool clear = turn > Real(C.crease_chord) && (sharp || (steady && before3 && after3));
+  Real steady = Real(1.5f) - max(turn_a3, turn_b3) / max(turn * kSteady, Real(1e-20f));
+  steady = select(sharp, Real(1.0f), select(before3 && after3, steady, Real(0.0f)));
+  Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;
+  clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
   if (C.convex == 0 || C.concave == 0) {
     Real depth1 = select(peak, near_depth(0, 0), Real(1.0f));
     Real depth2 = select(peak, near_depth(i, j), Real(1.0f));
@@ -184,7 +189,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
     Real meet = (plane_b.x - plane_b.y - plane_b.y - plane_a.x - plane_a.y) / select(plain, bend, Real(1.0f));
     t = select(plain && meet > -0.5f && meet < 1.5f, meet, t);
   }
-  return Vec2(select(peak, select(clear, Real(2.0f), Real(1.0f)), Real(0.0f)), t);
+  return Vec2(select(peak, clear, Real(-1.0f)), t);
 }
 
 // The edge between pixel (0, 0) and (i, j), which is the right or the lower one.
@@ -215,11 +220,13 @@ FN Real edge(Int px, Int py, int i, int j) {
   Bool turned = turn > Real(C.crease_chord * kFaintTurn) && some_surface;
 
   Real code = Real(0.0f);
+  Real clear = Real(0.0f);
   if (some(turned)) {
     Vec2 crease = crease_between(px, py, i, j);
     code = Real(2.0f * kLevels + 1.0f) + (clamp(crease.y, Real(-0.5f), Real(1.499f)) + 0.5f) * 0.5f;
-    code = select(crease.x > 1.5f, code, -code);
-    code = select(turned && crease.x > 0.5f, code, Real(0.0f));
+    turned = turned && crease.x >= 0.0f;
+    code = select(turned, code, Real(0.0f));
+    clear = select(turned, crease.x, Real(0.0f));
   }
   if (some(parted)) {
     Bool surface1 = is_surface(depth1);
@@ -232,14 +239,16 @@ FN Real edge(Int px, Int py, int i, int j) {
     side = select(both, side, select(surface1, Real(1.0f), Real(-1.0f)));
     side = select(abs(side) < kLeastSide, select(side < 0.0f, Real(-kLeastSide), Real(kLeastSide)), side);
     Real level = floor(side * kLevels + (kLevels + 0.5f));
-    Bool certain = other || !both || abs(gap) > kDeep;
-    Real rim = level + level + 1.5f;
-    rim = select(certain || code > 0.0f, rim, -rim);
+    Real apart = (abs(gap) - 1.0f) * Real(0.5f / (kDeep - 1.0f));
+    apart = select(other || !both, Real(1.0f), clamp(apart, Real(0.0f), Real(1.0f)));
     Bool any = (surface1 || surface2) && (!both || other || abs(gap) > 1.0f);
     any = any && !(both && !other && sliver(i, j, gap));
-    code = select(parted && any, rim, code);
+    any = any && parted;
+    code = select(any, level + level + 1.5f, code);
+    clear = select(any, max(clear, apart), clear);
   }
-  return code;
+  Real coded = mad(floor(clear * kClearest + 0.5f), Real(kStep), code);
+  return select(code > 0.0f, select(clear < 0.5f, -coded, coded), Real(0.0f));
 }
 
 FN void outline_find_pixel(Int px, Int py) {

@@ -24,9 +24,10 @@ CONST float kDiagonal = 0.8f;       // slope from which on a line is made of pie
 CONST float kMiddle = 65.0f;        // side of a crease
 CONST float kLeastPieces = 3.0f;    // of a crease that is drawn whole; with one it is a speck
 CONST float kStraight = 1.05f;      // pixels of bend: what the steps of a straight rim may look like
-CONST float kLeastClear = 0.1f;     // share of a line that is clear, below which it is not drawn,
-CONST float kWholeClear = 0.4f;     // and from which on it is drawn whole
+CONST float kLeastClear = 0.42f;    // share of a line that is clear, below which it is not drawn,
+CONST float kWholeClear = 0.75f;    // and from which on it is drawn whole
 CONST float kSureSteps = 15.0f;
+CONST float kClear = 7.0f;     // half of it
 CONST float kSides = 256.0f;   // more than any side, 1 + 2 level
 CONST float kOnlyEnds = 0.5f;  // as in outline_refine
 CONST float kSteepest = 1.5f;
@@ -65,7 +66,7 @@ FN Vec3 hop(int lying, Int px, Int py, int row, int rows, Vec3 from, Real side) 
     Real place = to_real(column) + (fraction + fraction - 0.5f);
     Real away = abs(place - expected);
     Bool mixed = crease || other == Real(kMiddle);
-    Bool clear = sure_of(lean) > 0.0f && from.z >= kSides;
+    Bool clear = sure_of(lean) > kClear && from.z >= kSides * kClear;
     here = here && (!mixed || clear || abs(other - side) < kMostTurnFaint) && away < nearest;
     nearest = select(here, away, nearest);
     best =

@@ -28,9 +28,15 @@ CONST float kOnlyEnds = 0.5f;
 CONST int kAround = 6;            // pixels within which a line has
 CONST float kLeastAround = 6.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
 CONST int kShadow = 4;            // pixels beside a clear crossing
+CONST float kStep = 256.0f;       // as in outline_find
+CONST float kClearest = 7.0f;
 CONST float kSureSteps = 15.0f;
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
+
+// Of what outline_find says: how clear a crossing is, 0 to kClearest, and the rest.
+FN Real clear_of(Real v) { return floor(abs(v) * Real(1.0f / kStep)); }
+FN Real code_of(Real v) { return mad(clear_of(v), Real(-kStep), abs(v)); }
 
 // t from its code.
 FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
@@ -38,7 +44,7 @@ FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
 // Whether a crossing can go on from one of side `side`: a line does not change from one surface's side to the other's
 // from one row to the next, and a faint crease is not the rim that it runs beside.
 FN Bool same_line(Real v, Real side, Bool clear) {
-  Real other = floor(abs(v));
+  Real other = floor(code_of(v));
   Bool alike = !(other == Real(kMiddle)) && !(side == Real(kMiddle));
   Real most = select(alike || (clear && v > 0.0f), Real(kMostTurn), Real(kMostTurnFaint));
   return abs(v) > 0.0f && abs(other - side) < most;
@@ -68,7 +74,7 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
 }
 
 FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
-  Real v = abs(signed_v);
+  Real v = code_of(signed_v);
   Real side = floor(v);
   Real t = place_of(v - side);
   Bool clear = signed_v > 0.0f;
@@ -77,7 +83,7 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool shadow = v < 0.0f;
   for (int k = -kShadow; k <= kShadow; ++k) {
     Real rival = lying == 0 ? near_outline_right(k, 0) : near_outline_below(0, k);
-    shadow = shadow || (rival > 0.0f && (abs(rival - kMiddle) > kOneSided + 1.0f || !rim));
+    shadow = shadow || (rival > 0.0f && (abs(code_of(rival) - kMiddle) > kOneSided + 1.0f || !rim));
   }
   shadow = shadow && !clear;
   Bool exact = !(t == Real(0.5f));
@@ -91,8 +97,8 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real moments = Real(0.0f);  // for the slope
   Real squares = Real(0.0f);
   Real one_sided = Real(0.0f);
-  Real length = Real(0.0f);                             // rows in which the line goes on, and
-  Real clears = select(clear, Real(1.0f), Real(0.0f));  // of them and this one those where it is clear
+  Real length = Real(0.0f);          // rows in which the line goes on, and
+  Real clears = clear_of(signed_v);  // how clear it is there and here
   Bool joined = up_alive && !up_alive;
   Bool both = up_alive;
   Bool ends = !up_alive;
@@ -101,12 +107,14 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     down = follow(lying, k, down.y, down_alive, side, clear);
     up_alive = abs(up.x) > 0.0f;
     down_alive = abs(down.x) > 0.0f;
-    Real up_side = floor(abs(up.x));
-    Real down_side = floor(abs(down.x));
-    Real up_place = up.y + place_of(abs(up.x) - up_side);
-    Real down_place = down.y + place_of(abs(down.x) - down_side);
+    Real up_code = code_of(up.x);
+    Real down_code = code_of(down.x);
+    Real up_side = floor(up_code);
+    Real down_side = floor(down_code);
+    Real up_place = up.y + place_of(up_code - up_side);
+    Real down_place = down.y + place_of(down_code - down_side);
     length = length + select(up_alive, Real(1.0f), Real(0.0f)) + select(down_alive, Real(1.0f), Real(0.0f));
-    clears = clears + select(up.x > 0.0f, Real(1.0f), Real(0.0f)) + select(down.x > 0.0f, Real(1.0f), Real(0.0f));
+    clears = clears + clear_of(up.x) + clear_of(down.x);
     if (k == 1) {
       joined = up_alive || down_alive;
       ends = !(up_alive && down_alive);
@@ -137,7 +145,7 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
   // No rsqrt: near 1 its last bit decides what angle outline gets back.
   Real lean = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
-  Real sure = floor(clears / (length + 1.0f) * kSureSteps + 0.5f);
+  Real sure = floor(clears / (length + 1.0f) * Real(kSureSteps / kClearest) + 0.5f);
   lean = lean + sure + sure;
   return Vec2(select(known, select(ends && keep, -code, code), Real(0.0f)),
               select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
