@@ -15,6 +15,9 @@ INOUT_COLOR(lit)
 OUT_REAL(outline)
 
 CONST float kLeastFacing = 0.01f;  // as in outline_find
+CONST float kFar = 1e4f;           // pixels: no line
+CONST float kRim = 0.8f;           // of the side: a rim's line lies wholly on one
+CONST float kMostShare = 0.35f;    // of what is thin that a line on either side may cover
 CONST float kFading = 3.0f;        // a line less sure than a third fades, too
 CONST float kSideEnds = 0.4f;      // a surface ends at a crossing that lies more than this on one side
 
@@ -29,6 +32,8 @@ FN Real place_of(Real v) {
 // On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
 FN Real side_of(Real v) { return mad(floor(v), Real(1.0f / 64.0f), Real(-65.0f / 64.0f)); }
 
+FN Real slant_of(Real cosine) { return sqrt(max(mad(-cosine, cosine, Real(1.0f)), Real(0.0f))); }
+
 // How sure a line is, 0 to 1, and its lean's cosine, of what outline_link says of both.
 FN Real sure_of(Real lean) { return floor(abs(lean) * 0.5f) * Real(1.0f / 15.0f); }
 FN Real cosine_of(Real lean) {
@@ -36,10 +41,13 @@ FN Real cosine_of(Real lean) {
   return abs(lean) - (steps + steps);
 }
 
-// What the lines cover that this pixel sees in one of four directions: along its row (lying 0) or column (1), backward
-// (towards -1) or forward (1).
-FN Real seen_cover(int lying, int towards) {
+// What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
+// (towards -1) or forward (1), cover of it, 1 and more for all; how far the first of them is, if it is the rim of the
+// surface that the pixel is on; and how that slants.
+FN Vec3 seen(int lying, int towards) {
   Real covered = Real(0.0f);
+  Real distance = Real(kFar);
+  Real slant = Real(0.0f);
   Real open = Real(1.0f);
   for (int k = 0; k < C.sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
@@ -57,10 +65,23 @@ FN Real seen_cover(int lying, int towards) {
     Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
     Real narrow = width + 1.0f - wide;                         // onto the other
     Real cover = min(wide - off, narrow + off) * unit_clamp(sure * kFading);
-    covered = select(v >= 1.0f, max(covered, cover * open), covered);
+    Bool drawn = v >= 1.0f;
+    covered = select(drawn, max(covered, cover * open), covered);
+    Bool first = drawn && distance == Real(kFar);
+    slant = select(first, select(lean < 0.0f, -slant_of(shrink), slant_of(shrink)), slant);
+    distance = select(first, select(side > kRim && off > 0.0f, off, Real(kFar + 1.0f)), distance);
     open = select(here && side > kSideEnds, Real(0.0f), open);
   }
-  return min(covered, Real(1.0f));
+  return Vec3(covered, distance, slant);
+}
+
+// By how much the lines on both sides of a thin thing, if they run alongside, are to be narrower there, so that its
+// colour shows.
+FN Real too_wide(Vec3 backward, Vec3 forward) {
+  Real alongside = unit_clamp(Real(1.5f) - abs(backward.z - forward.z) * 6.0f);
+  Real thickness = backward.y + forward.y;
+  Real reach = max(backward.x + backward.y, forward.x + forward.y) - 0.5f;  // of a line onto this side
+  return select(thickness < kFar, alongside * max(mad(thickness, Real(-kMostShare), reach), Real(0.0f)), Real(0.0f));
 }
 
 // What the round end of a line covers. (across, along): where the crossing's first pixel lies, from this one, across
@@ -71,7 +92,7 @@ FN Real end_cover(Real v, Real lean, Real across, Real along, Real depth1, Real 
   across = across + place_of(v);
   Real shrink = cosine_of(lean);
   Real width = sure_of(lean) * C.width_px;
-  Real slant = sqrt(max(mad(-shrink, shrink, Real(1.0f)), Real(0.0f)));
+  Real slant = slant_of(shrink);
   slant = select(lean < 0.0f, -slant, slant);
   Real off = mad(across, shrink, -along * slant);       // towards the first pixel's side
   Real past = abs(mad(across, slant, along * shrink));  // along the line
@@ -134,15 +155,26 @@ FN Real ends_cover(int j, Vec3 own) {
   return covered;
 }
 
-FN Real robust_cover(Int px, Int py) {
-  Real covered = max(max(seen_cover(0, -1), seen_cover(0, 1)), max(seen_cover(1, -1), seen_cover(1, 1)));
+// `covered`, or what ends of lines cover, less `spare`.
+FN Real ends_or(Real covered, Real spare, Int px, Int py) {
   Real ends = Real(0.0f);
   for (int j = -C.reach; j <= C.reach; ++j) ends = max(ends, near_outline_ends(0, j));
   if (!some(ends > 0.0f && covered < 1.0f)) return covered;
   Vec3 own = nearness(px, py);
   for (int j = -C.reach; j <= C.reach; ++j)
-    if (some(near_outline_ends(0, j) > 0.0f && covered < 1.0f)) covered = max(covered, ends_cover(j, own));
+    if (some(near_outline_ends(0, j) > 0.0f && covered < 1.0f)) covered = max(covered, ends_cover(j, own) - spare);
   return covered;
+}
+
+FN Real robust_cover(Int px, Int py) {
+  Vec3 left = seen(0, -1);
+  Vec3 right = seen(0, 1);
+  Vec3 up = seen(1, -1);
+  Vec3 down = seen(1, 1);
+  Real covered = max(max(left.x, right.x), max(up.x, down.x));
+  if (!some(covered > 0.0f)) return ends_or(covered, Real(0.0f), px, py);
+  Real spare = max(too_wide(left, right), too_wide(up, down));
+  return ends_or(unit_clamp(covered - spare), spare, px, py);
 }
 
 FN void outline_pixel(Int px, Int py) {
