@@ -43,7 +43,7 @@ FN Real cosine_of(Real lean) {
 
 // What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
 // (towards -1) or forward (1), cover of it, 1 and more for all; how far the first of them is, if it is the rim of the
-// surface that the pixel is on; and how that slants.
+// surface that the pixel is on; and how that leans: 1 less the cosine, below 0 to the left.
 FN Vec3 seen(int lying, int towards) {
   Real covered = Real(0.0f);
   Real distance = Real(kFar);
@@ -68,7 +68,7 @@ FN Vec3 seen(int lying, int towards) {
     Bool drawn = v >= 1.0f;
     covered = select(drawn, max(covered, cover * open), covered);
     Bool first = drawn && distance == Real(kFar);
-    slant = select(first, select(lean < 0.0f, -slant_of(shrink), slant_of(shrink)), slant);
+    slant = select(first, select(lean < 0.0f, shrink - 1.0f, Real(1.0f) - shrink), slant);
     distance = select(first, select(side > kRim && off > 0.0f, off, Real(kFar + 1.0f)), distance);
     open = select(here && side > kSideEnds, Real(0.0f), open);
   }
@@ -78,8 +78,9 @@ FN Vec3 seen(int lying, int towards) {
 // By how much the lines on both sides of a thin thing, if they run alongside, are to be narrower there, so that its
 // colour shows.
 FN Real too_wide(Vec3 backward, Vec3 forward) {
-  Real alongside = unit_clamp(Real(1.5f) - abs(backward.z - forward.z) * 6.0f);
   Real thickness = backward.y + forward.y;
+  if (!some(thickness < kFar)) return Real(0.0f);
+  Real alongside = unit_clamp(Real(1.5f) - abs(backward.z - forward.z) * 12.0f);
   Real reach = max(backward.x + backward.y, forward.x + forward.y) - 0.5f;  // of a line onto this side
   return select(thickness < kFar, alongside * max(mad(thickness, Real(-kMostShare), reach), Real(0.0f)), Real(0.0f));
 }

@@ -15,8 +15,8 @@ OUT_REAL(outline_steep_linked_lean)
 OUT_REAL(outline_flat_linked)
 OUT_REAL(outline_flat_linked_lean)
 
-CONST int kHop = 6;                 // rows: a piece of outline_refine knows three to either side
-CONST int kHops = 5;                // to either side
+CONST int kHop = 7;                 // rows: a piece of outline_refine knows three to either side; the first is three
+CONST int kHops = 4;                // to either side
 CONST float kAstray = 1.1f;         // pixels beside where it is expected, at which a piece is another line's
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
@@ -27,14 +27,23 @@ CONST float kStraight = 1.05f;      // pixels of bend: what the steps of a strai
 CONST float kLeastClear = 0.42f;    // share of a line that is clear, below which it is not drawn,
 CONST float kWholeClear = 0.75f;    // and from which on it is drawn whole
 CONST float kSureSteps = 15.0f;
-CONST float kClear = 7.0f;     // half of it
-CONST float kSides = 256.0f;   // more than any side, 1 + 2 level
-CONST float kOnlyEnds = 0.5f;  // as in outline_refine
+CONST float kSpeck = 16.0f;
+CONST float kWholeSide = 64.0f;  // from the middle
+CONST float kUpright = 0.98f;    // cosine of the lean: five rows to a step
+CONST float kClear = 7.0f;       // half of it
+CONST float kSides = 256.0f;     // more than any side, 1 + 2 level
+CONST float kOnlyEnds = 0.5f;    // as in outline_refine
 CONST float kSteepest = 1.5f;
 
-// What outline_refine says of a piece: the cosine of its lean, and how much of it is clear.
-FN Real sure_of(Real lean) { return floor(abs(lean) * 0.5f); }
-FN Real cosine_of(Real lean) { return abs(lean) - (sure_of(lean) + sure_of(lean)); }
+// What outline_refine says of a piece: the cosine of its lean, whether it is a crease too short to be trusted, and how
+// clear it is.
+FN Real steps_of(Real lean) { return floor(abs(lean) * 0.5f); }
+FN Real cosine_of(Real lean) { return abs(lean) - (steps_of(lean) + steps_of(lean)); }
+FN Bool maybe_speck(Real lean) { return steps_of(lean) > kSureSteps; }
+FN Real sure_of(Real lean) {
+  Real steps = steps_of(lean);
+  return select(steps > kSureSteps, steps - Real(kSpeck), steps);
+}
 FN Real slope_of(Real lean) {
   Real cosine = max(cosine_of(lean), Real(0.1f));
   Real slope = sqrt(max(mad(-cosine, cosine, Real(1.0f)), Real(0.0f))) / cosine;
@@ -51,8 +60,9 @@ FN Vec3 hop(int lying, Int px, Int py, int row, int rows, Vec3 from, Real side) 
   Bool alive = from.z >= 0.0f;
   Vec3 best = Vec3(expected, slope, Real(-1.0f));
   Real nearest = Real(kAstray);
-  for (int k = -1; k <= 1; ++k) {
-    Int column = to_int(first) + Int(k);
+  Real beside = select(expected - first < 0.5f, Real(-1.0f), Real(1.0f));
+  for (int k = 0; k <= 1; ++k) {
+    Int column = to_int(k == 0 ? first : first + beside);
     Int X = lying == 0 ? px + column : px + Int(row);
     Int Y = lying == 0 ? py + Int(row) : py + column;
     Bool here = alive && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
@@ -94,7 +104,7 @@ FN Vec2 linked(int lying, Int px, Int py, Real code, Real lean) {
   Bool straight = drawn;
   for (int k = 1; k <= kHops; ++k) {
     if (!some(up.z >= 0.0f || down.z >= 0.0f)) continue;
-    int row = k * kHop - kHop / 2;
+    int row = 3 + (k - 1) * kHop;
     int rows = k == 1 ? row : kHop;
     up = hop(lying, px, py, -row, -rows, up, side);
     down = hop(lying, px, py, row, rows, down, side);
@@ -118,7 +128,7 @@ FN Vec2 linked(int lying, Int px, Int py, Real code, Real lean) {
   Real share = clear / (pieces * kSureSteps);
   share = clamp((share - kLeastClear) * Real(1.0f / (kWholeClear - kLeastClear)), Real(0.0f), Real(1.0f));
   Real support = clamp((pieces - 1.0f) * Real(1.0f / (kLeastPieces - 1.0f)), Real(0.0f), Real(1.0f));
-  share = select(side == Real(kMiddle) && abs(slope) < kDiagonal, share * support, share);
+  share = select(maybe_speck(lean) && abs(slope) < kDiagonal, share * support, share);
   Real sure = floor(share * kSureSteps + 0.5f);
   Bool keep = drawn && sure > 0.5f;
   Real cosine = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
@@ -130,15 +140,33 @@ FN Vec2 linked(int lying, Int px, Int py, Real code, Real lean) {
               select(keep, select(slope < 0.0f, -leaning, leaning), Real(0.0f)));
 }
 
+// Whether a piece of line cannot be told from itself: it is not wholly clear, or lies partly on either side, or is so
+// nearly upright that its steps are far apart.
+FN Bool unsure(Real code, Real lean) {
+  Real side = floor(abs(code));
+  Bool aside = abs(abs(side - kMiddle) - kWholeSide * 0.5f) < kWholeSide * 0.5f - 1.0f;
+  return abs(code) >= 1.0f && (aside || maybe_speck(lean) || sure_of(lean) < kSureSteps || cosine_of(lean) > kUpright);
+}
+
 FN void outline_link_pixel(Int px, Int py) {
   Real code = near_outline_steep(0, 0);
-  Vec2 steep = Vec2(code, Real(0.0f));
-  if (some(abs(code) >= 1.0f)) steep = linked(0, px, py, code, near_outline_steep_lean(0, 0));
+  Real lean = near_outline_steep_lean(0, 0);
+  Vec2 steep = Vec2(code, lean);
+  Bool look = unsure(code, lean);
+  if (some(look)) {
+    Vec2 longer = linked(0, px, py, select(look, code, Real(0.0f)), lean);
+    steep = Vec2(select(look, longer.x, code), select(look, longer.y, lean));
+  }
   store_outline_steep_linked(steep.x);
   store_outline_steep_linked_lean(steep.y);
   code = near_outline_flat(0, 0);
-  Vec2 lower = Vec2(code, Real(0.0f));
-  if (some(abs(code) >= 1.0f)) lower = linked(1, px, py, code, near_outline_flat_lean(0, 0));
+  lean = near_outline_flat_lean(0, 0);
+  Vec2 lower = Vec2(code, lean);
+  look = unsure(code, lean);
+  if (some(look)) {
+    Vec2 longer = linked(1, px, py, select(look, code, Real(0.0f)), lean);
+    lower = Vec2(select(look, longer.x, code), select(look, longer.y, lean));
+  }
   store_outline_flat_linked(lower.x);
   store_outline_flat_linked_lean(lower.y);
 }

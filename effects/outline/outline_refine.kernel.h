@@ -10,7 +10,7 @@
 // Planes, for crossings to the right and below: 0, kOnlyEnds where a surface ends but no piece of line is drawn, or 1 +
 // 2 level + (t + 1/2) / 2 as in outline_find, below 0 at the end of a line; and how the line leans: its angle's cosine
 // to the column (row), below 0 if it goes to the left (up), and added to its size twice how many of kSureSteps parts
-// of the piece are clear.
+// of the piece are clear, and kSpeck more for a short crease.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_steep)
@@ -31,6 +31,7 @@ CONST int kShadow = 4;            // pixels beside a clear crossing
 CONST float kStep = 256.0f;       // as in outline_find
 CONST float kClearest = 7.0f;
 CONST float kSureSteps = 15.0f;
+CONST float kSpeck = 16.0f;
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
 
@@ -146,6 +147,8 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   // No rsqrt: near 1 its last bit decides what angle outline gets back.
   Real lean = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
   Real sure = floor(clears / (length + 1.0f) * Real(kSureSteps / kClearest) + 0.5f);
+  // A short crease may be a speck: outline_link is to look.
+  sure = select(level + level + 1.0f == Real(kMiddle) && length < Real(float(2 * kRows)), sure + kSpeck, sure);
   lean = lean + sure + sure;
   return Vec2(select(known, select(ends && keep, -code, code), Real(0.0f)),
               select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
