@@ -74,6 +74,26 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
 }
 
+// How many of the pixels in row j of those around have crossings.
+FN Real crossings_in(int j) {
+  Real count = Real(0.0f);
+  for (int i = -kAround; i <= kAround; ++i) {
+    Real right = near_outline_right(i, j);
+    Real below = near_outline_below(i, j);
+    count = count + select(mad(right, right, below * below) > 0.0f, Real(1.0f), Real(0.0f));
+  }
+  return count;
+}
+
+// Whether this crossing is part of a line and no speck. Rows are counted from the middle on, for as long as that is
+// open.
+FN Bool in_line(Bool crossed) {
+  Real count = crossings_in(0);
+  for (int j = 1; j <= kAround; ++j)
+    if (some(crossed && count < kLeastAround)) count = count + crossings_in(-j) + crossings_in(j);
+  return count > kLeastAround;
+}
+
 FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real v = code_of(signed_v);
   Real side = floor(v);
@@ -82,9 +102,11 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim.
   Bool rim = abs(side - kMiddle) > kOneSided;
   Bool shadow = v < 0.0f;
-  for (int k = -kShadow; k <= kShadow; ++k) {
-    Real rival = lying == 0 ? near_outline_right(k, 0) : near_outline_below(0, k);
-    shadow = shadow || (rival > 0.0f && (abs(code_of(rival) - kMiddle) > kOneSided + 1.0f || !rim));
+  if (some(v > 0.0f && !clear)) {
+    for (int k = -kShadow; k <= kShadow; ++k) {
+      Real rival = lying == 0 ? near_outline_right(k, 0) : near_outline_below(0, k);
+      shadow = shadow || (rival > 0.0f && (abs(code_of(rival) - kMiddle) > kOneSided + 1.0f || !rim));
+    }
   }
   shadow = shadow && !clear;
   Bool exact = !(t == Real(0.5f));
@@ -130,6 +152,10 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     moments = moments + select(both, (down_place - up_place) * Real(float(k)), Real(0.0f));
     squares = squares + select(both, Real(float(2 * k * k)), Real(0.0f));
   }
+  // A line that goes on for all rows is no speck.
+  Bool lonely = v > 0.0f && length < Real(float(2 * kRows));
+  if (some(lonely)) lonely = lonely && !in_line(lonely);
+  v = select(lonely, Real(0.0f), v);
   Real mean = (places + t) / (pairs + pairs + 1.0f);
   Real level = floor(((sides + side) / (pairs + pairs + 1.0f) - 1.0f) * 0.5f + 0.5f);
   Real slope = select(squares > 0.0f, moments / max(squares, Real(1.0f)), one_sided);
@@ -154,37 +180,11 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
               select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
 }
 
-// How many of the pixels in row j of those around have crossings.
-FN Real crossings_in(int j) {
-  Real count = Real(0.0f);
-  for (int i = -kAround; i <= kAround; ++i) {
-    Real right = near_outline_right(i, j);
-    Real below = near_outline_below(i, j);
-    count = count + select(mad(right, right, below * below) > 0.0f, Real(1.0f), Real(0.0f));
-  }
-  return count;
-}
-
-// Whether this crossing is part of a line and no speck. Rows are counted from the middle on, for as long as that is
-// open.
-FN Bool in_line(Bool crossed) {
-  Real count = crossings_in(0);
-  for (int j = 1; j <= kAround; ++j)
-    if (some(crossed && count < kLeastAround)) count = count + crossings_in(-j) + crossings_in(j);
-  return count > kLeastAround;
-}
-
 FN void outline_refine_pixel(Int px, Int py) {
   Real right = near_outline_right(0, 0);
   Real below = near_outline_below(0, 0);
   Vec2 steep = Vec2(Real(0.0f), Real(0.0f));
   Vec2 lower = steep;
-  Bool crossed = abs(right) + abs(below) > 0.0f;
-  if (some(crossed)) {
-    Bool line = in_line(crossed);
-    right = select(line, right, Real(0.0f));
-    below = select(line, below, Real(0.0f));
-  }
   if (some(abs(right) > 0.0f))
     steep = refined(0, right, below, near_outline_below(1, 0), near_outline_below(0, -1), near_outline_below(1, -1));
   if (some(abs(below) > 0.0f))
