@@ -7,12 +7,11 @@
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(outline_steep_linked)
-IN_REAL(outline_steep_linked_lean)
 IN_REAL(outline_flat_linked)
-IN_REAL(outline_flat_linked_lean)
 IN_REAL(outline_ends)
 INOUT_COLOR(lit)
 OUT_REAL(outline)
+#include "effects/outline/outline_piece.kernel.h"
 
 CONST float kLeastFacing = 0.01f;  // as in outline_find
 CONST float kFar = 1e4f;           // pixels: no line
@@ -23,40 +22,28 @@ CONST float kSideEnds = 0.4f;      // a surface ends at a crossing that lies mor
 
 FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 
-// Where a crossing lies between its two pixels.
-FN Real place_of(Real v) {
-  Real fraction = v - floor(v);
-  return fraction + fraction - 0.5f;
-}
-
 // On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
-FN Real side_of(Real v) { return mad(floor(v), Real(1.0f / 64.0f), Real(-65.0f / 64.0f)); }
+FN Real side_of(Real piece) { return mad(level_of(piece), Real(1.0f / 32.0f), Real(-1.0f)); }
 
-FN Real slant_of(Real cosine) { return sqrt(max(mad(-cosine, cosine, Real(1.0f)), Real(0.0f))); }
-
-// How sure a line is, 0 to 1, and its lean's cosine, of what outline_link says of both.
-FN Real sure_of(Real lean) { return floor(abs(lean) * 0.5f) * Real(1.0f / 15.0f); }
-FN Real cosine_of(Real lean) {
-  Real steps = floor(abs(lean) * 0.5f);
-  return abs(lean) - (steps + steps);
-}
+// The cosine of a line's lean. No rsqrt: near 1 its last bit decides what angle it gives back.
+FN Real cosine_of(Real slope) { return Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f))); }
 
 // What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
 // (towards -1) or forward (1), cover of it, 1 and more for all; how far the first of them is, if it is the rim of the
-// surface that the pixel is on; and how that leans: 1 less the cosine, below 0 to the left.
+// surface that the pixel is on; and that one's slope.
 FN Vec3 seen(int lying, int towards) {
   Real covered = Real(0.0f);
   Real distance = Real(kFar);
-  Real slant = Real(0.0f);
+  Real lean = Real(0.0f);
   Real open = Real(1.0f);
   for (int k = 0; k < C.sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
     Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
-    Real lean = lying == 0 ? near_outline_steep_linked_lean(i, 0) : near_outline_flat_linked_lean(0, i);
-    Real shrink = cosine_of(lean);
-    Real sure = sure_of(lean);
+    Real slope = slope_of(v);
+    Real shrink = cosine_of(slope);
+    Real sure = sure_of(v) * Real(1.0f / kSure);
     Real width = sure * C.width_px;
     Real side = side_of(v);
     Real off = (place_of(v) + Real(float(i))) * shrink;
@@ -65,14 +52,14 @@ FN Vec3 seen(int lying, int towards) {
     Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
     Real narrow = width + 1.0f - wide;                         // onto the other
     Real cover = min(wide - off, narrow + off) * unit_clamp(sure * kFading);
-    Bool drawn = v >= 1.0f;
+    Bool drawn = is_piece(v);
     covered = select(drawn, max(covered, cover * open), covered);
     Bool first = drawn && distance == Real(kFar);
-    slant = select(first, select(lean < 0.0f, shrink - 1.0f, Real(1.0f) - shrink), slant);
+    lean = select(first, slope, lean);
     distance = select(first, select(side > kRim && off > 0.0f, off, Real(kFar + 1.0f)), distance);
     open = select(here && side > kSideEnds, Real(0.0f), open);
   }
-  return Vec3(covered, distance, slant);
+  return Vec3(covered, distance, lean);
 }
 
 // By how much the lines on both sides of a thin thing, if they run alongside, are to be narrower there, so that its
@@ -80,21 +67,22 @@ FN Vec3 seen(int lying, int towards) {
 FN Real too_wide(Vec3 backward, Vec3 forward) {
   Real thickness = backward.y + forward.y;
   if (!some(thickness < kFar)) return Real(0.0f);
-  Real alongside = unit_clamp(Real(1.5f) - abs(backward.z - forward.z) * 12.0f);
+  Real alongside = unit_clamp(Real(1.5f) - abs(backward.z - forward.z) * 5.0f);
   Real reach = max(backward.x + backward.y, forward.x + forward.y) - 0.5f;  // of a line onto this side
   return select(thickness < kFar, alongside * max(mad(thickness, Real(-kMostShare), reach), Real(0.0f)), Real(0.0f));
 }
 
 // What the round end of a line covers. (across, along): where the crossing's first pixel lies, from this one, across
-// the line's main direction and along it. v and lean: as outline_refine has them. depth1, depth2: of the two pixels
+// the line's main direction and along it. v: the piece. depth1, depth2: of the two pixels
 // that it lies between. predicted: this pixel's plane's nearness at the crossing.
-FN Real end_cover(Real v, Real lean, Real across, Real along, Real depth1, Real depth2, Real predicted) {
+FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Real predicted) {
   Real side = side_of(v);
   across = across + place_of(v);
-  Real shrink = cosine_of(lean);
-  Real width = sure_of(lean) * C.width_px;
-  Real slant = slant_of(shrink);
-  slant = select(lean < 0.0f, -slant, slant);
+  Real slope = slope_of(v);
+  Real shrink = cosine_of(slope);
+  Real slant = slope * shrink;
+  Real sure = sure_of(v) * Real(1.0f / kSure);
+  Real width = sure * C.width_px;
   Real off = mad(across, shrink, -along * slant);       // towards the first pixel's side
   Real past = abs(mad(across, slant, along * shrink));  // along the line
   past = max(past - Real(0.5f) / max(shrink, Real(0.1f)), Real(0.0f));
@@ -109,7 +97,7 @@ FN Real end_cover(Real v, Real lean, Real across, Real along, Real depth1, Real 
   if (F.orthographic == 0) behind = predicted * nearer < Real(1.0f) - allowed;
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
-  Real cover = select(off > 0.0f, inner, outer) * unit_clamp(sure_of(lean) * kFading);
+  Real cover = select(off > 0.0f, inner, outer) * unit_clamp(sure * kFading);
   return select(behind && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
 }
 
@@ -141,15 +129,13 @@ FN Real ends_cover(int j, Vec3 own) {
     Real v = -near_outline_steep_linked(i, j);
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.y, fi + place_of(v), own.z * fj);
-      Real cover =
-          end_cover(v, near_outline_steep_linked_lean(i, j), fi, fj, near_depth(i, j), near_depth(i + 1, j), predicted);
+      Real cover = end_cover(v, fi, fj, near_depth(i, j), near_depth(i + 1, j), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
     v = -near_outline_flat_linked(i, j);
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.z, fj + place_of(v), own.y * fi);
-      Real cover =
-          end_cover(v, near_outline_flat_linked_lean(i, j), fj, fi, near_depth(i, j), near_depth(i, j + 1), predicted);
+      Real cover = end_cover(v, fj, fi, near_depth(i, j), near_depth(i, j + 1), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
   }

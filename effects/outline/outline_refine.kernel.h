@@ -7,31 +7,23 @@
 // ones. A crossing that has no neighbour in the next row on either side is a step of a line of the other kind and is
 // dropped where that line is there.
 //
-// Planes, for crossings to the right and below: 0, kOnlyEnds where a surface ends but no piece of line is drawn, or 1 +
-// 2 level + (t + 1/2) / 2 as in outline_find, below 0 at the end of a line; and how the line leans: its angle's cosine
-// to the column (row), below 0 if it goes to the left (up), and added to its size twice how many of kSureSteps parts
-// of the piece are clear, and kSpeck more for a short crease.
+// Planes, for crossings to the right and below: pieces of line as outline_piece.kernel.h has them.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_steep)
-OUT_REAL(outline_steep_lean)
 OUT_REAL(outline_flat)
-OUT_REAL(outline_flat_lean)
+#include "effects/outline/outline_piece.kernel.h"
 
-CONST int kRows = 3;  // on each side: the place is then known to about a seventh of a pixel
-CONST float kSteepest = 1.5f;
+CONST int kRows = 3;              // on each side: the place is then known to about a seventh of a pixel
 CONST float kSteepHere = 1.05f;   // from here on the other kind of crossing knows the line better
 CONST float kMiddle = 65.0f;      // side of a line that is nobody's
 CONST float kLeastLength = 2.5f;  // rows that a crease goes on
 CONST float kOneSided = 25.0f;    // from the middle: a surface ends there
-CONST float kOnlyEnds = 0.5f;
 CONST int kAround = 6;            // pixels within which a line has
 CONST float kLeastAround = 6.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
 CONST int kShadow = 4;            // pixels beside a clear crossing
 CONST float kStep = 256.0f;       // as in outline_find
 CONST float kClearest = 7.0f;
-CONST float kSureSteps = 15.0f;
-CONST float kSpeck = 16.0f;
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
 
@@ -40,7 +32,7 @@ FN Real clear_of(Real v) { return floor(abs(v) * Real(1.0f / kStep)); }
 FN Real code_of(Real v) { return mad(clear_of(v), Real(-kStep), abs(v)); }
 
 // t from its code.
-FN Real place_of(Real fraction) { return fraction + fraction - 0.5f; }
+FN Real crossed_at(Real fraction) { return fraction + fraction - 0.5f; }
 
 // Whether a crossing can go on from one of side `side`: a line does not change from one surface's side to the other's
 // from one row to the next, and a faint crease is not the rim that it runs beside.
@@ -94,10 +86,10 @@ FN Bool in_line(Bool crossed) {
   return count > kLeastAround;
 }
 
-FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
+FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real v = code_of(signed_v);
   Real side = floor(v);
-  Real t = place_of(v - side);
+  Real t = crossed_at(v - side);
   Bool clear = signed_v > 0.0f;
   // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim.
   Bool rim = abs(side - kMiddle) > kOneSided;
@@ -134,8 +126,8 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     Real down_code = code_of(down.x);
     Real up_side = floor(up_code);
     Real down_side = floor(down_code);
-    Real up_place = up.y + place_of(up_code - up_side);
-    Real down_place = down.y + place_of(down_code - down_side);
+    Real up_place = up.y + crossed_at(up_code - up_side);
+    Real down_place = down.y + crossed_at(down_code - down_side);
     length = length + select(up_alive, Real(1.0f), Real(0.0f)) + select(down_alive, Real(1.0f), Real(0.0f));
     clears = clears + clear_of(up.x) + clear_of(down.x);
     if (k == 1) {
@@ -167,30 +159,23 @@ FN Vec2 refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
   Bool keep = v > 0.0f && !step && !speck && !shadow;
-  Real code = select(keep, level + level + 1.0f + (place + 0.5f) * 0.5f, Real(kOnlyEnds));
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
-  slope = clamp(slope, Real(-kSteepest), Real(kSteepest));
-  // No rsqrt: near 1 its last bit decides what angle outline gets back.
-  Real lean = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
-  Real sure = floor(clears / (length + 1.0f) * Real(kSureSteps / kClearest) + 0.5f);
-  // A short crease may be a speck: outline_link is to look.
-  sure = select(level + level + 1.0f == Real(kMiddle) && length < Real(float(2 * kRows)), sure + kSpeck, sure);
-  lean = lean + sure + sure;
-  return Vec2(select(known, select(ends && keep, -code, code), Real(0.0f)),
-              select(known, select(slope < 0.0f, -lean, lean), Real(0.0f)));
+  Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + 0.5f);
+  Bool short_crease = level + level + 1.0f == Real(kMiddle) && length < Real(float(2 * kRows));
+  Real piece = packed_piece(place, slope, level, select(short_crease, sure + kSpeck, sure));
+  piece = select(ends, -piece, piece);
+  return select(known, select(keep, piece, Real(kOnlyEnds)), Real(0.0f));
 }
 
 FN void outline_refine_pixel(Int px, Int py) {
   Real right = near_outline_right(0, 0);
   Real below = near_outline_below(0, 0);
-  Vec2 steep = Vec2(Real(0.0f), Real(0.0f));
-  Vec2 lower = steep;
+  Real steep = Real(0.0f);
+  Real lower = Real(0.0f);
   if (some(abs(right) > 0.0f))
     steep = refined(0, right, below, near_outline_below(1, 0), near_outline_below(0, -1), near_outline_below(1, -1));
   if (some(abs(below) > 0.0f))
     lower = refined(1, below, right, near_outline_right(0, 1), near_outline_right(-1, 0), near_outline_right(-1, 1));
-  store_outline_steep(steep.x);
-  store_outline_steep_lean(steep.y);
-  store_outline_flat(lower.x);
-  store_outline_flat_lean(lower.y);
+  store_outline_steep(steep);
+  store_outline_flat(lower);
 }

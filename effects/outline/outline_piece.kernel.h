@@ -1,0 +1,35 @@
+// A piece of line, in one number: where it passes, how it leans, on whose side it lies, how sure it is. outline_refine
+// and outline_link write such numbers, outline reads them.
+//
+// 0 is none; kOnlyEnds a place where a surface ends but no line is drawn; from kPiece on a piece, below 0 where a line
+// ends. Its bits, from the lowest: 8 for t, -1/2 to 3/2 from this pixel to its neighbour; 8 for the slope, in pixels
+// aside per row (column); 7 for the level, 0 to 64: on whose side, as outline_find has it; 5 for how sure, kSure and
+// more for a short crease, which may be a speck. The bit of 2^1 makes it a number that every machine keeps as it is.
+
+CONST float kOnlyEnds = 1.0f;
+CONST float kPiece = 2.0f;
+CONST float kSure = 15.0f;
+CONST float kSpeck = 16.0f;
+CONST float kSteepest = 1.5f;  // slope
+CONST float kSlopeSteps = 84.0f;
+CONST float kPlaceSteps = 128.0f;
+
+FN Real bits_at(Real piece, int at, Uint bits) { return to_real(to_signed((bits_of(piece) >> at) & bits)); }
+
+FN Real packed_piece(Real t, Real slope, Real level, Real sure) {
+  Real place = clamp(floor(mad(t, Real(kPlaceSteps), Real(0.5f * kPlaceSteps + 0.5f))), Real(0.0f), Real(255.0f));
+  Real lean = floor(mad(clamp(slope, Real(-kSteepest), Real(kSteepest)), Real(kSlopeSteps), Real(127.5f)));
+  Uint bits = to_uint(to_int(place)) | (to_uint(to_int(lean)) << 8) | (to_uint(to_int(level)) << 16) |
+              (to_uint(to_int(sure)) << 23) | Uint(0x40000000u);
+  return real_of_bits(bits);
+}
+
+FN Bool is_piece(Real piece) { return abs(piece) >= kPiece; }
+FN Real place_of(Real piece) { return mad(bits_at(piece, 0, Uint(255u)), Real(1.0f / kPlaceSteps), Real(-0.5f)); }
+FN Real slope_of(Real piece) { return (bits_at(piece, 8, Uint(255u)) - 127.0f) * Real(1.0f / kSlopeSteps); }
+FN Real level_of(Real piece) { return bits_at(piece, 16, Uint(127u)); }
+FN Bool maybe_speck(Real piece) { return bits_at(piece, 23, Uint(31u)) > kSure; }
+FN Real sure_of(Real piece) {
+  Real sure = bits_at(piece, 23, Uint(31u));
+  return select(sure > kSure, sure - kSpeck, sure);
+}
