@@ -25,8 +25,11 @@ FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 // On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
 FN Real side_of(Real piece) { return mad(level_of(piece), Real(1.0f / 32.0f), Real(-1.0f)); }
 
-// The cosine of a line's lean. No rsqrt: near 1 its last bit decides what angle it gives back.
-FN Real cosine_of(Real slope) { return Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f))); }
+// How sure a piece is, 0 to 1: outline_link leaves no speck.
+FN Real linked_of(Real piece) { return bits_at(piece, 23, Uint(31u)) * Real(1.0f / kSure); }
+
+// The cosine of a line's lean.
+FN Real cosine_of(Real slope) { return rsqrt(mad(slope, slope, Real(1.0f))); }
 
 // What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
 // (towards -1) or forward (1), cover of it, 1 and more for all; how far the first of them is, if it is the rim of the
@@ -43,7 +46,7 @@ FN Vec3 seen(int lying, int towards) {
     if (!some(here)) continue;
     Real slope = slope_of(v);
     Real shrink = cosine_of(slope);
-    Real sure = sure_of(v) * Real(1.0f / kSure);
+    Real sure = linked_of(v);
     Real width = sure * C.width_px;
     Real side = side_of(v);
     Real off = (place_of(v) + Real(float(i))) * shrink;
@@ -52,9 +55,8 @@ FN Vec3 seen(int lying, int towards) {
     Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
     Real narrow = width + 1.0f - wide;                         // onto the other
     Real cover = min(wide - off, narrow + off) * unit_clamp(sure * kFading);
-    Bool drawn = is_piece(v);
-    covered = select(drawn, max(covered, cover * open), covered);
-    Bool first = drawn && distance == Real(kFar);
+    covered = max(covered, cover * open);
+    Bool first = sure > 0.0f && distance == Real(kFar);
     lean = select(first, slope, lean);
     distance = select(first, select(side > kRim && off > 0.0f, off, Real(kFar + 1.0f)), distance);
     open = select(here && side > kSideEnds, Real(0.0f), open);
@@ -81,7 +83,7 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   Real slope = slope_of(v);
   Real shrink = cosine_of(slope);
   Real slant = slope * shrink;
-  Real sure = sure_of(v) * Real(1.0f / kSure);
+  Real sure = linked_of(v);
   Real width = sure * C.width_px;
   Real off = mad(across, shrink, -along * slant);       // towards the first pixel's side
   Real past = abs(mad(across, slant, along * shrink));  // along the line

@@ -1,13 +1,12 @@
 // A piece of line, in one number: where it passes, how it leans, on whose side it lies, how sure it is. outline_refine
 // and outline_link write such numbers, outline reads them.
 //
-// 0 is none; kOnlyEnds a place where a surface ends but no line is drawn; from kPiece on a piece, below 0 where a line
-// ends. Its bits, from the lowest: 8 for t, -1/2 to 3/2 from this pixel to its neighbour; 8 for the slope, in pixels
-// aside per row (column); 7 for the level, 0 to 64: on whose side, as outline_find has it; 5 for how sure, kSure and
-// more for a short crease, which may be a speck. The bit of 2^1 makes it a number that every machine keeps as it is.
+// 0 is none; kOnlyEnds a place where a surface ends but no line is drawn; beyond is a piece, below 0 where a line ends.
+// Its bits, from the lowest: 8 for t, -1/2 to 3/2 from this pixel to its neighbour; 8 for the slope, in pixels aside
+// per row (column); 7 for the level, 0 to 64: on whose side, as outline_find has it; 5 for how sure, kSure and more for
+// a short crease, which may be a speck. The bit of 2^1 makes it a number that every machine keeps as it is.
 
-CONST float kOnlyEnds = 1.0f;
-CONST float kPiece = 2.0f;
+CONST float kOnlyEnds = 2.0f;  // no bit set
 CONST float kSure = 15.0f;
 CONST float kSpeck = 16.0f;
 CONST float kSteepest = 1.5f;  // slope
@@ -24,7 +23,7 @@ FN Real packed_piece(Real t, Real slope, Real level, Real sure) {
   return real_of_bits(bits);
 }
 
-FN Bool is_piece(Real piece) { return abs(piece) >= kPiece; }
+FN Bool is_piece(Real piece) { return abs(piece) > kOnlyEnds; }
 FN Real place_of(Real piece) { return mad(bits_at(piece, 0, Uint(255u)), Real(1.0f / kPlaceSteps), Real(-0.5f)); }
 FN Real slope_of(Real piece) { return (bits_at(piece, 8, Uint(255u)) - 127.0f) * Real(1.0f / kSlopeSteps); }
 FN Real level_of(Real piece) { return bits_at(piece, 16, Uint(127u)); }
