@@ -82,11 +82,11 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   across = across + place_of(v);
   Real slope = slope_of(v);
   Real shrink = cosine_of(slope);
-  Real slant = slope * shrink;
   Real sure = linked_of(v);
   Real width = sure * C.width_px;
-  Real off = mad(across, shrink, -along * slant);       // towards the first pixel's side
-  Real past = abs(mad(across, slant, along * shrink));  // along the line
+  // The sign is the numerator's, which rounds alike on every machine: the two sides of a line are not alike.
+  Real off = mad(-along, slope, across) * shrink;       // towards the first pixel's side
+  Real past = abs(mad(across, slope, along)) * shrink;  // along the line
   past = max(past - Real(0.5f) / max(shrink, Real(0.1f)), Real(0.0f));
   off = select(side < 0.0f, -off, off);
   Real nearer = select(side < 0.0f, depth2, depth1);
@@ -161,8 +161,8 @@ FN Real robust_cover(Int px, Int py) {
   Vec3 up = seen(1, -1);
   Vec3 down = seen(1, 1);
   Real covered = max(max(left.x, right.x), max(up.x, down.x));
-  if (!some(covered > 0.0f)) return ends_or(covered, Real(0.0f), px, py);
-  Real spare = max(too_wide(left, right), too_wide(up, down));
+  if (!some(covered > 0.0f)) return ends_or(Real(0.0f), Real(0.0f), px, py);
+  Real spare = select(covered > 0.0f, max(too_wide(left, right), too_wide(up, down)), Real(0.0f));
   return ends_or(unit_clamp(covered - spare), spare, px, py);
 }
 
