@@ -172,13 +172,19 @@ OP Real to_real(Uint a) {
 OP Uint bits_of(Real a) { return hn::BitCast(DU(), a.v); }
 OP Real real_of_bits(Uint a) { return hn::BitCast(D(), a.v); }
 OP Int popcount(Uint a) { return hn::BitCast(DI(), hn::PopulationCount(a.v)); }
-/// In two halves, because a shift by 32 is undefined.
+/// In two halves, because a shift by 32 is undefined; but x86's own vector shift gives 0 then.
+#if HWY_TARGET == HWY_AVX3
+OP Uint ones_from(Int b) { return hn::Vec512<std::uint32_t>{_mm512_sllv_epi32(_mm512_set1_epi32(-1), b.v.raw)}; }
+#elif HWY_TARGET == HWY_AVX2
+OP Uint ones_from(Int b) { return hn::Vec256<std::uint32_t>{_mm256_sllv_epi32(_mm256_set1_epi32(-1), b.v.raw)}; }
+#else
 OP Uint ones_from(Int b) {
   const DU du;
   const auto count = hn::BitCast(du, b.v);
   const auto half = hn::ShiftRight<1>(count);
   return hn::Shl(hn::Shl(hn::Set(du, ~0u), half), hn::Sub(count, half));
 }
+#endif
 /// a + b where the mask holds, a elsewhere; for vectors of 32-bit integers of any length.
 template <class V, class M>
 OP V add_where(M mask, V a, V b) {

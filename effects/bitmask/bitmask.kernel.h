@@ -46,9 +46,9 @@ struct Tap {
   Bool inside;
 };
 
-// A direction from the pixel: towards the eye, across that, squared length.
+// A direction from the pixel: towards the eye, squares of what it is across that and of its length, above 0.
 struct Way {
-  Real to_eye, across, squared;
+  Real to_eye, across2, squared;
 };
 
 FN Real bit_of(Real c, Side side) {
@@ -83,16 +83,19 @@ FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
   Real x = mad(side.x, off, from.x + 0.5f);
   Real y = mad(side.y, off, from.y + 0.5f);
   Bool inside = from.depth > 0.0f;
-  if (near_border) inside = x >= 0.0f && x < float(F.width) && y >= 0.0f && y < float(F.height);
   if (C.mip_levels == 0) {
-    x = floor(x);
-    y = floor(y);
+    Real column = floor(x);
+    Real row = floor(y);
     if (near_border) {
-      x = clamp(x, Real(0.0f), Real(float(F.width - 1)));
-      y = clamp(y, Real(0.0f), Real(float(F.height - 1)));
+      x = clamp(column, Real(0.0f), Real(float(F.width - 1)));
+      y = clamp(row, Real(0.0f), Real(float(F.height - 1)));
+      inside = x == column && y == row;
+      column = x;
+      row = y;
     }
-    return Tap(x, y, depth_of(0, place_of(x, y)), inside);
+    return Tap(column, row, depth_of(0, place_of(column, row)), inside);
   }
+  if (near_border) inside = x >= 0.0f && x < float(F.width) && y >= 0.0f && y < float(F.height);
   Real scale = Real(1.0f) / size;
   Real column = floor(x * scale);
   Real row = floor(y * scale);
@@ -119,20 +122,22 @@ FN Way way_to(Origin from, Side side, Real x, Real y, Real depth) {
   height = height - from.depth * kDepthRounding;
   Real across = mad(side.along_x, dx, side.along_y * dy) * spread * side.across;
   Real to_eye = mad(across, side.tangent, height * from.one_over_nv);
-  return Way(to_eye, across, mad(to_eye, to_eye, across * across));
+  Real across2 = max(across * across, Real(1e-30f));
+  return Way(to_eye, across2, mad(to_eye, to_eye, across2));
 }
 
-FN Real cosine_of(Way way) { return way.to_eye * rsqrt(max(way.squared, Real(1e-30f))); }
+FN Real cosine_of(Way way) { return way.to_eye * rsqrt(way.squared); }
 
 // The directions that an occluder covers which is as thick as it is assumed to be, or `most` thick at most.
 FN Uint covered_bits(Way way, Side side, Real most) {
-  Real one_over = rsqrt(max(way.squared, Real(1e-30f)));
+  Real one_over = rsqrt(way.squared);
   Real front = max(way.to_eye * one_over, side.low);
   Real back = side.low;
   if (C.infinite == 0) {
-    Real thick = min(max(way.squared * one_over * Real(C.slope), Real(C.thickness)), most);
+    Real thick = max(way.squared * one_over * Real(C.slope), Real(C.thickness));
+    if (kLayers) thick = min(thick, most);
     Real to_eye = way.to_eye - thick;
-    back = max(to_eye * rsqrt(max(mad(to_eye, to_eye, way.across * way.across), Real(1e-30f))), side.low);
+    back = max(to_eye * rsqrt(mad(to_eye, to_eye, way.across2)), side.low);
   }
   Uint from = ones_from(to_int(bit_of(front, side)));
   return from ^ ones_from(to_int(bit_of(back, side)));

@@ -21,7 +21,7 @@ FN void store_bent(Vec3 bent) {}
 FN Real higher_of(Real highest, Side side, Way way, Real depth) {
   Real c = cosine_of(way);
   if (C.falloff > 0.0f) {
-    Real distance = way.squared * rsqrt(max(way.squared, Real(1e-30f)));
+    Real distance = way.squared * rsqrt(way.squared);
     Real share = clamp((Real(C.radius) - distance) * Real(C.fade), Real(0.0f), Real(1.0f));
     c = mad(c - side.low, share, side.low);
   }

@@ -120,18 +120,18 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
   const int width = g.info.width, height = g.info.height;
   Image& image = g.layers[0];
   std::vector<double> found(wanted.size());
+  Plane none(width, height, 0.0f), nowhere(width, height, kInfinity);  // of what the picture lacks
   for (const Pass& pass : effect.passes) {
     if (pass.needed && !pass.needed(params)) continue;
     std::vector<KernelPlane> planes;
-    const auto add = [&](std::string_view name) {
-      if (!image.find(name)) {
-        Plane fresh(width, height, name.ends_with("depth") ? kInfinity : 0.0f);
-        image.add(name) = std::move(fresh);
-      }
-    };
-    for (std::string_view name : pass.inputs) add(name);
-    for (std::string_view name : pass.outputs) add(name);
-    for (std::string_view name : pass.inputs) planes.push_back({name, image.plane(name).data()});
+    for (std::string_view name : pass.outputs)
+      if (!name.starts_with("layer")) image.add(name);
+    for (std::string_view name : pass.inputs) {
+      const bool made = image.find(name) != nullptr;
+      planes.push_back({name, made                      ? image.plane(name).data()
+                              : name.ends_with("depth") ? nowhere.data()
+                                                        : none.data()});
+    }
     for (std::string_view name : pass.outputs)
       planes.push_back({name, name.starts_with("layer") ? nullptr : image.plane(name).data()});
     const FrameConstants frame = {.width = width,
@@ -166,7 +166,7 @@ std::vector<double> mean_at_middle(GBuffer g, const Settings& settings, const st
 }
 
 const Settings kMany = {{"slices", "64"}, {"steps", "512"},   {"distribution", "3"}, {"mips", "off"},
-                        {"radius", "2"},  {"border", "open"}, {"slope", "0"},        {"thickness", "1e2"}};
+                        {"radius", "2"},  {"border", "open"}, {"slope", "1e-6"},     {"thickness", "1e2"}};
 
 TEST(Bitmask, WallsAsTheirMeasuresHaveThem) {
   // The table of the measures, by quadrature.
@@ -237,6 +237,210 @@ TEST(Bitmask, PlanesAreOpenAtEveryTilt) {
                             << (settings.empty() ? "" : settings[0].second);
         });
     }
+}
+
+// ---- closed forms
+// ------------------------------------------------------------------------------------------
+
+constexpr int kSide = 801;  // of the pictures below: 1 unit is 160 pixels at depth 5
+
+/// Straight down on a floor 5 units below the eye, without perspective: heights are above the floor.
+GBuffer from_above(const std::function<double(double x, double y)>& height, const glm::dvec3& normal = {0, 0, 1}) {
+  const Camera camera = camera_of(true, 5.0, kSide, kSide);
+  GBuffer g = picture(kSide, kSide, camera, {{{0.0, 0.0, -5.0}, normal}});
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) {
+      const Ray ray = ray_of(camera, kSide, kSide, x, y);
+      g.layers[0].planes[0].at(x, y) = float(5.0 - height(ray.origin.x, ray.origin.y));
+    }
+  return g;
+}
+
+const Settings kFine = {
+    {"slices", "64"}, {"steps", "512"}, {"distribution", "2"}, {"slope", "1e-6"}, {"thickness", "1e2"}};
+
+TEST(Bitmask, FloorBeforeAStep) {
+  // Pixels are 0.006 units wide and the picture ends after 2.5: hence the tolerance. The middle lies `away` from an
+  // endless step that is `high`: 1/2 (1 + a / sqrt(a^2 + h^2)).
+  for (const double high : {0.2, 0.5, 1.0}) {
+    const double away = 0.4;
+    const GBuffer g = from_above([&](double x, double) { return x > away ? high : 0.0; });
+    const double truth = 0.5 * (1.0 + away / std::hypot(away, high));
+    for (const Settings& settings : {Settings{}, Settings{{"mode", "infinite"}}}) {
+      const auto ao = mean_at_middle(g, joined(joined(kFine, {{"radius", "9"}, {"border", "open"}}), settings), {"ao"});
+      EXPECT_NEAR(ao[0], truth, 6e-3) << high << (settings.empty() ? "" : " infinite");
+    }
+  }
+}
+
+TEST(Bitmask, FloorUnderASlabOfKnownThickness) {
+  // An endless slab from x = a to b, its underside h above the floor, its top h + t: it covers the angles between its
+  // far lower and its near upper edge, and of those the shares that cosines have.
+  const double a = 0.3, b = 0.7, h = 0.4, t = 0.25;
+  const GBuffer g = from_above([&](double x, double) { return x > a && x < b ? h + t : 0.0; });
+  const double low = std::atan2(h, b), high = std::atan2(h + t, a);
+  const double truth = 1.0 - (std::cos(low) - std::cos(high)) / 2.0;
+  const auto ao = mean_at_middle(
+      g, joined(kFine, {{"radius", "5"}, {"thickness", std::to_string(t / 5.0)}, {"border", "open"}}), {"ao"});
+  EXPECT_NEAR(ao[0], truth, 6e-3);
+  const auto endless = mean_at_middle(g, joined(kFine, {{"radius", "5"}, {"border", "open"}}), {"ao"});
+  EXPECT_LT(endless[0], truth - 0.05) << "without an end it would hide the open floor below it";
+}
+
+TEST(Bitmask, SphereOnAFloorByItsTwoSides) {
+  // A ball of radius r that rests `away` from the middle hides r^3 / (r^2 + away^2)^1.5. Its lower half is the second
+  // layer, the floor below it the third; each is assumed to be thin.
+  for (const double away : {0.5, 0.8, 1.2}) {
+    const double r = 0.4;
+    const auto half = [&](double x, double y) { return r * r - (x - away) * (x - away) - y * y; };
+    GBuffer g = from_above([&](double x, double y) { return half(x, y) > 0.0 ? r + std::sqrt(half(x, y)) : 0.0; });
+    for (int layer = 1; layer <= 2; ++layer) {
+      Image image(kSide, kSide);
+      Plane& depth = image.add("depth");
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) {
+          const Ray ray = ray_of(g.info.camera, kSide, kSide, x, y);
+          const double inside = half(ray.origin.x, ray.origin.y);
+          const double height = layer == 1 ? r - std::sqrt(std::max(inside, 0.0)) : 0.0;
+          depth.at(x, y) = inside > 0.0 ? float(5.0 - height) : kInfinity;
+        }
+      g.layers.push_back(std::move(image));
+      g.info.more_layers.push_back({LayerKind::kBehind, layer - 1, {}});
+    }
+    const double truth = 1.0 - std::pow(r * r / (r * r + away * away), 1.5);
+    const Settings settings =
+        joined(kFine, {{"radius", "2"}, {"mode", "layers"}, {"thickness", "0.0075"}, {"border", "open"}});
+    GBuffer flat = g;
+    flat.layers.resize(1);
+    for (int layer = 1; layer <= 2; ++layer) {
+      Plane depth = g.layers[std::size_t(layer)].planes[0];
+      flat.layers[0].add(layer_plane(layer, "depth")) = std::move(depth);
+    }
+    const auto ao = mean_at_middle(flat, settings, {"ao"});
+    EXPECT_NEAR(ao[0], truth, 6e-3) << away;
+  }
+}
+
+// ---- what must not change it
+// ------------------------------------------------------------------------------------------
+
+double mean_ao(const GBuffer& g, const Settings& settings) {
+  const Image image = test::run_effect(*find_effect("bitmask"), g, settings, {});
+  const Plane &ao = image.plane("ao"), &depth = g.layers[0].plane("depth");
+  double sum = 0.0;
+  long count = 0;
+  for (int y = 0; y < ao.height; ++y)
+    for (int x = 0; x < ao.width; ++x)
+      if (std::isfinite(depth.at(x, y))) {
+        sum += ao.at(x, y);
+        ++count;
+      }
+  return sum / double(count);
+}
+
+/// A built-in scene as its own first view shows it.
+GBuffer captured(Device& device, int width, int height, const Camera& camera) {
+  const auto frame = device.capture(camera, {.width = width, .height = height, .shadows = 0});
+  GBuffer g;
+  g.info = frame->info;
+  g.layers.push_back(*device.download(*frame, {"depth", "normal.x", "normal.y", "normal.z"}));
+  return g;
+}
+
+TEST(Bitmask, ResolutionAndScaleDoNotMatter) {
+  const auto device = make_cpu_device({});
+  for (const char* name : {"solids", "room"}) {
+    const auto scene = make_builtin_scene(fmt::format("scene:{}?detail=20000", name));
+    ASSERT_TRUE(scene);
+    ASSERT_TRUE(device->prepare(*scene));
+    const Camera camera = frame_scene(*scene, {}, 512, 384);
+    GBuffer whole = captured(*device, 512, 384, camera);
+    const double mean = mean_ao(whole, {});
+    EXPECT_LT(mean, 0.97) << name;
+    EXPECT_NEAR(mean_ao(captured(*device, 256, 192, camera), {}), mean, 0.005) << name;
+    for (const float scale : {0.01f, 100.0f}) {
+      GBuffer scaled = whole;
+      Plane& depth = scaled.layers[0].plane("depth");
+      for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) depth.at(x, y) *= scale;
+      scaled.info.scene_radius *= scale;
+      EXPECT_NEAR(mean_ao(scaled, {}), mean, 1e-4) << name << " times " << scale;
+    }
+  }
+}
+
+TEST(Bitmask, TiltOfTheCameraDoesNotMatter) {
+  for (const double tilt : {-20.0, 0.0, 25.0, 50.0, 75.0}) {
+    GBuffer g = wall_picture(40, tilt, false);
+    EXPECT_NEAR(mean_at_middle(g, joined(kMany, {{"mode", "infinite"}}), {"ao"})[0],
+                (1.0 + std::cos(40 * kRadian)) / 2.0, 2e-3)
+        << tilt;
+  }
+}
+
+TEST(Bitmask, NoPerspectiveIsAFarPerspective) {
+  const double far = 2000.0;
+  const std::vector<Wall> near_walls = {{{0, 0, -6}, {0, 0, 1}},
+                                        {{0.3, 0, -5.4}, glm::normalize(glm::dvec3(-1, 0.2, 0.4))}};
+  std::vector<Wall> far_walls = near_walls;
+  for (Wall& wall : far_walls) wall.point.z -= far;
+  const Camera parallel = camera_of(true, 2.0, 160, 120);
+  Camera perspective = parallel;
+  perspective.projection = Projection::kPerspective;
+  for (float* side : {&perspective.left, &perspective.right, &perspective.bottom, &perspective.top})
+    *side /= float(far + 6.0);
+  const Settings settings = {{"radius", "0.5"}, {"slices", "8"}, {"steps", "32"}};
+  GBuffer a = picture(160, 120, parallel, near_walls), b = picture(160, 120, perspective, far_walls);
+  // Floats at a depth of 2000 have steps of 1e-4: the same numbers for both.
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) a.layers[0].planes[0].at(x, y) = b.layers[0].planes[0].at(x, y);
+  EXPECT_LT(mean_ao(a, settings), 0.98);
+  EXPECT_NEAR(mean_ao(a, settings), mean_ao(b, settings), 1e-3);
+}
+
+TEST(Bitmask, WhatLiesOutsideThePictureIsLeftOut) {
+  // A valley seen from above, its floor at the left border: the half that is cut off is as high as the other.
+  const GBuffer whole = from_above([](double x, double) { return std::fabs(x); }, {0, 0, 1});
+  GBuffer half;
+  half.info = whole.info;
+  const int cut = kSide / 2;
+  half.info.width = kSide - cut;
+  half.info.camera.left += (half.info.camera.right - half.info.camera.left) * float(cut) / kSide;
+  half.layers.emplace_back(kSide - cut, kSide);
+  for (std::size_t p = 0; p < whole.layers[0].planes.size(); ++p) {
+    Plane& plane = half.layers[0].add(whole.layers[0].names[p]);
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = whole.layers[0].planes[p].at(x + cut, y);
+  }
+  const auto at_valley = [](const GBuffer& g, int column, const char* border) {
+    const Image image = test::run_effect(*find_effect("bitmask"), g,
+                                         {{"radius", "0.5"}, {"slices", "8"}, {"steps", "16"}, {"border", border}}, {});
+    double sum = 0.0;
+    for (int y = 350; y < 450; ++y) sum += image.plane("ao").at(column, y) / 100.0;
+    return sum;
+  };
+  const double truth = at_valley(whole, cut, "skip");
+  EXPECT_LT(truth, 0.85);
+  EXPECT_NEAR(at_valley(half, 0, "skip"), truth, 0.01);
+  EXPECT_GT(at_valley(half, 0, "open"), truth + 0.08);
+}
+
+TEST(Bitmask, FramesAverageToLessNoise) {
+  const GBuffer g = from_above([](double x, double y) { return 0.1 * std::sin(9.0 * x) * std::cos(7.0 * y); });
+  const auto ao = [&](const Settings& settings) {
+    return test::run_effect(*find_effect("bitmask"), g, joined({{"radius", "0.3"}}, settings), {}).plane("ao");
+  };
+  const Plane fine = ao({{"slices", "32"}, {"steps", "8"}});
+  Plane mean(kSide, kSide, 0.0f);
+  double one = 0.0;
+  constexpr int kFrames = 8;
+  for (int frame = 0; frame < kFrames; ++frame) {
+    const Plane plane = ao({{"frame", std::to_string(frame)}});
+    if (frame == 0) one = test::difference(plane, fine, 1.0).mean;
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) mean.at(x, y) += plane.at(x, y) / kFrames;
+  }
+  EXPECT_LT(test::difference(mean, fine, 1.0).mean, 0.45 * one);
 }
 
 }  // namespace

@@ -53,12 +53,18 @@ const std::vector<Parameter> kTable = {
      .type = ParameterType::kChoice,
      .offset = offsetof(CompositeParams, albedo),
      .choices = {"texture", "display"}},
+    {.name = "tint",
+     .help = "modes ambient and bleeding: how much of the ambient light that occlusion keeps out comes back from "
+             "surfaces of the same colour",
+     .offset = offsetof(CompositeParams, tint),
+     .most = 1.0,
+     .zero_means = "off"},
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
   const auto& params = as<CompositeParams>(bytes);
-  *static_cast<CompositeConstants*>(out) = {params.mode,     params.darkness, params.chroma,
-                                            params.contrast, params.damping,  params.albedo};
+  *static_cast<CompositeConstants*>(out) = {params.mode,    params.darkness, params.chroma, params.contrast,
+                                            params.damping, params.albedo,   params.tint};
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ struct CompositeParams {
   float darkness, chroma, contrast;  // factors of mode modulate
   float damping;                     // mode bleeding: direct light's luminance; 0: off
   int albedo;                        // of bounced light: 0 as it is, 1 as a display shows it
+  float tint;                        // 0 to 1
 };
 
 struct CompositeConstants {
@@ -15,6 +16,7 @@ struct CompositeConstants {
   float darkness, chroma, contrast;
   float damping;
   int display;  // 0 or 1
+  float tint;
 };
 
 #endif

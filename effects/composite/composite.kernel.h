@@ -20,6 +20,25 @@ FN Vec3 gray(Real v) { return Vec3(v, v, v); }
 
 FN Real luminance_of(Vec3 v) { return dot(v, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))); }  // Rec.709
 
+// Of ambient light that is kept out, what comes back by way of other surfaces of the same albedo, in all its bounces: a
+// fit to ray-traced pictures [Jimenez et al. 2016, equation 10].
+FN Real with_bounces(Real ao, Real albedo) {
+  Real a = mad(albedo, Real(2.0404f), Real(-0.3324f));
+  Real b = mad(albedo, Real(-4.7951f), Real(0.6417f));
+  Real c = mad(albedo, Real(2.7552f), Real(0.6903f));
+  return max(ao, mad(mad(ao, a, b), ao, c) * ao);
+}
+FN Vec3 tinted(Real ao, Vec3 albedo) {
+  Vec3 gray_ao = gray(ao);
+  if (C.tint == 0.0f) return gray_ao;
+  Real open = clamp(ao, Real(0.0f), Real(1.0f));
+  Vec3 colour = Vec3(clamp(albedo.x, Real(0.0f), Real(1.0f)), clamp(albedo.y, Real(0.0f), Real(1.0f)),
+                     clamp(albedo.z, Real(0.0f), Real(1.0f)));
+  Vec3 lifted =
+      Vec3(with_bounces(open, colour.x), with_bounces(open, colour.y), with_bounces(open, colour.z)) - gray(open);
+  return gray_ao + lifted * Real(C.tint);
+}
+
 FN void composite_pixel(Int px, Int py) {
   Real ao = near_ao(0, 0);
   Vec3 lit = gray(ao);
@@ -32,7 +51,7 @@ FN void composite_pixel(Int px, Int py) {
     lit = direct + ambient + bounced;
     if (C.mode == 5 && C.damping > 0.0f)
       bounced = bounced * clamp(luminance_of(direct) * Real(1.0f / C.damping), Real(0.0f), Real(1.0f));
-    if (C.mode == 0 || C.mode == 5) lit = direct + bounced + ambient * ao;
+    if (C.mode == 0 || C.mode == 5) lit = direct + bounced + ambient * tinted(ao, near_albedo(0, 0));
     if (C.mode == 1) lit = lit + gray(ao - 1.0f);
     if (C.mode == 2) lit = (direct + ambient) * ao + bounced;
     if (C.mode == 3) {

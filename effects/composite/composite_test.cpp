@@ -117,6 +117,33 @@ TEST(Composite, BleedingFadesWhereDirectLightDoes) {
         });
 }
 
+TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
+  // [Jimenez et al. 2016, equation 10].
+  const auto with_bounces = [](double v, double albedo) {
+    const double a = 2.0404 * albedo - 0.3324, b = -4.7951 * albedo + 0.6417, c = 2.7552 * albedo + 0.6903;
+    return std::max(v, ((v * a + b) * v + c) * v);
+  };
+  const GBuffer g = light_and_occlusion();
+  for (const double tint : {0.0, 0.5, 1.0})
+    test::on_every_target("composite", g, {{"tint", fmt::format("{}", tint)}}, [&](const Image& image) {
+      double worst = 0.0;
+      long lifted = 0;
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+          const Arriving arriving(g.layers[0], x, y);
+          const double ao = g.layers[0].plane("ao").at(x, y), open = std::clamp(ao, 0.0, 1.0);
+          for (int c = 0; c < 3; ++c) {
+            const double share = ao + tint * (with_bounces(open, g.layers[0].plane(kAlbedo[c]).at(x, y)) - open);
+            const double lit = arriving.direct[c] + arriving.bounced[c] + arriving.ambient[c] * share;
+            worst = std::max(worst, std::fabs(lit - image.plane(kLit[c]).at(x, y)));
+            lifted += share > ao + 0.05;
+          }
+        }
+      EXPECT_LE(worst, 2e-6) << tint;
+      EXPECT_EQ(lifted > 100, tint > 0.0) << tint;
+    });
+}
+
 TEST(Composite, ModulateMatchesItsFormula) {
   compare("modulate", {});
   compare("modulate", {.darkness = 0.0, .chroma = 1.0});
