@@ -26,7 +26,6 @@
 #define how_many(mask) ((mask) ? 1 : 0)
 #define this_lane() 0
 #define of_lane(v, lane) (v)
-#define added_to_lanes(sum, lane, v) ((sum) + (v))
 #define select(mask, a, b) ((mask) ? (a) : (b))
 #define pow(a, b) pow_of(a, b)
 #include "machine/frame_constants.h"
@@ -137,6 +136,11 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
     if (where) name##_list[at] = v;                             \
   }                                                             \
   type entries_##name(int at) { return name##_list[at]; }
+#define SUMS(name)                                          \
+  vec3 name##_sum;                                          \
+  void clear_##name() { name##_sum = vec3(0.0f); }          \
+  void add_to_##name(int lane, vec3 v) { name##_sum += v; } \
+  vec3 sum_of_##name() { return name##_sum; }
 #define LIST_REAL(name, length) LIST(float, name, length)
 #define LIST_UINT(name, length) LIST(uint, name, length)
 #define OUT_REAL(name)                                                    \

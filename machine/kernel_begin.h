@@ -19,6 +19,13 @@ FN Int place_of(Real X, Real Y) const { return view.place_of(X, Y); }
   FN type entries_##name(int at) const { return view.listed(name##_list + at); }
 #define LIST_REAL(name, length) LIST(Real, float, name, length)
 #define LIST_UINT(name, length) LIST(Uint, std::uint32_t, name, length)
+// Sums of three numbers, one for each of the pixels that run together, that any of these may add to: clear_NAME(), each
+// pixel's v to the sum of the pixel `lane` by add_to_NAME(lane, v), and each pixel's own by sum_of_NAME().
+#define SUMS(name)                                                                \
+  LaneSums name##_sums;                                                           \
+  FN void clear_##name() { clear(name##_sums); }                                  \
+  FN void add_to_##name(Int lane, Vec3 v) { add_to_lanes(name##_sums, lane, v); } \
+  FN Vec3 sum_of_##name() const { return sums_of(name##_sums); }
 FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
 #define CONST static constexpr
 #define IN_REAL(name)                                                                             \

@@ -223,22 +223,29 @@ OP Real pow(Real a, Real b) {
 #include "machine/vectors.h"
 #undef inline
 
-OP Vec3 added_to_lanes(Vec3 sum, Int lane, Vec3 v) {
-  HWY_ALIGN float x[2][kLanes], y[2][kLanes], z[2][kLanes];
+/// A sum for each pixel that runs, channels side by side: a vector of four takes them at once.
+struct LaneSums {
+  HWY_ALIGN float sums[4 * kLanes];
+};
+OP void clear(LaneSums& s) {
+  for (int i = 0; i < 4; ++i) hn::Store(hn::Zero(D()), D(), s.sums + i * kLanes);
+}
+OP void add_to_lanes(LaneSums& s, Int lane, Vec3 v) {
+  const hn::CappedTag<float, 4> four;
+  HWY_ALIGN float each[4 * kLanes];
   HWY_ALIGN std::int32_t to[kLanes];
+  hn::StoreInterleaved4(v.x.v, v.y.v, v.z.v, hn::Zero(D()), D(), each);
   hn::Store(lane.v, DI(), to);
-  hn::Store(sum.x.v, D(), x[0]);
-  hn::Store(sum.y.v, D(), y[0]);
-  hn::Store(sum.z.v, D(), z[0]);
-  hn::Store(v.x.v, D(), x[1]);
-  hn::Store(v.y.v, D(), y[1]);
-  hn::Store(v.z.v, D(), z[1]);
-  for (int i = 0; i < kLanes; ++i) {
-    x[0][to[i]] += x[1][i];
-    y[0][to[i]] += y[1][i];
-    z[0][to[i]] += z[1][i];
-  }
-  return Vec3{hn::Load(D(), x[0]), hn::Load(D(), y[0]), hn::Load(D(), z[0])};
+  for (int i = 0; i < kLanes; ++i)
+    for (std::size_t k = 0; k < 4; k += hn::Lanes(four)) {
+      float* sum = s.sums + 4 * to[i] + k;
+      hn::Store(hn::Add(hn::Load(four, sum), hn::Load(four, each + 4 * i + k)), four, sum);
+    }
+}
+OP Vec3 sums_of(const LaneSums& s) {
+  auto x = hn::Zero(D()), y = x, z = x, none = x;
+  hn::LoadInterleaved4(D(), s.sums, x, y, z, none);
+  return Vec3{x, y, z};
 }
 #undef OP
 

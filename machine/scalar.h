@@ -72,7 +72,13 @@ template <class T>
 inline T packed(Bool, T v) {
   return v;
 }
-/// Each pixel's v added to the sum of the pixel `lane`, in the pixels' order.
-inline Vec3 added_to_lanes(Vec3 sum, Int, Vec3 v) { return sum + v; }
+/// A sum for each of the pixels that run together.
+struct LaneSums {
+  Vec3 sum;
+};
+inline void clear(LaneSums& s) { s.sum = Vec3{0.0f, 0.0f, 0.0f}; }
+/// Each pixel's v is added to the sum of the pixel `lane`, in the pixels' order.
+inline void add_to_lanes(LaneSums& s, Int, Vec3 v) { s.sum = s.sum + v; }
+inline Vec3 sums_of(const LaneSums& s) { return s.sum; }
 
 }  // namespace umbrage::scalar

@@ -27,7 +27,7 @@ struct DialectResults {
   // Of the pixels that run together, `lanes` of them.
   int lanes = 0;
   std::vector<int> how_many, this_lane;
-  std::vector<float> packed, of_lane, added;
+  std::vector<float> packed, of_lane, added[3];
   std::vector<unsigned> packed_bits, bits_of;
 };
 #endif
@@ -65,8 +65,14 @@ void RunDialect(const DialectInput& in, DialectResults& out) {
     hn::StoreU(packed(odd, real).v, d, out.packed.data() + i);
     hn::StoreU(packed(odd, bits).v, du, out.packed_bits.data() + i);
     hn::StoreU(of_lane(real, lane).v, d, out.of_lane.data() + i);
-    hn::StoreU(added_to_lanes(Vec3{real, real, real}, lane, Vec3{real, real, real * Real(3.0f)}).z.v, d,
-               out.added.data() + i);
+    LaneSums sums;
+    clear(sums);
+    add_to_lanes(sums, this_lane(), Vec3{real * Real(5.0f), real * Real(7.0f), real});
+    add_to_lanes(sums, lane, Vec3{real, real * Real(2.0f), real * Real(3.0f)});
+    const Vec3 added = sums_of(sums);
+    hn::StoreU(added.x.v, d, out.added[0].data() + i);
+    hn::StoreU(added.y.v, d, out.added[1].data() + i);
+    hn::StoreU(added.z.v, d, out.added[2].data() + i);
     hn::StoreU(bits_of(real_of_bits(bits_of(real))).v, du, out.bits_of.data() + i);
   }
 }
@@ -110,7 +116,7 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
                        std::vector<int>(n),
                        std::vector<float>(n),
                        std::vector<float>(n),
-                       std::vector<float>(n),
+                       {std::vector<float>(n), std::vector<float>(n), std::vector<float>(n)},
                        std::vector<unsigned>(n),
                        std::vector<unsigned>(n)};
     HWY_DYNAMIC_DISPATCH(RunDialect)(in, out);
@@ -134,11 +140,13 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
       ASSERT_EQ(out.bits_of[i], scalar::bits_of(real)) << target;
     }
     for (std::size_t first = 0; first < n; first += std::size_t(out.lanes)) {
-      std::vector<float> odd, sums;
+      std::vector<float> odd, sums[3];
       std::vector<unsigned> odd_bits;
       for (int lane = 0; lane < out.lanes; ++lane) {
         const std::size_t i = first + std::size_t(lane);
-        sums.push_back(in.reals[i]);
+        sums[0].push_back(in.reals[i] * 5.0f);
+        sums[1].push_back(in.reals[i] * 7.0f);
+        sums[2].push_back(in.reals[i]);
         if (in.bits[i] % 2 == 0) continue;
         odd.push_back(in.reals[i]);
         odd_bits.push_back(in.bits[i]);
@@ -149,13 +157,15 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
         ASSERT_EQ(out.this_lane[i], lane) << target;
         ASSERT_EQ(out.how_many[i], int(odd.size())) << target;
         ASSERT_EQ(out.of_lane[i], in.reals[first + other]) << target;
-        sums[other] += in.reals[i] * 3.0f;
+        for (int channel = 0; channel < 3; ++channel) sums[channel][other] += in.reals[i] * float(channel + 1);
       }
       for (std::size_t k = 0; k < odd.size(); ++k) {
         ASSERT_EQ(out.packed[first + k], odd[k]) << target;
         ASSERT_EQ(out.packed_bits[first + k], odd_bits[k]) << target;
       }
-      for (std::size_t k = 0; k < sums.size(); ++k) ASSERT_EQ(out.added[first + k], sums[k]) << target;
+      for (int channel = 0; channel < 3; ++channel)
+        for (std::size_t k = 0; k < sums[channel].size(); ++k)
+          ASSERT_EQ(out.added[channel][first + k], sums[channel][k]) << target;
     }
   }
   choose_simd_target("");

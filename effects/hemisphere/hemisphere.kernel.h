@@ -166,9 +166,11 @@ LIST_UINT(found_by, 2 * kListLength)      // which of the pixels that run togeth
 LIST_REAL(found_depth, 2 * kListLength)   // by the layer's own camera
 LIST_REAL(hidden_depth, 2 * kListLength)  // of the sample point that it hides
 
-// `light`, and what arrives from the first `found` that were noted, of the layers `first` to before C.view_end[first],
-// which one camera sees.
-FN Vec3 with_light_of_found(Vec3 light, int found, int first, Vec3 position, Vec3 normal, Int own_place) {
+SUMS(arrived)  // light at each of the pixels that run together
+
+// Adds what arrives from the first `found` that were noted, of the layers `first` to before C.view_end[first], which
+// one camera sees.
+FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int own_place) {
   int end = C.view_end[first];
   bool other = C.other[first] != 0;
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
@@ -236,9 +238,8 @@ FN Vec3 with_light_of_found(Vec3 light, int found, int first, Vec3 position, Vec
       if (some(front)) sent = select(front, sent_of(C.layer[i], place), sent);
       if (C.back[i] >= 0 && some(back)) sent = select(back, sent_of(C.back[i], place), sent);
     }
-    light = added_to_lanes(light, lane, sent * share);
+    add_to_arrived(lane, sent * share);
   }
-  return light;
 }
 
 FN void gather(Int px, Int py) {
@@ -268,7 +269,7 @@ FN void gather(Int px, Int py) {
   int found_count = 0;
   Real hidden = Real(0.0f);
   Real count = Real(0.0f);
-  Vec3 light = none;
+  if (kGathersLight) clear_arrived();
   Real last_column = Real(float(F.width - 1));
   Real last_line = Real(float(F.height - 1));
   int at_once = kListLength / C.layer_count;
@@ -374,7 +375,7 @@ FN void gather(Int px, Int py) {
     }
     if (kGathersLight && (end == C.samples || found_count > kMostFound - kListLength * kLanes)) {
       for (int i = 0; i < C.layer_count; i = C.view_end[i]) {
-        light = with_light_of_found(light, found_count, i, position, normal, own_place);
+        add_light_of_found(found_count, i, position, normal, own_place);
       }
       found_count = 0;
     }
@@ -382,7 +383,8 @@ FN void gather(Int px, Int py) {
   Real closed = hidden * Real(C.weight) / max(count, Real(1e-6f));
   bool darkens = C.occlusion != 0;
   store_ao(select(surface, darkens ? max(Real(0.0f), 1.0f - closed) : Real(1.0f), Real(1.0f)));
-  light = light * Real(C.bleeding);
+  if (!kGathersLight) return;
+  Vec3 light = sum_of_arrived() * Real(C.bleeding);
   light = Vec3(min(light.x, Real(kMostLight)), min(light.y, Real(kMostLight)), min(light.z, Real(kMostLight)));
   store_light(select(surface, finite_or_zero(light), none));
 }

@@ -35,7 +35,8 @@ FN void hemisphere_sent_pixel(Int px, Int py) {
     Vec3 normal = near_normal_of(layer, 0, 0);
     Real squared = dot(normal, normal);
     Bool faces = squared > 1e-20f && squared < 1e20f;  // some way
-    Vec3 sent = sent_at_first(layer);
+    Vec3 sent = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+    if (some(faces)) sent = sent_at_first(layer);
     if (F.round == 0) {
       store_hemisphere_facing_of(layer, packed_normal(select(faces, normal, Vec3(Real(0.0f), Real(0.0f), Real(1.0f)))));
     } else {
