@@ -454,6 +454,7 @@ TEST_F(Cli, PassColorKeepsItsChannels) {
 TEST_F(Cli, RefusesNamesThatDoNotExist) {
   bad_option("--lok ao", {"'--lok'", "did you mean '--look'"});
   bad_option("--resolutoin=8x8", {"'--resolutoin'", "did you mean '--resolution'"});
+  bad_option("--fooo", {"'--fooo'", "umbrage render --help"});
   bad_option("--xyzzy", {"'--xyzzy'", "umbrage render --help"});
   bad_option("-q", {"'-q'", "umbrage render --help"});
   bad_option("--look unshap", {"'unshap'", "did you mean 'unsharp'"});
@@ -464,6 +465,8 @@ TEST_F(Cli, RefusesNamesThatDoNotExist) {
   bad_option("--device xyzzy", {"'xyzzy'", "there are", "cpu"});
   bad_option("--passes dept", {"'dept'", "did you mean 'depth'"});
   bad_option("--passes xyzzy", {"'xyzzy'", "there are", "normal"});
+  // What other looks write.
+  bad_option("--look bleeding --passes outline", {"'bleeding'", "'outline'", "there are", "indirect"});
   bad_option("--set unshar.kernel=4", {"'unshar'", "did you mean 'unsharp'"});
   bad_option("--set unsharp.kernal=4", {"'kernal'", "did you mean 'kernel'"});
   bad_option("--set composite.mode=multipl", {"'multipl'", "did you mean 'multiply'"});
@@ -474,6 +477,14 @@ TEST_F(Cli, RefusesNamesThatDoNotExist) {
   bad("rendr tri.obj -o out.png", 2, {"'rendr'", "did you mean 'render'"});
   bad("list lokos", 2, {"'lokos'", "did you mean 'looks'"});
   bad("list xyzzy", 2, {"'xyzzy'", "effects"});
+}
+
+TEST_F(Cli, RefusesOptionsWithNothingInThem) {
+  for (const char* option : {"--ao-scale", "--layers", "--ao", "--look", "--ao-radius", "--camera-zoom-factor", "--up",
+                             "--passes", "--set", "--resolution"}) {
+    bad_option(option + std::string("="), {option, "needs a value"});
+    bad(Words{"tri.obj", "-o", "out.png", option, ""}, 2, {option, "needs a value"});
+  }
 }
 
 TEST_F(Cli, RefusesValues) {
@@ -667,6 +678,22 @@ TEST_F(Cli, TheReferenceIsATechnique) {
   good(kSolids + " -o plain.exr --look lit --passes all" + few);
   EXPECT_EQ(test::difference(image("plain.exr").plane("indirect.g"), Plane(24, 24, 0.0f), 0.0).most, 0.0);
   EXPECT_GT(test::difference(image("plain.exr").plane("lit.g"), light.plane("lit.g"), 0.0).most, 0.01);
+}
+
+TEST_F(Cli, TheReferenceBouncesLightWhereTheLookDoes) {
+  const std::string few = " --resolution 24x24 --ao reference --passes all --set reference.samples=2";
+  const auto brightest = [&](const std::string& options) {
+    good(kSolids + " -o light.exr" + options + few);
+    const Image light = image("light.exr");
+    float most = 0.0f;
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x) most = std::max(most, light.plane("indirect.g").at(x, y));
+    return most;
+  };
+  EXPECT_GT(brightest(" --look bleeding"), 0.0f);
+  EXPECT_GT(brightest(" --look bleeding-paper"), 0.0f);
+  EXPECT_EQ(brightest(" --look bleeding --set reference.light=off"), 0.0f);
+  EXPECT_EQ(brightest(" --look lit"), 0.0f);
 }
 
 TEST_F(Cli, RefusesReferencesThatCannotBe) {

@@ -14,11 +14,13 @@
 namespace umbrage::cli {
 namespace {
 
-/// Every option of a command, for suggestions.
+constexpr std::string_view kDashes = "--";
+
+/// Every option of a command, without its dashes, for suggestions.
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_lnames()) names.push_back(name);
   return names;
 }
 
@@ -27,9 +29,14 @@ Error unknown_option(const CLI::App& app, std::string word) {
   word = word.substr(0, word.find('='));
   if (!word.starts_with('-')) return usage_error("'{}' is one word too many", word);
   const auto names = option_names(*command);
-  const std::string hint = suggestion(word, names);
-  return usage_error("there is no option '{}'{}", word,
-                     hint.starts_with(" (did") ? hint : "; see umbrage " + command->get_name() + " --help");
+  // Dashes are alike in all of them: they make no two names alike.
+  const bool is_long = word.starts_with(kDashes);
+  std::string hint = suggestion(is_long ? word.substr(kDashes.size()) : word, names);
+  if (!hint.starts_with(" (did"))
+    hint = "; see umbrage " + command->get_name() + " --help";
+  else
+    hint.insert(hint.find('\'') + 1, kDashes);
+  return usage_error("there is no option '{}'{}", word, hint);
 }
 
 /// What CLI11 has to say of a command line, in our words.
@@ -75,6 +82,17 @@ std::optional<Error> misspelt_command(const std::vector<std::string>& words, con
   const std::string hint = suggestion(word, commands);
   if (!hint.starts_with(" (did")) return std::nullopt;
   return usage_error("there is no command and no file '{}'{}", word, hint);
+}
+
+/// An option that is given without anything in it, which is not the same as left out.
+std::optional<Error> empty_option(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands())
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& value : option->results())
+        // Of files there is more to say, where they are read and written.
+        if (value.empty() && !option->get_positional() && option->get_name() != "--output")
+          return usage_error("{} needs a value; see umbrage {} --help", option->get_name(), command->get_name());
+  return std::nullopt;
 }
 
 /// One word of a command line, in quotes where a shell would take it apart.
@@ -133,6 +151,7 @@ int run(int argc, char** argv) {
       return report(usage_error("name a model, such as umbrage bunny.obj -o bunny.png; see umbrage --help"));
     return report(wrong_words(app, error));
   }
+  if (const auto error = empty_option(app)) return report(*error);
   const Result<void> done = command();
   if (!done) return report(done.error());
   if (std::fflush(stdout) != 0 || std::ferror(stdout))

@@ -69,15 +69,14 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int 
     if (found != all.end())
       for (const Pass& pass : (*found)->passes) {
         if (pass.needed && !pass.needed(recipe->settings.find((*found)->name)->second)) continue;
-        // Inputs too: what nobody made, such as `ao` under --ao none, becomes a neutral plane.
-        for (const auto* planes : {&pass.inputs, &pass.outputs})
-          for (std::string_view plane : *planes) {
-            if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
-            const std::string group = group_of(plane);
-            if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
-          }
+        for (std::string_view plane : pass.outputs) {
+          if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
+          const std::string group = group_of(plane);
+          if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
+        }
       }
   }
+  if (recipe->occlusion == kNoOcclusion) names.push_back("ao");  // 1 everywhere
   names.push_back("all");
   const std::vector<std::string> words = split(*o.passes);
   for (const std::string& word : words) {
@@ -88,7 +87,13 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int 
       if (layers > 0)
         return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, captured_layers,
                            layers);
-      return usage_error("there is no pass '{}'{}", word, suggestion(word, names));
+      // Of further layers only what is misspelt: there are too many to list.
+      std::string hint = suggestion(word, names);
+      if (!hint.starts_with(" (did")) {
+        std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0; });
+        hint = suggestion(word, names);
+      }
+      return usage_error("the look '{}' writes no pass '{}'{}", recipe->look->name, word, hint);
     }
     if (std::count(words.begin(), words.end(), word) > 1) return usage_error("--passes names '{}' twice", word);
   }

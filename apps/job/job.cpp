@@ -196,6 +196,17 @@ Result<void> add_lights(Scene& scene, const Camera& camera, const DrawSettings& 
   return {};
 }
 
+/// Whether the look's own technique gathers light that surfaces send each other.
+bool gathers_light(const Look& look, const EffectSettings& settings) {
+  const Effect* technique = find_effect(look.occlusion);
+  if (!technique) return false;
+  const ParameterBytes& params = settings.find(technique->name)->second;
+  return std::any_of(technique->passes.begin(), technique->passes.end(), [&](const Pass& pass) {
+    const bool runs = !pass.needed || pass.needed(params);
+    return runs && std::find(pass.outputs.begin(), pass.outputs.end(), "indirect.r") != pass.outputs.end();
+  });
+}
+
 }  // namespace
 
 Result<Recipe> make_recipe(const DrawSettings& draw) {
@@ -227,6 +238,9 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
   for (const std::string& setting : draw.settings)
     if (setting.starts_with("upsample.factor=") || setting.starts_with("upsample.indirect="))
       return usage_error("--set {}: {} follows from --ao-scale", setting, setting.substr(0, setting.find('=')));
+  // A look whose own technique gathers light gets it from the reference too, unless --set says otherwise.
+  if (recipe.occlusion == reference_effect().name && gathers_light(*recipe.look, recipe.settings))
+    if (auto set = apply_setting(recipe.settings, "reference.light=bounce", handed_in()); !set) return set.error();
   for (const std::string& setting : draw.settings)
     if (auto done = apply_setting(recipe.settings, setting, handed_in()); !done) return done.error();
   return recipe;
