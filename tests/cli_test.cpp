@@ -465,6 +465,8 @@ TEST_F(Cli, RefusesNamesThatDoNotExist) {
   bad_option("--device xyzzy", {"'xyzzy'", "there are", "cpu"});
   bad_option("--passes dept", {"'dept'", "did you mean 'depth'"});
   bad_option("--passes xyzzy", {"'xyzzy'", "there are", "normal"});
+  good("tri.obj -o half.exr --look bleeding --ao-scale half --passes ao,indirect" + kSmall);
+  bad_option("--look bleeding --ao-scale half --passes denoise_ao", {"'bleeding'", "'denoise_ao'"});
   // What other looks write.
   bad_option("--look bleeding --passes outline", {"'bleeding'", "'outline'", "there are", "indirect"});
   bad_option("--set unshar.kernel=4", {"'unshar'", "did you mean 'unsharp'"});

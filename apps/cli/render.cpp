@@ -61,17 +61,17 @@ Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int 
   const auto all = every_effect();
   for (std::string_view effect : recipe->look->effects) {
     if (effect == "occlusion") effect = recipe->occlusion;
-    auto found = std::find_if(all.begin(), all.end(), [&](const Effect* each) { return each->name == effect; });
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Effect* each) { return each->name == effect; });
     // What the technique and its filters make at reduced resolution stays there but for what is upsampled.
-    if (found != all.end() && recipe->occlusion_every > 1 &&
-        ((*found)->kind == EffectKind::kOcclusion || (*found)->kind == EffectKind::kFilter))
-      found = std::find(all.begin(), all.end(), find_effect("upsample"));
+    const bool reduced = found != all.end() && recipe->occlusion_every > 1 &&
+                         ((*found)->kind == EffectKind::kOcclusion || (*found)->kind == EffectKind::kFilter);
     if (found != all.end())
       for (const Pass& pass : (*found)->passes) {
         if (pass.needed && !pass.needed(recipe->settings.find((*found)->name)->second)) continue;
         for (std::string_view plane : pass.outputs) {
           if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
           const std::string group = group_of(plane);
+          if (reduced && group != "ao" && group != "indirect") continue;
           if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
         }
       }

@@ -37,26 +37,31 @@ FN Real misfit_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   Vec3 way = view_position(x, y, depth) - position;
   Real off_own = abs(dot(way, normal));
   Real off_other = abs(dot(way, other_normal));
-  Real off = max(off_own, off_other);
   // The smaller pixel of the two, so that either finds the other equally far.
   Real spread = F.orthographic != 0 ? Real(1.0f) : min(depth, own_depth);
   Real distance = mad(abs(way.z), Real(kSlack), Real(F.ray_scale_x * C.distance) * spread);
   Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
-  Real misfit = max(turned, Real(1.0f));
-  // Most are near enough.
-  if (some(!(off <= distance))) misfit = max(max(off / max(distance, Real(1e-30f)), turned), Real(1.0f));
+  Bool inside = x >= Int(0) && y >= Int(0) && x < Int(F.width) && y < Int(F.height);
+  // Most fit in all respects; what is no number fits in none.
+  Bool fits = surface && other_surface && off_own <= distance && off_other <= distance && turned <= 1.0f;
+  if (!some(!(fits && inside))) return Real(1.0f);
+  Real off = max(off_own, off_other);
+  Real misfit = max(max(off / max(distance, Real(1e-30f)), turned), Real(1.0f));
   // max overlooks what is no number.
   Bool number = is_finite(turned + (off_own + off_other));
   misfit = select(number && misfit < kOtherKind, misfit, Real(kOtherKind));
   misfit = select(surface && other_surface, misfit, Real(kOtherKind));
   misfit = select(!surface && !other_surface, Real(1.0f), misfit);
-  Bool inside = x >= Int(0) && y >= Int(0) && x < Int(F.width) && y < Int(F.height);
   return select(inside, misfit, Real(kOutside));
 }
 
-// How much it belongs to this pixel, 0 to 1.
-FN Real joint_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
-  return max(Real(kNoJoint) - misfit_of(i, j, px, py, position, normal), Real(0.0f));
+// How much it belongs to this pixel, 0 to 1; `any` says whether any of the pixels that run together shows a surface.
+FN Real joint_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, bool any) {
+  if (any) return max(Real(kNoJoint) - misfit_of(i, j, px, py, position, normal), Real(0.0f));
+  // Of background only depths are asked for.
+  Bool inside =
+      block_start(px) + Int(i * C.factor) < Int(F.width) && block_start(py) + Int(j * C.factor) < Int(F.height);
+  return select(inside && !is_surface(corner_depth(C.factor, i, j)), Real(1.0f), Real(0.0f));
 }
 
 // How far the pixel lies from its block's corner, in blocks.
@@ -71,13 +76,14 @@ FN Vec3 shares_of(Int px, Int py) {
   Vec2 at = offset_of(px, py);
   Vec3 position = view_position(px, py, near_depth(0, 0));
   Vec3 normal = near_normal(0, 0);
-  Real own = (1.0f - at.x) * (1.0f - at.y) * joint_of(0, 0, px, py, position, normal);
-  Real right = at.x * (1.0f - at.y) * joint_of(1, 0, px, py, position, normal);
+  bool any = some(is_surface(near_depth(0, 0)));
+  Real own = (1.0f - at.x) * (1.0f - at.y) * joint_of(0, 0, px, py, position, normal, any);
+  Real right = at.x * (1.0f - at.y) * joint_of(1, 0, px, py, position, normal, any);
   Real below = Real(0.0f);
   Real both = Real(0.0f);
   if (some(at.y > 0.0f)) {
-    below = (1.0f - at.x) * at.y * joint_of(0, 1, px, py, position, normal);
-    both = at.x * at.y * joint_of(1, 1, px, py, position, normal);
+    below = (1.0f - at.x) * at.y * joint_of(0, 1, px, py, position, normal, any);
+    both = at.x * at.y * joint_of(1, 1, px, py, position, normal, any);
   }
   Real sum = own + right + (below + both);
   Real scale = Real(1.0f) / max(sum, Real(kFew));
