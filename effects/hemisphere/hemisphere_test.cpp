@@ -537,6 +537,67 @@ TEST(Hemisphere, AmbientLightBouncesAsTheSeriesSays) {
   EXPECT_EQ(test::difference(none.plane("indirect.g"), Plane(160, 160, 0.0f), 0.0).most, 0.0);
 }
 
+TEST(Hemisphere, AmbientLightBouncesInAClosedBoxAsQuadratureSays) {
+  // A white room without openings, seen from within. Light that comes from beyond the radius is ambient light, which is
+  // alike everywhere; what is nearer hides it and sends on what it gets.
+  constexpr double kRadius = 0.8;
+  const auto face = [](glm::dvec3 corner, glm::dvec3 u, glm::dvec3 v) {
+    return Rectangle{
+        .corner = corner, .u = u, .v = v, .ambient = glm::dvec3(kBoxAlbedo * kBoxAmbient), .albedo = kBoxAlbedo};
+  };
+  const Rectangles room = {face({-1, 0, 2}, {2, 0, 0}, {0, 0, -4}), face({-1, 2, -2}, {2, 0, 0}, {0, 0, 4}),
+                           face({-1, 0, -2}, {2, 0, 0}, {0, 2, 0}), face({1, 0, 2}, {-2, 0, 0}, {0, 2, 0}),
+                           face({-1, 0, 2}, {0, 0, -4}, {0, 2, 0}), face({1, 0, -2}, {0, 0, 4}, {0, 2, 0})};
+  const GBuffer g = picture(room, perspective_camera({0, 1.2f, 1.9f}, {0, 0.8f, -2}, {0, 1, 0}, 62, 1.0f), 160, 160);
+
+  // Mean over directions about a normal, by their cosine, of `sent` at what lies within the radius.
+  const auto gathered = [&](glm::dvec3 at, glm::dvec3 normal, int steps, const auto& sent) {
+    const glm::dvec3 across =
+        glm::normalize(glm::cross(normal, std::fabs(normal.y) > 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+    const glm::dvec3 along = glm::cross(normal, across);
+    double sum = 0.0;
+    for (int j = 0; j < steps; ++j)
+      for (int i = 0; i < 2 * steps; ++i) {
+        const double sine2 = (j + 0.5) / steps, turn = kPi * (i + 0.5) / steps;
+        const glm::dvec3 way =
+            std::sqrt(sine2) * (std::cos(turn) * across + std::sin(turn) * along) + std::sqrt(1.0 - sine2) * normal;
+        const auto met = hits(room, at + 1e-6 * normal, way);
+        if (!met.empty() && met[0].t < kRadius) sum += sent(at + met[0].t * way, *met[0].on);
+      }
+    return sum / (2 * steps * steps);
+  };
+  const double own = kBoxAlbedo * kBoxAmbient;
+  const auto hidden = [&](glm::dvec3 at, const Rectangle& on) {
+    return gathered(at, on.normal(), 16, [](glm::dvec3, const Rectangle&) { return 1.0; });
+  };
+  constexpr double kGuess = 0.7;  // the openness before it is known
+  const auto once = [&](glm::dvec3, const Rectangle&) { return own * kGuess; };
+  const auto twice = [&](glm::dvec3 at, const Rectangle& on) {
+    const double share = hidden(at, on);
+    return own * (1.0 - share) + kBoxAlbedo * own * kGuess * share;
+  };
+  // The second bounce rests on the openness that the pass finds: with the weight of the look `bleeding`.
+  const Settings settings = {{"bleeding", "1"}, {"radius", "0.8"}, {"samples", "64"},
+                             {"range", "none"}, {"noise", "0"},    {"weight", "2"}};
+  for (const int bounces : {1, 2}) {
+    const Image image = run(g, joined(settings, {{"bounces", std::to_string(bounces)}}));
+    double got = 0.0, wanted = 0.0;
+    int count = 0;
+    for (int y = 0; y < 160; ++y)
+      for (int x = 0; x < 160; ++x) {
+        const glm::dvec3 at = world_position(g, x, y);
+        // All within the radius is in view.
+        if (!on_floor(at) || std::fabs(at.x) > 0.9 || at.z < -1.9 || at.z > -0.9) continue;
+        got += image.plane("indirect.g").at(x, y);
+        if (count++ % 23 == 0)
+          wanted += 23.0 * (bounces == 1 ? gathered(at, {0, 1, 0}, 16, once) : gathered(at, {0, 1, 0}, 16, twice));
+      }
+    EXPECT_GT(count, 500);
+    EXPECT_GT(wanted / count, 0.02);
+    EXPECT_NEAR(got / wanted, 1.0, 0.1) << bounces;
+  }
+}
+
 // ---- layers
 // ------------------------------------------------------------------------------------------
 
