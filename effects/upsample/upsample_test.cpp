@@ -359,8 +359,8 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
         const Plane small = drawing.ao(size, orthographic, guard, every, "sphere", kHemisphere, &depth);
         const Deviation e = error_of(small, full, depth);
         EXPECT_LT(std::fabs(e.bias), every == 2 ? 0.003 : 0.005);
-        if (every == 2 && (calm || size.width != 191)) {
-          EXPECT_LT(e.rmse, 0.02);
+        if (every == 2) {
+          EXPECT_LT(e.rmse, calm || size.width != 191 ? 0.02 : 0.037);
         }
         if (size.width > 100) {
           EXPECT_GT(e.rmse, 1e-3);  // it did run at another resolution
