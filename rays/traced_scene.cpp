@@ -82,6 +82,25 @@ glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from) {
   return surface.position + surface.geometric * (kStartOffset * std::max({extent.x, extent.y, extent.z}));
 }
 
+glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
+  const Mesh& mesh = *surface.mesh;
+  const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
+  const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
+  const glm::vec3 start = start_above(surface, seen_from);
+  constexpr float kFlat = 1.0f - 1e-6f;  // cosine: a triangle is then cut off by less than 0.1 % of its size
+  const auto is_flat = [&](int k) { return std::abs(glm::dot(mesh.normals[i[k]], surface.geometric)) > kFlat; };
+  if (is_flat(0) && is_flat(1) && is_flat(2)) return start;
+  glm::vec3 lift(0.0f);
+  for (int k = 0; k < 3; ++k) {
+    glm::vec3 normal = mesh.normals[i[k]];
+    if (glm::dot(normal, surface.geometric) < 0.0f) normal = -normal;
+    // How far the point is below the plane of the vertex.
+    const float below = -glm::dot(surface.position - traced.unit_of(mesh.positions[i[k]]), normal);
+    lift += normal * (weights[k] * std::max(below, 0.0f));
+  }
+  return start + lift;
+}
+
 Result<TracedScenePtr> trace_ready(const Scene& scene, int threads) {
   tbb::task_arena arena(threads);
   return arena.execute([&] { return trace_ready(scene); });

@@ -58,6 +58,11 @@ Surface surface_at(const TracedScene& traced, unsigned mesh, unsigned triangle, 
 /// the surface again. `seen_from` is the origin of the ray that found the surface.
 glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from);
 
+/// The same for a ray to a light: from where the smooth surface lies that the normals at the triangle's vertices
+/// suggest. The triangle itself cuts below it, and where light grazes it, neighbours would throw a jagged shadow on it.
+/// [Hanika 2021]
+glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
+
 /// Texture coordinates of a hit. The mesh must have some.
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);
 

@@ -296,7 +296,7 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
                          const std::vector<TracedLight>& lights, const SampleTable& table, int samples,
                          std::uint32_t seed) {
   DirectLight sum;
-  const glm::vec3 start = start_above(surface, rays.eye);
+  const glm::vec3 start = start_to_light(traced, surface, rays.eye);
   for (std::size_t l = 0; l < lights.size(); ++l) {
     const TracedLight& light = lights[l];
     const bool hard = light.point ? !(light.radius > 0.0f) : !(light.cone_height > 0.0f);
@@ -309,7 +309,7 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
       for (int k = 0; k < n; ++k) {
         sample[k] = sample_light(light, rays, surface.position,
                                  sample_point(table, first + k, hash(seed, kFirstLight + unsigned(l))));
-        if (glm::dot(sample[k].direction, surface.geometric) > 0.0f)
+        if (glm::dot(sample[k].direction, surface.normal) > 0.0f)
           packet.add(k, start, sample[k].direction, ray_length(light, sample[k].distance));
       }
       packet.find_blocked(traced);
@@ -361,9 +361,9 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
         const LightSample sample = sample_light(
             lights[l], rays, hits[k].position, sample_point(table, shuffled(table, first + k, light_seed), light_seed));
         const float lambert = glm::dot(hits[k].normal, sample.direction);
-        if (!(lambert > 0.0f) || !(glm::dot(hits[k].geometric, sample.direction) > 0.0f)) continue;
+        if (!(lambert > 0.0f)) continue;
         reflected[k] = albedo[k] * sample.color * lambert;
-        to_light.add(k, start_above(hits[k], surface.position), sample.direction,
+        to_light.add(k, start_to_light(traced, hits[k], surface.position), sample.direction,
                      ray_length(lights[l], sample.distance));
       }
       to_light.find_blocked(traced);

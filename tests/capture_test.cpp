@@ -10,6 +10,7 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
+#include <numbers>
 #include <set>
 
 #include "devices/cpu/cpu_device.h"
@@ -575,6 +576,42 @@ TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
         ASSERT_EQ(picture["shadow"].at(x, y), 0.0f) << "the upper side is turned away";
       }
     }
+}
+
+TEST(Capture, ShadowsBeginWhereTheNormalsOfACoarseBallTurnAway) {
+  // A ball of few triangles with a ball's normals: where light grazes it, its triangles stand in each other's way. Its
+  // shadow begins where the smooth ball's does, and is not jagged by more than a few degrees.
+  constexpr int kRings = 16;
+  Mesh ball;
+  for (int j = 0; j <= kRings; ++j)
+    for (int i = 0; i <= 2 * kRings; ++i) {
+      const double polar = std::numbers::pi * j / kRings, turn = std::numbers::pi * i / kRings;
+      const glm::dvec3 at(std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn));
+      ball.positions.push_back(glm::vec3(at));
+      ball.normals.push_back(glm::vec3(at));
+    }
+  for (int j = 0; j < kRings; ++j)
+    for (int i = 0; i < 2 * kRings; ++i) {
+      const std::uint32_t a = std::uint32_t(j * (2 * kRings + 1) + i), b = a + 2 * kRings + 1;
+      if (j > 0) ball.indices.insert(ball.indices.end(), {a, a + 1, b});
+      if (j + 1 < kRings) ball.indices.insert(ball.indices.end(), {b, a + 1, b + 1});
+    }
+  Scene scene = scene_of({ball});
+  const glm::dvec3 towards = glm::normalize(glm::dvec3(1.0, 0.37, 0.21));  // along no edge
+  scene.lights = {key_light(glm::vec3(towards))};
+  const Picture planes = capture(scene, from_above(1.2f), 160, 160);
+  int lit = 0, dark = 0, wrong = 0;
+  for (int y = 0; y < 160; ++y)
+    for (int x = 0; x < 160; ++x) {
+      if (!std::isfinite(planes.depth(x, y))) continue;
+      const double facing = glm::dot(planes.normal(x, y), towards);  // the camera's axes are the world's
+      const bool shines = planes["shadow"].at(x, y) > 0.5f;
+      (facing > 0.0 ? lit : dark) += 1;
+      wrong += shines != (facing > 0.0);
+    }
+  EXPECT_GT(lit, 3000);
+  EXPECT_GT(dark, 3000);
+  EXPECT_LT(wrong, (lit + dark) / 200);
 }
 
 TEST(Capture, LightFromBelowLeavesTheUpperSideInShadow) {

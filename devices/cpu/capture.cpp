@@ -139,11 +139,11 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
       if (!surfaces.there[k]) continue;
       const Surface& surface = surfaces.at[k];
       const glm::vec3 toward = light.point ? light.where - surface.position : light.where;
-      if (!(glm::dot(surface.geometric, toward) > 0.0f)) {
+      if (!(glm::dot(surface.normal, toward) > 0.0f)) {
         out.shadow[light.index][k] = 0.0f;
         continue;
       }
-      const glm::vec3 start = start_above(surface, drawing.rays.eye);
+      const glm::vec3 start = start_to_light(drawing.traced, surface, drawing.rays.eye);
       if (!light.point) {
         set_ray(to_light, k, start, toward, std::numeric_limits<float>::infinity());
       } else if (glm::distance(start, surface.position) > kEndRounding * glm::length(toward)) {
