@@ -1,0 +1,62 @@
+// Obscurance by points in a disc: each surface point that is seen there adds how high it stands over the pixel's plane,
+// by its distance. Based on [McGuire et al. 2011], equation 10, and on the falloff of [McGuire et al. 2012],
+// equation 2.
+//
+// Positions use operations alone that round alike on every machine.
+IN_REAL(depth)
+IN_VECTOR(normal)
+OUT_REAL(ao)
+
+#include "machine/angles.kernel.h"
+
+// Cosine and sine of the pixel's own turn of the points: [McGuire et al. 2012], "Sample pattern", 10 (3x ^ y + xy)
+// radians.
+FN Vec2 turn_at(Int px, Int py) {
+  Uint x = to_uint(px);
+  Uint y = to_uint(py);
+  Real turn = share_of_one(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)) - 0.5f;
+  // By the half angle, twice: a quarter of it is within an eighth of a turn.
+  Real s = sine_of_quarters(turn);
+  Real c = sqrt(mad(-s, s, Real(1.0f)));
+  Real half_s = 2.0f * s * c;
+  Real half_c = mad(s * s, Real(-2.0f), Real(1.0f));
+  return Vec2(mad(half_s * half_s, Real(-2.0f), Real(1.0f)), 2.0f * half_s * half_c);
+}
+
+FN void alchemy_pixel(Int px, Int py) {
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  if (!some(surface)) {
+    store_ao(Real(1.0f));
+    return;
+  }
+  depth = select(surface, depth, Real(1.0f));
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = unit_normal(near_normal(0, 0), position);
+  Vec2 turn = turn_at(px, py);
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  Real reach = clamp(Real(C.reach) / spread, Real(0.0f), Real(1e5f));
+  Real x = to_real(px) + 0.5f;
+  Real y = to_real(py) + 0.5f;
+  Real sum = Real(0.0f);
+  for (int i = 0; i < C.samples; ++i) {
+    Real px_x = mad(turn.x, Real(C.points[2 * i]), turn.y * -C.points[2 * i + 1]) * reach;
+    Real px_y = mad(turn.y, Real(C.points[2 * i]), turn.x * C.points[2 * i + 1]) * reach;
+    Int column = to_int(floor(clamp(x + px_x, Real(0.0f), Real(float(F.width) - 0.5f))));
+    Int row = to_int(floor(clamp(mad(px_y, Real(C.rows), y), Real(0.0f), Real(float(F.height) - 0.5f))));
+    Real tap = load_depth(column, row);
+    Vec3 way = view_position(column, row, tap) - position;
+    Real squared = dot(way, way);
+    Real height = max(mad(depth, Real(-C.bias), dot(way, normal)), Real(0.0f));
+    Real term = height / (squared + C.epsilon);
+    if (C.scalable != 0) {
+      Real within = max(1.0f - squared / C.radius2, Real(0.0f));
+      term = term * (within * within * within);
+    }
+    // Differs: nothing where there is no surface, or where sums would be no numbers.
+    sum = sum + select(is_surface(tap) && squared < 1e30f, term, Real(0.0f));
+  }
+  Real open = max(mad(sum, Real(-C.factor), Real(1.0f)), Real(0.0f));
+  if (C.contrast != 1.0f) open = pow(open, Real(C.contrast));
+  store_ao(select(surface, open, Real(1.0f)));
+}

@@ -1,0 +1,124 @@
+#include "effects/hbao/hbao.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(hbao)
+
+namespace {
+
+constexpr std::uint32_t kSpirv[] = {
+#include "spirv/hbao.inc"
+};
+
+const std::vector<Parameter> kTable = {
+    {.name = "directions",
+     .help = "directions in the picture in which the horizon is sought",
+     .type = ParameterType::kInt,
+     .offset = offsetof(HbaoParams, directions),
+     .initial = 6,
+     .least = 1,
+     .most = 64},
+    {.name = "steps",
+     .help = "depths that are read in each direction",
+     .type = ParameterType::kInt,
+     .offset = offsetof(HbaoParams, steps),
+     .initial = 6,
+     .least = 1,
+     .most = 256},
+    {.name = "radius",
+     .help = "how far away occluders are sought, in scene units or as a share of the scene's radius",
+     .type = ParameterType::kLength,
+     .offset = offsetof(HbaoParams, radius),
+     .initial = 10.0,
+     .least = 0.0,
+     .most = 1e12,
+     .unit = "scene units",
+     .initially_relative = true,
+     .above_zero = true},
+    {.name = "angle_bias",
+     .help = "what rises less above the tangent plane does not occlude",
+     .offset = offsetof(HbaoParams, angle_bias),
+     .initial = 10.0,
+     .least = 0.0,
+     .most = 89.0,
+     .unit = "deg"},
+    {.name = "attenuation",
+     .help = "occluders count less the farther they are, by 1 - r^2",
+     .type = ParameterType::kBool,
+     .offset = offsetof(HbaoParams, attenuation),
+     .initial = 1},
+    {.name = "strength",
+     .help = "factor of the occlusion",
+     .offset = offsetof(HbaoParams, strength),
+     .initial = 1.0,
+     .least = 0.0,
+     .most = 10.0},
+};
+
+// One tap of one may be the whole horizon: two quanta.
+constexpr double kQuantum = 0.5;
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  const auto& params = as<HbaoParams>(bytes);
+  auto& c = *static_cast<HbaoConstants*>(out);
+  c = {};
+  c.directions = params.directions;
+  c.steps = params.steps;
+  c.one_over_steps = 1.0f / float(params.steps);
+  const double turn = 2.0 * std::numbers::pi / params.directions;
+  c.turn_cos = float(std::cos(turn));
+  c.turn_sin = float(std::sin(turn));
+  c.turn_share = 1.0f / float(params.directions);
+  const float radius = params.radius.relative ? params.radius.value / 100.0f * info.scene_radius : params.radius.value;
+  c.radius = std::clamp(radius, 1e-15f, 1e15f);
+  c.radius2 = c.radius * c.radius;
+  const Camera& camera = info.camera;
+  const float column = (camera.right - camera.left) / float(info.width);
+  const float row = (camera.top - camera.bottom) / float(info.height);
+  c.reach = c.radius / column;
+  c.rows = -column / row;
+  const double bias = params.angle_bias * std::numbers::pi / 180.0;
+  c.bias_cos = float(std::cos(bias));
+  c.bias_sin = float(std::sin(bias));
+  c.attenuation = params.attenuation;
+  c.factor = params.strength / float(params.directions);
+}
+
+void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) { as<HbaoParams>(bytes).radius = {radius, 0}; }
+
+}  // namespace
+
+const Effect& effect_hbao() {
+  static const Effect effect = {
+      .name = "hbao",
+      .summary = "horizons in several directions: darker the higher they stand over the surface",
+      .source = "Bavoil et al. 2008",
+      .kind = EffectKind::kOcclusion,
+      .parameters = kTable,
+      .params_size = sizeof(HbaoParams),
+      .constants_size = sizeof(HbaoConstants),
+      .constants = fill_constants,
+      .set_radius = set_radius,
+      .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
+      .quantum = kQuantum,
+      .passes = {{.name = "hbao",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                  .outputs = {"ao"},
+                  .scalar = run_scalar_hbao,
+                  .lanes = run_lanes_hbao,
+                  .spirv = kSpirv,
+                  .tile_width = 128,
+                  .tile_height = 32}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,69 @@
+// Horizon-based ambient occlusion: in each direction of the picture the horizon that the depths make is sought, and
+// what lies between it and the tangent plane is occluded. Based on [Bavoil et al. 2008], section 3: elevations are
+// angles from the picture's plane, the measure is their sine.
+//
+// Positions use operations alone that round alike on every machine.
+IN_REAL(depth)
+IN_VECTOR(normal)
+OUT_REAL(ao)
+
+#include "machine/angles.kernel.h"
+
+CONST float kLeastFacing = 0.02f;  // of the normal's z: a plane seen more edge-on has no slope that is a number
+
+// Cosine and sine of a share of a whole turn, in [0, 1).
+FN Vec2 direction_of(Real turn) {
+  Real s = sine_of_quarters(turn - 0.5f);
+  Real c = sqrt(mad(-s, s, Real(1.0f)));
+  Real half_s = 2.0f * s * c;
+  Real half_c = mad(s * s, Real(-2.0f), Real(1.0f));
+  return Vec2(mad(half_s * half_s, Real(-2.0f), Real(1.0f)), 2.0f * half_s * half_c);
+}
+
+FN void hbao_pixel(Int px, Int py) {
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  if (!some(surface)) {
+    store_ao(Real(1.0f));
+    return;
+  }
+  depth = select(surface, depth, Real(1.0f));
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = unit_normal(near_normal(0, 0), position);
+  Real facing = max(normal.z, Real(kLeastFacing));
+  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
+  Real reach = clamp(Real(C.reach) / spread, Real(0.0f), Real(1e5f));
+  Real x = to_real(px) + 0.5f;
+  Real y = to_real(py) + 0.5f;
+  // "we randomly rotate the directions and jitter the samples" [section 3.2].
+  Uint first = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
+  Real jitter = share_of_one(scrambled(first + Uint(1u)));
+  Vec2 direction = direction_of(share_of_one(first) * Real(C.turn_share));
+  Real sum = Real(0.0f);
+  for (int i = 0; i < C.directions; ++i) {
+    // The tangent plane's rise along the direction, per length in the picture's plane; its elevation plus the bias.
+    Real rise = -mad(normal.x, direction.x, normal.y * direction.y) / facing;
+    Real scale = rsqrt(mad(rise, rise, Real(1.0f)));
+    Real tangent_sin = mad(rise, Real(C.bias_cos), Real(C.bias_sin)) * scale;
+    Bool upright = mad(rise, Real(-C.bias_sin), Real(C.bias_cos)) <= 0.0f;  // the biased tangent is past the zenith
+    Real horizon = select(upright, Real(1.0f), tangent_sin);
+    for (int k = 0; k < C.steps; ++k) {
+      Real off = mad((jitter + float(k)) * Real(C.one_over_steps), reach, Real(1.0f));
+      Int column = to_int(floor(clamp(mad(direction.x, off, x), Real(0.0f), Real(float(F.width) - 0.5f))));
+      Int row = to_int(floor(clamp(mad(direction.y * off, Real(C.rows), y), Real(0.0f), Real(float(F.height) - 0.5f))));
+      Real tap = load_depth(column, row);
+      Vec3 way = view_position(column, row, tap) - position;
+      Real squared = dot(way, way);
+      Bool counts = squared < C.radius2 && squared > 0.0f && is_surface(tap);
+      Real sine = way.z * rsqrt(select(counts, max(squared, Real(1e-30f)), Real(1.0f)));
+      Real higher = max(sine - horizon, Real(0.0f));
+      // [section 3.3]: what rises the horizon counts by 1 - r^2.
+      Real weight = C.attenuation != 0 ? 1.0f - squared / C.radius2 : Real(1.0f);
+      sum = sum + select(counts, higher * weight, Real(0.0f));
+      horizon = select(counts, max(horizon, sine), horizon);
+    }
+    direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
+                     mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
+  }
+  store_ao(select(surface, max(mad(sum, Real(-C.factor), Real(1.0f)), Real(0.0f)), Real(1.0f)));
+}
