@@ -16,7 +16,7 @@
 CONST float kDepthRounding = 2e-6f;   // share of the depth: 16 to 32 steps of a float
 CONST float kFirstStep = 1.3f;        // pixels: nearer taps would read the pixel itself
 CONST float kMostReach = 1e5f;        // pixels
-CONST float kLeastFacing = 0.04f;     // N.V; surfaces seen more edge-on are measured as if turned that far
+CONST float kLeastFacing = 0.1f;      // N.V; surfaces seen more edge-on are measured as if turned that far
 CONST float kStepTurn = 0.61803399f;  // of steps and bits from slice to slice
 CONST float kEdgeOn = 2.5e-7f;        // square of a cosine: packed normals are off by that; what is edge-on sends
 CONST float kBitJitter = 0.98f;       // by how much of a bit the borders between bits are moved
@@ -141,6 +141,14 @@ FN Uint covered_bits(Way way, Side side, Real most) {
   }
   Uint from = ones_from(to_int(bit_of(front, side)));
   return from ^ ones_from(to_int(bit_of(back, side)));
+}
+
+// The normal, turned to the side of the eye where it leads away from it: interpolated normals do, at rims.
+FN Vec3 seen_normal(Vec3 normal, Vec3 eye) {
+  Real facing = dot(normal, eye);
+  if (!some(facing < 0.0f)) return normal;
+  Vec3 turned = normal + eye * (kLeastFacing - facing);
+  return select(facing < 0.0f, turned * rsqrt(max(dot(turned, turned), Real(1e-30f))), normal);
 }
 
 // How many columns the radius is wide.
@@ -332,7 +340,7 @@ FN void gather(Int px, Int py) {
   Vec3 position = view_position(px, py, depth);
   Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
   Vec3 eye = to_eye(sight);
-  Vec3 normal = unit_normal(near_normal(0, 0), sight);
+  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
   Real facing = max(dot(normal, eye), Real(kLeastFacing));
   Origin from = origin_of(px, py, depth, normal, facing);
   Real reach = reach_of(depth);

@@ -43,7 +43,7 @@ FN void bitmask_horizon_pixel(Int px, Int py) {
   depth = select(surface, depth, Real(1.0f));
   Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
   Vec3 eye = to_eye(sight);
-  Vec3 normal = unit_normal(near_normal(0, 0), sight);
+  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
   Real facing = max(dot(normal, eye), Real(kLeastFacing));
   Origin from = origin_of(px, py, depth, normal, facing);
   Real reach = reach_of(depth);
