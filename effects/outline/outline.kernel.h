@@ -54,11 +54,12 @@ FN Vec3 seen(int lying, int towards) {
     side = abs(side);
     Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
     Real narrow = width + 1.0f - wide;                         // onto the other
-    Real cover = min(wide - off, narrow + off) * unit_clamp(sure * kFading);
+    Bool rim = side > kRim && off > 0.0f;
+    Real cover = select(rim, wide - off, min(wide - off, narrow + off)) * unit_clamp(sure * kFading);
     covered = max(covered, cover * open);
     Bool first = sure > 0.0f && distance == Real(kFar);
     lean = select(first, slope, lean);
-    distance = select(first, select(side > kRim && off > 0.0f, off, Real(kFar + 1.0f)), distance);
+    distance = select(first, select(rim, off, Real(kFar + 1.0f)), distance);
     open = select(here && side > kSideEnds, Real(0.0f), open);
   }
   return Vec3(covered, distance, lean);
@@ -72,6 +73,12 @@ FN Real too_wide(Vec3 backward, Vec3 forward) {
   Real alongside = unit_clamp(Real(1.5f) - abs(backward.z - forward.z) * 5.0f);
   Real reach = max(backward.x + backward.y, forward.x + forward.y) - 0.5f;  // of a line onto this side
   return select(thickness < kFar, alongside * max(mad(thickness, Real(-kMostShare), reach), Real(0.0f)), Real(0.0f));
+}
+
+// What lines in a direction cover, less `spare`; at the rim itself, antialiased.
+FN Real cover_of(Vec3 direction, Real spare) {
+  Real covered = direction.x - spare;
+  return select(direction.y < kFar, min(covered, direction.y + 0.5f), covered);
 }
 
 // What the round end of a line covers. (across, along): where the crossing's first pixel lies, from this one, across
@@ -163,7 +170,8 @@ FN Real robust_cover(Int px, Int py) {
   Real covered = max(max(left.x, right.x), max(up.x, down.x));
   if (!some(covered > 0.0f)) return ends_or(Real(0.0f), Real(0.0f), px, py);
   Real spare = select(covered > 0.0f, max(too_wide(left, right), too_wide(up, down)), Real(0.0f));
-  return ends_or(unit_clamp(covered - spare), spare, px, py);
+  covered = max(max(cover_of(left, spare), cover_of(right, spare)), max(cover_of(up, spare), cover_of(down, spare)));
+  return ends_or(unit_clamp(covered), spare, px, py);
 }
 
 FN void outline_pixel(Int px, Int py) {
