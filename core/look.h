@@ -19,6 +19,10 @@ struct Look {
   int extra_views = 0;
   /// Occlusion is computed for every so manieth pixel across and down, unless --ao-scale is given: 1, 2 or 4.
   int occlusion_every = 1;
+  /// Pictures that are averaged, each sampled elsewhere within its pixels, unless --frames is given.
+  int frames = 1;
+  /// What stands in the open stands on a ground that cannot be seen but for the shadows on it.
+  bool ground = false;
 };
 
 }  // namespace umbrage

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -45,12 +46,14 @@ struct LookRun {
   const EffectSettings* settings = nullptr;
   /// Called with the name of each effect once it is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};
+  std::optional<float> stops = {};  ///< exposure to add in place of metering, where `output` is to meter
   std::span<const Effect* const> handed_in = {};
   RunHandedIn run_handed_in = {};  ///< of the techniques in `handed_in`
 };
 
 /// Runs a look's effects on a frame; afterwards the frame has color.r, color.g, color.b and color.a. An effect whose
 /// planes a later one reads on further layers, `layer1.direct.r`, runs on all that the frame has, else on the first.
-Result<void> run_look(const LookRun& run, Device& device, Frame& frame);
+/// Returns the stops that metering added to the exposure, 0 without.
+Result<float> run_look(const LookRun& run, Device& device, Frame& frame);
 
 }  // namespace umbrage

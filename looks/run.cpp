@@ -3,7 +3,9 @@
 #include "core/check.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
+#include "effects/output/output.h"
 #include "looks/looks.h"
+#include "looks/metering.h"
 
 namespace umbrage {
 
@@ -160,9 +162,27 @@ Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t fir
   return {};
 }
 
+/// Runs `output`, with the exposure that suits the picture if that is asked for; returns the stops that are added.
+Result<float> run_output(const LookRun& run, Device& device, Frame& frame) {
+  const Effect& output = *find_effect("output");
+  ParameterBytes bytes = run.settings->find(output.name)->second;
+  auto& params = as<OutputParams>(bytes);
+  float stops = 0.0f;
+  if (params.metering != 0) {
+    const Result<float> metered = run.stops ? Result<float>(*run.stops) : metered_stops(device, frame);
+    if (!metered) return metered;
+    stops = *metered;
+    params.exposure += stops;
+  }
+  if (auto done = device.run(output, bytes, frame); !done) return done.error();
+  run.after(output.name);
+  return stops;
+}
+
 }  // namespace
 
-Result<void> run_look(const LookRun& run, Device& device, Frame& frame) {
+Result<float> run_look(const LookRun& run, Device& device, Frame& frame) {
+  float stops = 0.0f;
   Steps steps;
   std::size_t technique = run.look->effects.size();  // none
   for (std::string_view name : run.look->effects) {
@@ -180,14 +200,20 @@ Result<void> run_look(const LookRun& run, Device& device, Frame& frame) {
     if (step == technique && run.occlusion_every > 1 && !find_in(run.handed_in, run.occlusion)) {
       std::size_t last = step + 1;
       while (last < steps.size() && steps[last]->kind == EffectKind::kFilter) ++last;
-      if (auto done = run_reduced(run, steps, step, last, device, frame); !done) return done;
+      if (auto done = run_reduced(run, steps, step, last, device, frame); !done) return done.error();
       step = last;
     } else {
-      if (auto done = run_step(run, steps, step, device, frame); !done) return done;
+      if (steps[step]->name == "output") {
+        const auto metered = run_output(run, device, frame);
+        if (!metered) return metered;
+        stops = *metered;
+      } else if (auto done = run_step(run, steps, step, device, frame); !done) {
+        return done.error();
+      }
       ++step;
     }
   }
-  return {};
+  return stops;
 }
 
 }  // namespace umbrage

@@ -134,7 +134,10 @@ Result<void> bench(const BenchOptions& o) {
         Look alone;
         alone.effects = {"occlusion"};
         const LookRun half = {.look = &alone, .occlusion = effect->name, .occlusion_every = 2, .settings = &settings};
-        const auto half_times = time_of(o.runs, [&] { return run_look(half, device, *frame); });
+        const auto half_times = time_of(o.runs, [&]() -> Result<void> {
+          const auto done = run_look(half, device, *frame);
+          return done ? Result<void>() : done.error();
+        });
         if (!half_times) return half_times.error();
         report(effect->name, variant.empty() ? "scale=half" : fmt::format("{} scale=half", variant), *half_times);
       }

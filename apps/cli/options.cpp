@@ -9,6 +9,8 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "looks/frames.h"
+
 namespace umbrage::cli {
 namespace {
 
@@ -104,6 +106,10 @@ void add_picture_options(CLI::App& command, CommonOptions& o) {
       .add_option("--ao-scale", o.occlusion_scale,
                   "resolution at which occlusion is computed: full, half or quarter [the look's]")
       ->group(picture);
+  command
+      .add_option("--anti-aliasing", o.anti_aliasing,
+                  "pictures that are averaged, each sampled elsewhere within its pixels: 1 to 256 [the look's]")
+      ->group(picture);
   command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
   command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
 }
@@ -194,6 +200,7 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
   if (auto done = whole("--layers", o.layers, 1, kMostLayers, draw.layers); !done) return done.error();
   if (auto done = whole("--extra-views", o.extra_views, 0, kMostExtraViews, draw.extra_views); !done)
     return done.error();
+  if (auto done = whole("--anti-aliasing", o.anti_aliasing, 1, kMostFrames, draw.frames); !done) return done.error();
   constexpr double kWidestGuard = 100.0;
   const std::string_view share = std::string_view(o.guard_band).substr(0, o.guard_band.find('%'));
   const auto guard = parse_number("--guard-band", share, 0.0, kWidestGuard);

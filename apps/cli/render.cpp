@@ -172,6 +172,18 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
   return image ? write_image(o.output, *image, settings) : image.error();
 }
 
+/// Of the passes asked for, those that are averaged where the picture is of several frames: light and occlusion, not
+/// what a pixel shows.
+std::vector<std::string> averaged_passes(const std::vector<std::string>& words) {
+  std::vector<std::string> planes;
+  for (const std::string& word : words) {
+    if (word == "ao" || word == "outline") planes.push_back(word);
+    if (word == "direct" || word == "ambient" || word == "indirect" || word == "lit")
+      for (const char* channel : {".r", ".g", ".b"}) planes.push_back(word + channel);
+  }
+  return planes;
+}
+
 /// Whether any pixel has a surface.
 bool shows_surface(Device& device, const Frame& frame) {
   const auto depth = device.download(frame, {"depth"});
@@ -212,6 +224,7 @@ Result<void> render(const RenderOptions& o) {
           }))
         draw_with->shadows = light + 1;
   }
+  if (o.passes) draw_with->averaged = averaged_passes(split(*o.passes));
   const auto recipe = make_recipe(*draw_with);
   if (!recipe) return recipe.error();
   const auto capture_with = capture_settings(*draw_with, *recipe->look, kMostShadows);

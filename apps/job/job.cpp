@@ -4,9 +4,12 @@
 #include <cmath>
 #include <glm/vector_relational.hpp>
 
+#include "core/check.h"
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
+#include "effects/output/output.h"
+#include "looks/frames.h"
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "scene/builtin.h"
@@ -246,18 +249,91 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
   return recipe;
 }
 
+namespace {
+
+/// One picture: captures with a camera and runs the look.
+struct Drawer {
+  Device& device;
+  Scene& scene;
+  const DrawSettings& settings;
+  StageTimes& times;
+  CaptureSettings capture_with;
+  LookRun run;
+
+  Result<Frame> capture(const Camera& camera) const {
+    auto frame = device.capture(camera, capture_with);
+    if (frame) times.done("capture");
+    return frame;
+  }
+};
+
+/// Averages `count` pictures into the first one's frame, which has been drawn. Each has its own noise where the
+/// technique takes a frame's number.
+Result<void> average_frames(Drawer& drawer, const Camera& camera, int count, Recipe& recipe, float stops,
+                            Frame& first) {
+  const Effect& output = *find_effect("output");
+  const ParameterBytes finish = recipe.settings.find(output.name)->second;
+  // Light with alpha, so that edges mix with the background as light does.
+  for (const char* setting : {"output.transfer=none", "output.transparent=on"})
+    if (auto set = apply_setting(recipe.settings, setting, handed_in()); !set) fail_check(set.error().message);
+  std::vector<std::string> names = {"color.r", "color.g", "color.b", "color.a"};
+  names.insert(names.end(), drawer.settings.averaged.begin(), drawer.settings.averaged.end());
+  drawer.run.stops = stops;
+  const Effect* technique = find_effect(recipe.occlusion);
+  PictureSum total;
+  const int inner_width = drawer.settings.width, inner_height = drawer.settings.height;
+  for (int k = 0; k < count; ++k) {
+    if (k == 0) {
+      ParameterBytes light = recipe.settings.find(output.name)->second;
+      as<OutputParams>(light).exposure += as<OutputParams>(light).metering != 0 ? stops : 0.0f;
+      if (auto done = drawer.device.run(output, light, first); !done) return done;
+    }
+    std::optional<Frame> next;
+    if (k > 0) {
+      if (technique && find_parameter(*technique, "frame"))
+        if (auto set = apply_setting(recipe.settings, fmt::format("{}.frame={}", technique->name, k), handed_in());
+            !set)
+          fail_check(set.error().message);
+      const glm::vec2 offset = frame_offset(k, count);
+      auto frame = drawer.capture(shifted_camera(camera, offset, inner_width, inner_height));
+      if (!frame) return frame.error();
+      if (auto done = run_look(drawer.run, drawer.device, *frame); !done) return done.error();
+      next = std::move(*frame);
+    }
+    const auto picture = drawer.device.download(next ? *next : first, names);
+    if (!picture) return picture.error();
+    add_picture(total, *picture);
+    drawer.times.done("average");
+  }
+  auto mean = drawer.device.upload(mean_picture(total, inner_info(first.info)));
+  if (!mean) return mean.error();
+  ParameterBytes finished = finish;
+  as<OutputParams>(finished).exposure = 0.0f;
+  as<OutputParams>(finished).shoulder = 1.0f;
+  if (auto done = drawer.device.run(output, finished, *mean); !done) return done;
+  auto color = drawer.device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
+  if (!color) return color.error();
+  if (auto done = drawer.device.add(*color, first); !done) return done;
+  if (auto done = drawer.device.add(mean_planes(total), first); !done) return done;
+  drawer.times.done("average");
+  return {};
+}
+
+}  // namespace
+
 Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
   auto recipe = make_recipe(settings);
   if (!recipe) return recipe.error();
+  const int frames = settings.frames.value_or(recipe->look->frames);
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty())
     if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
   const auto capture_with =
       capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();
-  auto frame = device.capture(camera, *capture_with);
+  Drawer drawer{device, scene, settings, times, *capture_with, {}};
+  auto frame = drawer.capture(camera);
   if (!frame) return frame;
-  times.done("capture");
   if (!settings.radius.empty()) {
     if (auto done = apply_radius(settings.radius, frame->info, recipe->settings); !done) return done.error();
     // What --set says of a technique holds whatever the radius.
@@ -270,14 +346,18 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     const auto planes = trace_reference(**traced, on.info, params, {device.threads(), settings.progress});
     return planes ? device.add(*planes, on) : planes.error();
   };
-  const LookRun run{.look = recipe->look,
-                    .occlusion = recipe->occlusion,
-                    .occlusion_every = recipe->occlusion_every,
-                    .settings = &recipe->settings,
-                    .after = [&](std::string_view name) { times.done(name); },
-                    .handed_in = handed_in(),
-                    .run_handed_in = run_reference};
-  if (auto done = run_look(run, device, *frame); !done) return done.error();
+  drawer.run = {.look = recipe->look,
+                .occlusion = recipe->occlusion,
+                .occlusion_every = recipe->occlusion_every,
+                .settings = &recipe->settings,
+                .after = [&](std::string_view name) { times.done(name); },
+                .stops = {},
+                .handed_in = handed_in(),
+                .run_handed_in = run_reference};
+  const auto stops = run_look(drawer.run, device, *frame);
+  if (!stops) return stops.error();
+  if (frames > 1)
+    if (auto done = average_frames(drawer, camera, frames, *recipe, *stops, *frame); !done) return done.error();
   return frame;
 }
 

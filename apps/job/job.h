@@ -44,9 +44,11 @@ struct DrawSettings {
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
   std::string radius;  ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
   int shadows = 0;     ///< trace the shadows of so many lights though no effect of the look reads them
-  std::optional<int> layers;       ///< surfaces captured along each primary ray; nothing: as many as the look wants
-  std::optional<int> extra_views;  ///< further cameras; nothing: as many as the look wants
-  float guard_percent = 0.0f;      ///< band drawn beyond each side and cut off, as a share of the picture's longer side
+  std::optional<int> layers;          ///< surfaces captured along each primary ray; nothing: as many as the look wants
+  std::optional<int> frames;          ///< pictures that are averaged; nothing: as many as the look wants
+  std::vector<std::string> averaged;  ///< planes besides the picture that are averaged, too, where it is of frames
+  std::optional<int> extra_views;     ///< further cameras; nothing: as many as the look wants
+  float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
   std::function<bool(double)> progress = [](double) { return true; };  ///< see TraceControl
 };
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/effect.h"
+#include "core/srgb.h"
 #include "machine/kernel_frame.h"
 
 namespace umbrage {
@@ -25,6 +26,16 @@ const std::vector<Parameter> kTable = {
      .least = -kMostStops,
      .most = kMostStops,
      .unit = "stops"},
+    {.name = "metering",
+     .help = "brightness that suits the picture, besides `exposure`: none, or by how bright its surfaces are",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(OutputParams, metering),
+     .choices = {"none", "picture"}},
+    {.name = "shoulder",
+     .help = "light from which on it is compressed, so that nothing exceeds white; 1: nothing is",
+     .offset = offsetof(OutputParams, shoulder),
+     .initial = 1.0,
+     .most = 1.0},
     {.name = "transfer",
      .help = "from linear light to 8-bit values: the sRGB curve, or the values as they are",
      .type = ParameterType::kChoice,
@@ -54,9 +65,18 @@ const std::vector<Parameter> kTable = {
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
   const auto& params = as<OutputParams>(bytes);
   const float opaque = params.transparent ? 0.0f : 1.0f;
-  *static_cast<OutputConstants*>(out) = {std::exp2(params.exposure),   params.transfer,
-                                         params.background_r * opaque, params.background_g * opaque,
-                                         params.background_b * opaque, opaque};
+  const auto light = [&](float v) { return params.transfer == 0 ? linear_from_srgb(v) : v; };
+  *static_cast<OutputConstants*>(out) = {.gain = std::exp2(params.exposure),
+                                         .shoulder = params.shoulder,
+                                         .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
+                                         .transfer = params.transfer,
+                                         .background_r = params.background_r * opaque,
+                                         .background_g = params.background_g * opaque,
+                                         .background_b = params.background_b * opaque,
+                                         .behind_r = light(params.background_r),
+                                         .behind_g = light(params.background_g),
+                                         .behind_b = light(params.background_b),
+                                         .background_alpha = opaque};
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 // One row of the table in output.cpp per field.
 struct OutputParams {
   float exposure;                                  // stops
+  int metering;                                    // 0 none, 1 by the picture: for who runs the look
+  float shoulder;                                  // light from which on it is compressed below 1; 1: not at all
   int transfer;                                    // 0 srgb, 1 none
   float background_r, background_g, background_b;  // as written to the file
   int transparent;                                 // 0 or 1
@@ -12,8 +14,10 @@ struct OutputParams {
 
 struct OutputConstants {
   float gain;
+  float shoulder, room;  // 1 / (1 - shoulder); 0: nothing is compressed
   int transfer;
-  float background_r, background_g, background_b;
+  float background_r, background_g, background_b;  // as written to the file
+  float behind_r, behind_g, behind_b;              // the same as light
   float background_alpha;
 };
 

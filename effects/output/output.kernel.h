@@ -12,6 +12,12 @@ FN Real srgb_from_linear(Real v) {
   return select(v > 0.0031308f, curve, v * 12.92f);
 }
 
+// Light beyond the shoulder, bent so that it nears 1 and never exceeds it.
+FN Real compressed(Real v) {
+  Real over = max(v - C.shoulder, Real(0.0f)) * Real(C.room);
+  return min(v, Real(C.shoulder)) + over / (over + 1.0f) * Real(1.0f - C.shoulder);
+}
+
 FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
   Real line = clamp(near_outline(0, 0), Real(0.0f), Real(1.0f));
@@ -19,13 +25,15 @@ FN void output_pixel(Int px, Int py) {
   Vec3 light = near_lit(0, 0) * (Real(C.gain) / share);
   light = finite_or_zero(light);  // what is not a number is black
   light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
-  if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
-  // The line over the background, with straight alpha.
+  if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
+  // The line over the background, mixed as light, with straight alpha.
   Real behind = (Real(1.0f) - line) * Real(C.background_alpha);
   Real alpha = line + behind;
   Real scale = Real(1.0f) / select(alpha > 0.0f, alpha, Real(1.0f));
+  Vec3 beyond = Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b));
+  light = select(surface, light, light * (line * scale) + beyond * (behind * scale));
+  if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
-  background = select(line > 0.0f, light * (line * scale) + background * (behind * scale), background);
-  store_color(select(surface, light, background));
+  store_color(select(surface || line > 0.0f, light, background));
   store_color_alpha(select(surface, Real(1.0f), alpha));
 }

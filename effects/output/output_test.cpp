@@ -87,6 +87,30 @@ TEST(Output, ExposureCountsInStops) {
   });
 }
 
+TEST(Output, AShoulderBendsLightBelowWhite) {
+  const auto values = ramp(0.0, 50.0, 500);
+  test::on_every_target(
+      "output", row_of(values), {{"shoulder", "0.75"}, {"transfer", "none"}}, [&](const Image& image) {
+        for (int x = 0; x < image.width; ++x) {
+          const double over = std::max(values[x] - 0.75, 0.0) / 0.25;
+          const float bent = image.plane("color.g").at(x, 0);
+          ASSERT_NEAR(bent, std::min<double>(values[x], 0.75) + 0.25 * over / (1.0 + over), 1e-6) << values[x];
+          ASSERT_LT(bent, 1.0f);
+          if (x > 0) ASSERT_GT(bent, image.plane("color.g").at(x - 1, 0)) << values[x];
+        }
+      });
+}
+
+TEST(Output, ALineAndTheBackgroundMixAsLight) {
+  GBuffer g = row_of({0.5f});
+  g.layers[0].plane("depth").at(0, 0) = std::numeric_limits<float>::infinity();
+  g.layers[0].add("outline").at(0, 0) = 0.5f;
+  g.layers[0].plane("lit.r").at(0, 0) = 0.0f;
+  test::on_every_target("output", g, {}, [](const Image& image) {
+    EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(0.5), 4e-6);  // black over half of white
+  });
+}
+
 TEST(Output, BackgroundIsWrittenAsItIs) {
   GBuffer g = row_of({0.5f, 0.5f, 0.5f});
   g.layers[0].plane("depth").at(1, 0) = std::numeric_limits<float>::infinity();

@@ -1,0 +1,94 @@
+#include "looks/frames.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/check.h"
+
+namespace umbrage {
+namespace {
+
+bool is_color(std::string_view name) { return name.starts_with("color."); }
+
+glm::vec2 r2(int k) {
+  constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;  // 1 over the plastic number, and its square
+  const double x = 0.5 + k * kX, y = 0.5 + k * kY;
+  return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
+}
+
+}  // namespace
+
+glm::vec2 frame_offset(int frame, int count) {
+  if (frame == 0 || count < 3) return frame == 0 ? glm::vec2(0.0f) : glm::vec2(0.5f, 0.5f) * 0.999f;
+  glm::vec2 mean(0.0f);
+  for (int k = 1; k < count; ++k) mean += r2(k) / float(count - 1);
+  return glm::clamp(r2(frame) - mean, glm::vec2(-0.4999f), glm::vec2(0.4999f));
+}
+
+Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int height) {
+  Camera shifted = camera;
+  const float right = (camera.right - camera.left) / float(width) * offset.x;
+  const float down = (camera.top - camera.bottom) / float(height) * offset.y;
+  shifted.left += right;
+  shifted.right += right;
+  shifted.bottom -= down;
+  shifted.top -= down;
+  return shifted;
+}
+
+void add_picture(PictureSum& total, const Image& picture) {
+  if (total.count == 0) {
+    total.sum = Image(picture.width, picture.height);
+    for (const std::string& name : picture.names) total.sum.add(name) = Plane(picture.width, picture.height, 0.0f);
+  }
+  if (total.sum.names != picture.names || total.sum.width != picture.width || total.sum.height != picture.height)
+    fail_check("pictures that are averaged must have the same planes");
+  ++total.count;
+  const Plane& alpha = picture.plane("color.a");
+  for (std::size_t k = 0; k < picture.names.size(); ++k) {
+    const bool multiplied = is_color(picture.names[k]) && picture.names[k] != "color.a";
+    for (int y = 0; y < picture.height; ++y) {
+      const float* in = picture.planes[k].row(y);
+      const float* share = alpha.row(y);
+      float* out = total.sum.planes[k].row(y);
+      if (multiplied)
+        for (int x = 0; x < picture.width; ++x) out[x] += in[x] * share[x];
+      else
+        for (int x = 0; x < picture.width; ++x) out[x] += in[x];
+    }
+  }
+}
+
+namespace {
+
+Plane mean_plane(const PictureSum& total, std::string_view name) {
+  Plane mean = total.sum.plane(name);
+  const float scale = 1.0f / float(total.count);
+  for (int y = 0; y < mean.height; ++y)
+    for (int x = 0; x < mean.width; ++x) mean.row(y)[x] *= scale;
+  return mean;
+}
+
+}  // namespace
+
+GBuffer mean_picture(const PictureSum& total, const PictureInfo& info) {
+  GBuffer g;
+  g.info = info;
+  g.info.more_layers.clear();
+  Image& image = g.layers.emplace_back(total.sum.width, total.sum.height);
+  image.add("lit.r") = mean_plane(total, "color.r");
+  image.add("lit.g") = mean_plane(total, "color.g");
+  image.add("lit.b") = mean_plane(total, "color.b");
+  image.add("outline") = mean_plane(total, "color.a");
+  image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
+  return g;
+}
+
+Image mean_planes(const PictureSum& total) {
+  Image means(total.sum.width, total.sum.height);
+  for (const std::string& name : total.sum.names)
+    if (!is_color(name)) means.add(name) = mean_plane(total, name);
+  return means;
+}
+
+}  // namespace umbrage

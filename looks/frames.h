@@ -1,0 +1,37 @@
+// Frames: several pictures of one scene, each sampled elsewhere within its pixels, averaged to one without jagged edges
+// and with less noise.
+#pragma once
+#include <glm/vec2.hpp>
+
+#include "core/device.h"
+
+namespace umbrage {
+
+inline constexpr int kMostFrames = 256;
+
+/// Where frame `frame` of `count` samples its pixels, from their centres, in pixels: well spread over (-0.5, 0.5)^2,
+/// the mean 0 for 3 frames and more. Frame 0 has the centres. Based on [Roberts 2018], R2.
+glm::vec2 frame_offset(int frame, int count);
+
+/// The camera that sees at pixel centres what `camera` sees `offset` pixels to the right and below of them, in a
+/// picture of that size.
+Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int height);
+
+/// A sum of pictures.
+struct PictureSum {
+  int count = 0;
+  Image sum;  ///< colour multiplied by alpha, alpha, and what else is averaged
+};
+
+/// Adds a picture: planes color.r, .g, .b as light with straight alpha, color.a, and any others. All have the planes of
+/// the first.
+void add_picture(PictureSum& total, const Image& picture);
+
+/// The average of the pictures' colour as light over their mean alpha, as planes that effect `output` makes the
+/// finished picture of: lit (multiplied by alpha), outline (alpha), depth (none).
+GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);
+
+/// The average of the planes besides color.
+Image mean_planes(const PictureSum& total);
+
+}  // namespace umbrage

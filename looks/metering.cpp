@@ -1,0 +1,32 @@
+#include "looks/metering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace umbrage {
+
+Result<float> metered_stops(Device& device, const Frame& frame) {
+  constexpr int kEvery = 3;             // pixels across and down: a tenth of them tells as much
+  constexpr double kHighlights = 0.03;  // share of the surfaces that may be brighter than white
+  constexpr float kHowFar = 0.7f;       // of the way to white, in stops
+  constexpr float kMostStops = 2.5f;    // up or down
+  const auto image = device.download(frame, {"lit.r", "lit.g", "lit.b", "depth"});
+  if (!image) return image.error();
+  std::vector<float> seen;
+  seen.reserve(std::size_t(image->width / kEvery + 1) * std::size_t(image->height / kEvery + 1));
+  for (int y = kEvery / 2; y < image->height; y += kEvery)
+    for (int x = kEvery / 2; x < image->width; x += kEvery) {
+      if (!std::isfinite(image->planes[3].at(x, y))) continue;
+      const float luminance = 0.2126f * image->planes[0].at(x, y) + 0.7152f * image->planes[1].at(x, y) +
+                              0.0722f * image->planes[2].at(x, y);
+      if (std::isfinite(luminance)) seen.push_back(std::max(luminance, 0.0f));
+    }
+  if (seen.empty()) return 0.0f;
+  const auto bright = seen.begin() + long(double(seen.size() - 1) * (1.0 - kHighlights));
+  std::nth_element(seen.begin(), bright, seen.end());
+  if (!(*bright > 0.0f)) return 0.0f;
+  return std::clamp(kHowFar * std::log2(kMeteredWhite / *bright), -kMostStops, kMostStops);
+}
+
+}  // namespace umbrage
