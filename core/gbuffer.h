@@ -46,7 +46,8 @@ struct PictureInfo {
   glm::vec3 ambient{0.3f};
   float scene_radius = 1.0f;  ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
   float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
-  int reduced = 1;  ///< of a picture at reduced resolution: it holds every so manieth pixel, across and down
+  int ground_object = -1;  ///< object id of a ground that only shows the shade on it; below 0: there is none
+  int reduced = 1;         ///< of a picture at reduced resolution: it holds every so manieth pixel, across and down
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
 
   /// The picture's size once the guard band is cut off.

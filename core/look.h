@@ -21,6 +21,8 @@ struct Look {
   int occlusion_every = 1;
   /// Pictures that are averaged, each sampled elsewhere within its pixels, unless --frames is given.
   int frames = 1;
+  int shadow_rays = 1;         ///< see CaptureSettings
+  bool studio_lights = false;  ///< a scene without lights gets a soft key and a fill light, else a key light alone
   /// What stands in the open stands on a ground that cannot be seen but for the shadows on it.
   bool ground = false;
 };

@@ -178,6 +178,10 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
     name##_plane_1[k] = v.y;                                                      \
     name##_plane_2[k] = v.z;                                                      \
   }
+#define INOUT_REAL(name)                                                  \
+  layout(scalar) buffer name##_block { float name##_plane[]; };           \
+  float own_##name() { return name##_plane[here.y * F.stride + here.x]; } \
+  void store_##name(float v) { name##_plane[here.y * F.stride + here.x] = v; }
 #define INOUT_COLOR(name)                                                 \
   layout(scalar) buffer name##_r_block { float name##_plane_0[]; };       \
   layout(scalar) buffer name##_g_block { float name##_plane_1[]; };       \

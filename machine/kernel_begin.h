@@ -104,7 +104,10 @@ FN Bool near_inside(int i, int j) const { return view.inside(i, j); }
     view.store(name##_plane_1, v.y);               \
     view.store(name##_plane_2, v.z);               \
   }
-// A colour that the pass changes in place: a pixel reads its own alone.
+// What the pass changes in place: a pixel reads its own alone.
+#define INOUT_REAL(name) \
+  OUT_REAL(name)         \
+  FN Real own_##name() const { return view.near(name##_plane, 0, 0); }
 #define INOUT_COLOR(name)                                                                                           \
   OUT_COLOR(name)                                                                                                   \
   FN Vec3 own_##name() const {                                                                                      \

@@ -74,6 +74,7 @@ glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float e
 template <class Visit>
 void for_each_vertex(const Scene& scene, Visit visit) {
   for (const Mesh& mesh : scene.meshes) {
+    if (scene.ground_object >= 0 && mesh.object == scene.ground_object) continue;
     for (const glm::vec3& p : mesh.positions) visit(p);
   }
   if (scene.meshes.empty()) {
@@ -227,18 +228,32 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
   return camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, aspect, framing);
 }
 
+namespace {
+
+/// A parallel light from `left` and `up` degrees of where the camera looks from, whose disc spans so many degrees.
+Light light_from(const Camera& camera, float left_deg, float up_deg, glm::vec3 color, float disc_deg) {
+  const float left = glm::radians(left_deg), up = glm::radians(up_deg);
+  const glm::vec3 in_view(-std::cos(up) * std::sin(left), std::sin(up), std::cos(up) * std::cos(left));
+  Light light;
+  light.direction = glm::normalize(glm::transpose(glm::mat3(camera.view_from_world)) * in_view);
+  light.color = color;
+  light.angle_deg = disc_deg;
+  light.casts_shadow = true;
+  return light;
+}
+
+}  // namespace
+
 std::vector<Light> default_lights(const Scene&, const Camera& camera) {
-  constexpr float kLeftDeg = 35.0f, kUpDeg = 40.0f;
   constexpr float kKey = 0.7f;      // with the default ambient light of 0.3, white turned to the light is just white
   constexpr float kDiscDeg = 4.0f;  // a lamp of 35 cm at 5 m: shadows begin sharp and end soft
-  const float left = glm::radians(kLeftDeg), up = glm::radians(kUpDeg);
-  const glm::vec3 in_view(-std::cos(up) * std::sin(left), std::sin(up), std::cos(up) * std::cos(left));
-  Light key;
-  key.direction = glm::normalize(glm::transpose(glm::mat3(camera.view_from_world)) * in_view);
-  key.color = glm::vec3(kKey);
-  key.angle_deg = kDiscDeg;
-  key.casts_shadow = true;
-  return {key};
+  return {light_from(camera, 35.0f, 40.0f, glm::vec3(kKey), kDiscDeg)};
+}
+
+std::vector<Light> studio_lights(const Camera& camera) {
+  // A soft box of 1 m at 3 m, and a large reflector across from it.
+  return {light_from(camera, 38.0f, 48.0f, glm::vec3(0.70f, 0.685f, 0.66f), 18.0f),
+          light_from(camera, -60.0f, 25.0f, glm::vec3(0.13f, 0.135f, 0.145f), 35.0f)};
 }
 
 }  // namespace umbrage

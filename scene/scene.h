@@ -60,6 +60,7 @@ struct Scene {
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   glm::vec3 ambient{0.3f};                       ///< radiance from everywhere
   glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
+  int ground_object = -1;                        ///< object id of what add_ground added; below 0: nothing
   std::vector<std::string> warnings;             ///< one sentence each, for the user
 
   glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }

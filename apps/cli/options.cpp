@@ -3,6 +3,7 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -110,6 +111,10 @@ void add_picture_options(CLI::App& command, CommonOptions& o) {
       .add_option("--anti-aliasing", o.anti_aliasing,
                   "pictures that are averaged, each sampled elsewhere within its pixels: 1 to 256 [the look's]")
       ->group(picture);
+  command
+      .add_option("--ground", o.ground,
+                  "a ground that shows the model's shadow: auto, on or off [auto: as the look says]")
+      ->group(picture);
   command.add_option("--background-color", o.background, "red,green,blue from 0 to 1 [the look's]")->group(picture);
   command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
 }
@@ -209,6 +214,10 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
                        kWidestGuard);
   draw.guard_percent = float(*guard);
   draw.look = o.look;
+  constexpr std::string_view kGrounds[] = {"auto", "on", "off"};
+  const auto ground = std::find(std::begin(kGrounds), std::end(kGrounds), o.ground);
+  if (ground == std::end(kGrounds)) return usage_error("--ground cannot be '{}': it takes auto, on or off", o.ground);
+  draw.ground = Ground(ground - std::begin(kGrounds));
   draw.occlusion = o.occlusion;
   draw.occlusion_scale = o.occlusion_scale;
   draw.radius = o.radius;

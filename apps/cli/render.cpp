@@ -244,6 +244,7 @@ Result<void> render(const RenderOptions& o) {
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
   times.done("load");
+  furnish(*scene, *draw_with);
   if (auto ready = (*device)->prepare(*scene); !ready) return ready;
   times.done("prepare");
   ProgressLine line;

@@ -13,6 +13,7 @@
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "scene/builtin.h"
+#include "scene/ground.h"
 
 namespace umbrage {
 
@@ -124,6 +125,7 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
   const CaptureSettings settings{.width = draw.width,
                                  .height = draw.height,
                                  .shadows = shadows,
+                                 .shadow_rays = look.shadow_rays,
                                  .layers = draw.layers.value_or(look.layers),
                                  .back_sides = look.back_sides,
                                  .extra_views = draw.extra_views.value_or(look.extra_views),
@@ -179,7 +181,12 @@ Result<void> add_lights(Scene& scene, const Camera& camera, const DrawSettings& 
                         int threads) {
   // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
   constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
-  scene.lights = default_lights(scene, camera);
+  if (recipe.look->studio_lights) {
+    scene.lights = studio_lights(camera);
+    scene.ambient = glm::vec3(kStudioAmbient);
+  } else {
+    scene.lights = default_lights(scene, camera);
+  }
   const glm::vec3 eye = camera.eye();
   const bool inside =
       glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
@@ -211,6 +218,17 @@ bool gathers_light(const Look& look, const EffectSettings& settings) {
 }
 
 }  // namespace
+
+void furnish(Scene& scene, const DrawSettings& settings) {
+  const Look* look = find_look(settings.look);
+  if (!look) return;  // make_recipe says so
+  const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
+  const glm::vec3 eye = camera.eye();
+  const bool inside =
+      glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
+  const bool wanted = look->ground && !inside && lacks_ground(scene);
+  if (settings.ground == Ground::kOn || (settings.ground == Ground::kAuto && wanted)) add_ground(scene);
+}
 
 Result<Recipe> make_recipe(const DrawSettings& draw) {
   Recipe recipe;
@@ -295,6 +313,7 @@ Result<void> average_frames(Drawer& drawer, const Camera& camera, int count, Rec
             !set)
           fail_check(set.error().message);
       const glm::vec2 offset = frame_offset(k, count);
+      drawer.capture_with.sample = k;
       auto frame = drawer.capture(shifted_camera(camera, offset, inner_width, inner_height));
       if (!frame) return frame.error();
       if (auto done = run_look(drawer.run, drawer.device, *frame); !done) return done.error();

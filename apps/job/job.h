@@ -35,6 +35,13 @@ struct StageTimes {
 inline constexpr int kLargestSide = 16384;
 inline constexpr long kMostPixels = 8192L * 8192L;
 
+/// Whether a model gets a ground to stand on.
+enum class Ground {
+  kAuto,  ///< where the look wants one and the model stands in the open without one of its own
+  kOn,
+  kOff,
+};
+
 struct DrawSettings {
   int width = 1024, height = 1024;
   Framing framing;
@@ -44,7 +51,8 @@ struct DrawSettings {
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets
   std::string radius;  ///< --ao-radius: scene units ("0.3") or a share of the scene ("5%"); empty: the effect's own
   int shadows = 0;     ///< trace the shadows of so many lights though no effect of the look reads them
-  std::optional<int> layers;          ///< surfaces captured along each primary ray; nothing: as many as the look wants
+  std::optional<int> layers;  ///< surfaces captured along each primary ray; nothing: as many as the look wants
+  Ground ground = Ground::kAuto;
   std::optional<int> frames;          ///< pictures that are averaged; nothing: as many as the look wants
   std::vector<std::string> averaged;  ///< planes besides the picture that are averaged, too, where it is of frames
   std::optional<int> extra_views;     ///< further cameras; nothing: as many as the look wants
@@ -88,6 +96,9 @@ Result<Recipe> make_recipe(const DrawSettings& draw);
 /// What the device is to capture for a look. Errors: kUsage for too many layers, or a picture that is too large with
 /// them and its guard band.
 Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows);
+
+/// Adds to a scene what the picture wants besides the model: the ground. Before the device is prepared.
+void furnish(Scene& scene, const DrawSettings& draw);
 
 /// Draws a prepared scene: captures, runs the look. Scene must be the one that the device was prepared with; lights are
 /// added to it where it has none.

@@ -24,6 +24,7 @@ Result<Picture> draw_picture(const RenderRequest& request, std::vector<std::stri
   auto scene = load_scene(request.model);
   if (!scene) return scene.error();
   warnings = scene->warnings;
+  furnish(*scene, settings);
   if (const auto ready = (*device)->prepare(*scene); !ready) return ready.error();
   StageTimes times;
   const auto frame = draw(**device, *scene, settings, times);

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 #include <limits>
 
 #include "rays/camera_rays.h"
@@ -54,6 +55,13 @@ struct ShadowLight {
   int index = 0;
   bool point = false;
   glm::vec3 where{0.0f};  ///< in unit space: where it stands, or the direction to it
+  float size = 0.0f;      ///< in unit space: radius of its ball; or half its disc's angle, as a tangent
+};
+
+/// How shadows are traced.
+struct Softness {
+  int rays = 1;    ///< at most, to a light that has a size
+  int sample = 0;  ///< of pictures that are averaged
 };
 
 /// What all blocks of a view share.
@@ -62,6 +70,7 @@ struct Drawing {
   PictureInfo info;  ///< as the view's camera sees it
   CameraRays rays;
   std::vector<ShadowLight> lights;
+  Softness softness;
   std::vector<DrawnPlane> planes;  ///< of each layer, in this order
 };
 
@@ -104,7 +113,8 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
     if (!casts_from_afar(light)) continue;
     const bool point = light.kind == LightKind::kPoint;
     const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
-    lights.push_back({k, point, point ? where + rays.eye : where});
+    const float size = point ? light.radius * traced.scale : std::tan(glm::radians(0.5f * light.angle_deg));
+    lights.push_back({k, point, point ? where + rays.eye : where, size});
   }
   return lights;
 }
@@ -129,39 +139,82 @@ struct Surfaces {
   std::array<bool, kPacket> there{};
 };
 
-/// Fills in what arrives of each light.
-void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
+/// Where a light is for one ray of a pixel: a point of its disc, which faces the surface.
+glm::vec3 point_of_light(const ShadowLight& light, const glm::vec3& toward, float angle, float radius) {
+  const glm::vec3 axis = glm::normalize(toward);
+  const glm::vec3 other = std::fabs(axis.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 right = glm::normalize(glm::cross(axis, other)), up = glm::cross(right, axis);
+  return light.where + light.size * radius * (std::cos(angle) * right + std::sin(angle) * up);
+}
+
+/// Traces one ray of each pixel to a light, ray `index` of them; adds 1 to `lit` where it arrives. Rays are spread over
+/// the light's disc [Roberts 2018], turned from pixel to pixel.
+void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, int index, bool soft,
+                    std::array<float, kPacket>& lit) {
+  constexpr float kX = 0.75487767f, kY = 0.56984029f;  // R2
+  constexpr float kTurn = 6.2831853f;
+  // The turns of neighbouring pixels are far apart.
+  constexpr std::array<int, kPacket> kOrder = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
+  static_assert(kPacket == 16);
+  const int n = index + drawing.softness.sample * drawing.softness.rays;
+  const float x = float(n) * kX + 0.5f, y = float(n) * kY + 0.5f;
+  const float angle = kTurn * (x - std::floor(x)), radius = std::sqrt(y - std::floor(y));
   alignas(64) RTCRay16 to_light;
+  alignas(64) std::array<int, kPacket> wanted{};
+  bool any = false;
+  for (int k = 0; k < kPacket; ++k) {
+    if (!surfaces.there[k]) continue;
+    const Surface& surface = surfaces.at[k];
+    glm::vec3 toward = light.point ? light.where - surface.position : light.where;
+    if (!(glm::dot(surface.geometric, toward) > 0.0f)) continue;
+    const glm::vec3 start = start_above(surface, drawing.rays.eye);
+    glm::vec3 where = light.where;
+    if (soft) {
+      where = point_of_light(light, toward, angle + kTurn / kPacket * float(kOrder[k]), radius);
+      toward = light.point ? where - surface.position : where;
+      if (!(glm::dot(surface.geometric, toward) > 0.0f)) continue;
+    }
+    if (!light.point) {
+      set_ray(to_light, k, start, toward, std::numeric_limits<float>::infinity());
+    } else if (!soft && glm::distance(start, surface.position) > kEndRounding * glm::length(toward)) {
+      // From the light, where all rays of the packet meet: they take two thirds of the time.
+      set_ray(to_light, k, where, start - where, 1.0f);
+    } else {
+      set_ray(to_light, k, start, where - start, 1.0f);
+    }
+    wanted[k] = -1;
+    any = true;
+  }
+  if (!any) return;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcOccluded16(wanted.data(), drawing.traced.rtc, &context, &to_light);
+  for (int k = 0; k < kPacket; ++k)
+    if (wanted[k] && !(to_light.tfar[k] < 0.0f)) lit[k] += 1.0f;
+}
+
+/// Fills in what arrives of each light. Of a light that has a size a few rays tell whether the block is all lit or all
+/// dark; else more are traced.
+void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
+  constexpr int kFirstRays = 1;  // each pixel of a block sends its to another point of the light
   for (const ShadowLight& light : drawing.lights) {
-    alignas(64) std::array<int, kPacket> wants_shadow{};
-    bool any_shadow = false;
+    const bool soft = light.size > 0.0f && drawing.softness.rays > 1;
+    const int most = soft ? drawing.softness.rays : 1;
+    std::array<float, kPacket> lit{};
+    int rays = 0;
+    while (rays < std::min(kFirstRays, most)) trace_to_light(drawing, surfaces, light, rays++, soft, lit);
+    int all_lit = 0, all_dark = 0, pixels = 0;
     for (int k = 0; k < kPacket; ++k) {
       if (!surfaces.there[k]) continue;
-      const Surface& surface = surfaces.at[k];
-      const glm::vec3 toward = light.point ? light.where - surface.position : light.where;
-      if (!(glm::dot(surface.normal, toward) > 0.0f)) {
-        out.shadow[light.index][k] = 0.0f;
-        continue;
-      }
-      const glm::vec3 start = start_to_light(drawing.traced, surface, drawing.rays.eye);
-      if (!light.point) {
-        set_ray(to_light, k, start, toward, std::numeric_limits<float>::infinity());
-      } else if (glm::distance(start, surface.position) > kEndRounding * glm::length(toward)) {
-        // From the light, where all rays of the packet meet: they take two thirds of the time.
-        set_ray(to_light, k, light.where, start - light.where, 1.0f);
-      } else {
-        set_ray(to_light, k, start, light.where - start, 1.0f);
-      }
-      wants_shadow[k] = -1;
-      any_shadow = true;
+      ++pixels;
+      all_lit += lit[k] == float(rays);
+      all_dark += lit[k] == 0.0f;
     }
-    if (!any_shadow) continue;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcOccluded16(wants_shadow.data(), drawing.traced.rtc, &context, &to_light);
+    if (all_lit != pixels && all_dark != pixels)
+      while (rays < most) trace_to_light(drawing, surfaces, light, rays++, soft, lit);
     for (int k = 0; k < kPacket; ++k)
-      if (wants_shadow[k] && to_light.tfar[k] < 0.0f) out.shadow[light.index][k] = 0.0f;
+      if (surfaces.there[k]) out.shadow[light.index][k] = lit[k] / float(rays);
   }
 }
 
@@ -281,11 +334,16 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
 }
 
 /// Draws what the picture's camera, or that of layer `view`, sees.
-void draw_view(const TracedScene& traced, const PictureInfo& info, const std::vector<DrawnPlane>& planes, int shadows,
-               int view, const DrawnLayers& layers, Image& image) {
-  Drawing drawing{.traced = traced, .info = layer_info(info, view), .rays = {}, .lights = {}, .planes = planes};
+void draw_view(const TracedScene& traced, const PictureInfo& info, const std::vector<DrawnPlane>& planes,
+               const CaptureSettings& settings, int view, const DrawnLayers& layers, Image& image) {
+  Drawing drawing{.traced = traced,
+                  .info = layer_info(info, view),
+                  .rays = {},
+                  .lights = {},
+                  .softness = {settings.shadow_rays, settings.sample},
+                  .planes = planes};
   drawing.rays = camera_rays(traced, drawing.info);
-  drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, shadows);
+  drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings.shadows);
   if (!within_reach(drawing.rays, drawing.info)) {
     // From there nothing is seen.
     Block background;
@@ -311,6 +369,7 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   PictureInfo info = with_guard({.width = settings.width, .height = settings.height, .camera = camera}, settings.guard);
   info.ambient = scene.ambient;
   info.scene_radius = scene.radius();
+  info.ground_object = scene.ground_object;
   float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0f;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec3 p(corner & 1 ? scene.bounds_max.x : scene.bounds_min.x,
@@ -353,10 +412,10 @@ Image capture_planes(const TracedScene& traced, const PictureInfo& info, const C
     if (kind == LayerKind::kBehind) ++own.count;
     if (kind == LayerKind::kBack && own.backs < 0) own.backs = layer;
   }
-  draw_view(traced, info, planes, settings.shadows, 0, own, image);
+  draw_view(traced, info, planes, settings, 0, own, image);
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
-      draw_view(traced, info, planes, settings.shadows, layer, {.first = layer}, image);
+      draw_view(traced, info, planes, settings, layer, {.first = layer}, image);
   return image;
 }
 

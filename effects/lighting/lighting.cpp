@@ -9,6 +9,7 @@
 namespace umbrage {
 
 UMBRAGE_DECLARE_KERNEL(lighting)
+UMBRAGE_DECLARE_KERNEL(lighting_open)
 
 namespace {
 
@@ -17,6 +18,10 @@ constexpr std::uint32_t kSpirv[] = {
 };
 
 constexpr double kMostFactor = 100.0;
+
+constexpr std::uint32_t kOpenSpirv[] = {
+#include "spirv/lighting_open.inc"
+};
 
 const std::vector<Parameter> kTable = {
     {.name = "ambient",
@@ -51,6 +56,10 @@ const std::vector<Parameter> kTable = {
      .type = ParameterType::kChoice,
      .offset = offsetof(LightingParams, material),
      .choices = {"scene", "clay", "display"}},
+    {.name = "open",
+     .help = "write also how bright a white surface is where nothing is in the lights' way, which `ground` reads",
+     .type = ParameterType::kBool,
+     .offset = offsetof(LightingParams, open)},
     {.name = "rig",
      .help = "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera",
      .type = ParameterType::kChoice,
@@ -106,7 +115,14 @@ const Effect& effect_lighting() {
                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
                   .scalar = run_scalar_lighting,
                   .lanes = run_lanes_lighting,
-                  .spirv = kSpirv}},
+                  .spirv = kSpirv},
+                 {.name = "lighting_open",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                  .outputs = {"open_light"},
+                  .scalar = run_scalar_lighting_open,
+                  .lanes = run_lanes_lighting_open,
+                  .spirv = kOpenSpirv,
+                  .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; }}},
   };
   return effect;
 }

@@ -9,6 +9,7 @@ struct LightingParams {
   float emission;                    // factor on what surfaces send out by themselves
   float shadow;                      // how much of the lights' shadows is applied
   int material;                      // 0 the scene's, 1 white clay, 2 the scene's with albedo as a display shows it
+  int open;                          // 0 or 1: also what would arrive without shadows
   int rig;                           // 0 the scene's lights, 1 a head light, 2 a key light
 };
 

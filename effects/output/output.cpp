@@ -92,7 +92,7 @@ const Effect& effect_output() {
       .constants_size = sizeof(OutputConstants),
       .constants = fill_constants,
       .passes = {{.name = "output",
-                  .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline"},
+                  .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "cover"},
                   .outputs = {"color.r", "color.g", "color.b", "color.a"},
                   .scalar = run_scalar_output,
                   .lanes = run_lanes_output,

@@ -1,9 +1,11 @@
 // Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
 //
-// Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel.
+// Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel, or what shade sends
+// that covers the share `cover`.
 IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
+IN_REAL(cover)
 OUT_COLOR(color)
 OUT_ALPHA(color)
 
@@ -21,6 +23,7 @@ FN Real compressed(Real v) {
 FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
   Real line = clamp(near_outline(0, 0), Real(0.0f), Real(1.0f));
+  line = max(line, clamp(near_cover(0, 0), Real(0.0f), Real(1.0f)));
   Real share = select(surface || line == Real(0.0f), Real(1.0f), line);
   Vec3 light = near_lit(0, 0) * (Real(C.gain) / share);
   light = finite_or_zero(light);  // what is not a number is black

@@ -1,0 +1,53 @@
+#include "effects/ground/ground.h"
+
+#include <cstddef>
+
+#include "core/effect.h"
+#include "machine/kernel_frame.h"
+
+namespace umbrage {
+
+UMBRAGE_DECLARE_KERNEL(ground)
+
+namespace {
+
+constexpr std::uint32_t kSpirv[] = {
+#include "spirv/ground.inc"
+};
+
+const std::vector<Parameter> kTable = {
+    {.name = "strength",
+     .help = "how dark the shade on the ground is",
+     .offset = offsetof(GroundParams, strength),
+     .initial = 1.0,
+     .most = 2.0},
+};
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  const auto& params = as<GroundParams>(bytes);
+  *static_cast<GroundConstants*>(out) = {.object = float(info.ground_object), .strength = params.strength};
+}
+
+}  // namespace
+
+const Effect& effect_ground() {
+  static const Effect effect = {
+      .name = "ground",
+      .summary = "leaves of the ground under a model the shade on it alone",
+      .source = "",
+      .kind = EffectKind::kShading,
+      .parameters = kTable,
+      .params_size = sizeof(GroundParams),
+      .constants_size = sizeof(GroundConstants),
+      .constants = fill_constants,
+      .passes = {{.name = "ground",
+                  .inputs = {"object_id", "open_light", "depth", "lit.r", "lit.g", "lit.b"},
+                  .outputs = {"depth", "lit.r", "lit.g", "lit.b", "cover"},
+                  .scalar = run_scalar_ground,
+                  .lanes = run_lanes_ground,
+                  .spirv = kSpirv}},
+  };
+  return effect;
+}
+
+}  // namespace umbrage

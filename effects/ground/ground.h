@@ -1,0 +1,15 @@
+// What a person sets of `ground`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+#ifndef UMBRAGE_EFFECTS_GROUND_H
+#define UMBRAGE_EFFECTS_GROUND_H
+
+// One row of the table in ground.cpp per field.
+struct GroundParams {
+  float strength;  // of the shade on the ground
+};
+
+struct GroundConstants {
+  float object;  // id of the ground; below 0: there is none
+  float strength;
+};
+
+#endif

@@ -1,0 +1,28 @@
+// The luminance of a white matte surface where nothing stands in the way of the light: of lights and ambient light
+// together. As in lighting.kernel.h, without shadows and materials.
+IN_REAL(depth)
+IN_VECTOR(normal)
+OUT_REAL(open_light)
+
+FN Real luminance_of(Real r, Real g, Real b) { return r * 0.2126f + g * 0.7152f + b * 0.0722f; }  // Rec.709
+
+FN void lighting_open_pixel(Int px, Int py) {
+  Real depth = near_depth(0, 0);
+  Bool surface = is_finite(depth);
+  Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
+  Vec3 normal = near_normal(0, 0);
+  Real sum = luminance_of(Real(C.ambient_r), Real(C.ambient_g), Real(C.ambient_b));
+  for (int k = 0; k < C.light_count; ++k) {
+    Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
+    Real arrives = Real(1.0f);
+    if (C.kind[k] == 1) {
+      Vec3 away = light - position;
+      Real squared = max(dot(away, away), Real(1e-20f));
+      light = away * rsqrt(squared);
+      if (C.reach_squared[k] > 0.0f) arrives = Real(C.reach_squared[k]) / squared;
+    }
+    Real lambert = max(dot(normal, light), Real(0.0f)) * C.diffuse;
+    sum = sum + arrives * lambert * luminance_of(Real(C.r[k]), Real(C.g[k]), Real(C.b[k]));
+  }
+  store_open_light(select(surface, finite_or_zero(sum), Real(0.0f)));
+}

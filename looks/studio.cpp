@@ -1,0 +1,31 @@
+// A model as on a photographer's table: soft key and fill light with shadows, what stands in the open on a ground that
+// shows the shade alone, light between surfaces, exposure by the picture.
+#include "core/look.h"
+
+namespace umbrage {
+
+const Look& look_studio() {
+  static const Look look = {
+      .name = "studio",
+      .summary =
+          "soft light with shadows, occlusion and light between surfaces, on a ground that shows the shade alone",
+      .occlusion = "bitmask",
+      .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "output"},
+      .presets = {{"bitmask.bleeding", "1"},
+                  {"bitmask.radius", "25%"},
+                  {"denoise.indirect", "1"},
+                  {"lighting.open", "on"},
+                  {"output.metering", "picture"},
+                  {"output.shoulder", "0.8"},
+                  {"output.background_r", "0.93"},
+                  {"output.background_g", "0.93"},
+                  {"output.background_b", "0.94"}},
+      .frames = 4,
+      .shadow_rays = 4,
+      .studio_lights = true,
+      .ground = true,
+  };
+  return look;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,15 @@
+// Ground: what a model in the open is put on, so that it stands and does not float.
+#pragma once
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Whether a scene has no ground of its own: it is neither flat and wide as a landscape, nor stands on a slab that
+/// fills most of its plan. Plan and height are seen along Scene::up.
+bool lacks_ground(const Scene& scene);
+
+/// Adds a white matte disc under the scene, far wider than it, of an object of its own (Scene::ground_object). Bounds
+/// stay those of the model.
+void add_ground(Scene& scene);
+
+}  // namespace umbrage
