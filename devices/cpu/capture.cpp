@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
@@ -54,8 +55,9 @@ struct DrawnPlane {
 struct ShadowLight {
   int index = 0;
   bool point = false;
-  glm::vec3 where{0.0f};  ///< in unit space: where it stands, or the direction to it
-  float size = 0.0f;      ///< in unit space: radius of its ball; or half its disc's angle, as a tangent
+  glm::vec3 where{0.0f};            ///< in unit space: where it stands, or the direction to it
+  glm::vec3 right{0.0f}, up{0.0f};  ///< (parallel) the axes of its disc
+  float size = 0.0f;                ///< in unit space: radius of its ball; or half its disc's angle, as a tangent
 };
 
 /// How shadows are traced.
@@ -104,6 +106,14 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
   return planes;
 }
 
+/// Two directions across a third.
+std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
+  const glm::vec3 axis = glm::normalize(direction);
+  const glm::vec3 other = std::fabs(axis.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 right = glm::normalize(glm::cross(axis, other));
+  return {right, glm::cross(right, axis)};
+}
+
 /// The lights are in view space; shadow rays run along world axes.
 std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
                                        int shadows) {
@@ -114,7 +124,8 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
     const bool point = light.kind == LightKind::kPoint;
     const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
     const float size = point ? light.radius * traced.scale : std::tan(glm::radians(0.5f * light.angle_deg));
-    lights.push_back({k, point, point ? where + rays.eye : where, size});
+    const auto [right, up] = disc_axes(where);
+    lights.push_back({k, point, point ? where + rays.eye : where, right, up, size});
   }
   return lights;
 }
@@ -139,26 +150,47 @@ struct Surfaces {
   std::array<bool, kPacket> there{};
 };
 
-/// Where a light is for one ray of a pixel: a point of its disc, which faces the surface.
-glm::vec3 point_of_light(const ShadowLight& light, const glm::vec3& toward, float angle, float radius) {
-  const glm::vec3 axis = glm::normalize(toward);
-  const glm::vec3 other = std::fabs(axis.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 right = glm::normalize(glm::cross(axis, other)), up = glm::cross(right, axis);
-  return light.where + light.size * radius * (std::cos(angle) * right + std::sin(angle) * up);
+constexpr int kDiscPoints = 256;  // rays to a light after which their places repeat
+
+/// Points of the unit disc for the rays of a packet's pixels: those of a pixel are spread evenly, and those of the
+/// packet together, too. A digital (0, 2)-sequence [Sobol 1967], shifted from pixel to pixel by its own first points,
+/// mapped to the disc [Shirley 1997].
+using DiscPoints = std::array<std::array<glm::vec2, kPacket>, kDiscPoints>;
+
+DiscPoints disc_points() {
+  const auto first = [](std::uint32_t n) {  // the bits of n in reverse
+    std::uint32_t v = 0;
+    for (int bit = 0; bit < 32; ++bit) v |= (n >> bit & 1u) << (31 - bit);
+    return v;
+  };
+  const auto second = [](std::uint32_t n) {
+    std::uint32_t v = 0, direction = 1u << 31;
+    for (; n != 0; n >>= 1, direction ^= direction >> 1)
+      if (n & 1u) v ^= direction;
+    return v;
+  };
+  constexpr double kScale = 1.0 / 4294967296.0;
+  // A pixel's share of the shift: below what parts the first sixteen points of a pixel.
+  constexpr int kBelow = 4;
+  DiscPoints points;
+  for (std::uint32_t n = 0; n < kDiscPoints; ++n)
+    for (std::uint32_t k = 0; k < std::uint32_t(kPacket); ++k) {
+      const std::uint32_t shift_x = first(k) ^ (first(k) >> kBelow), shift_y = second(k) ^ (second(k) >> kBelow);
+      const double x = 2.0 * (double(first(n) ^ shift_x) * kScale) - 1.0;
+      const double y = 2.0 * (double(second(n) ^ shift_y) * kScale) - 1.0;
+      const bool wide = std::fabs(x) > std::fabs(y);
+      const double radius = wide ? x : y, quarter = glm::pi<double>() / 4.0;
+      const double angle = wide ? quarter * (y / x) : 2.0 * quarter - (y == 0.0 ? 0.0 : quarter * (x / y));
+      points[n][k] = {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
+    }
+  return points;
 }
 
-/// Traces one ray of each pixel to a light, ray `index` of them; adds 1 to `lit` where it arrives. Rays are spread over
-/// the light's disc [Roberts 2018], turned from pixel to pixel.
+/// Traces one ray of each pixel to a light, ray `index` of them; adds 1 to `lit` where it arrives.
 void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, int index, bool soft,
                     std::array<float, kPacket>& lit) {
-  constexpr float kX = 0.75487767f, kY = 0.56984029f;  // R2
-  constexpr float kTurn = 6.2831853f;
-  // The turns of neighbouring pixels are far apart.
-  constexpr std::array<int, kPacket> kOrder = {0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5};
-  static_assert(kPacket == 16);
-  const int n = index + drawing.softness.sample * drawing.softness.rays;
-  const float x = float(n) * kX + 0.5f, y = float(n) * kY + 0.5f;
-  const float angle = kTurn * (x - std::floor(x)), radius = std::sqrt(y - std::floor(y));
+  static const DiscPoints points = disc_points();
+  const auto& places = points[std::size_t(index + drawing.softness.sample * drawing.softness.rays) % kDiscPoints];
   alignas(64) RTCRay16 to_light;
   alignas(64) std::array<int, kPacket> wanted{};
   bool any = false;
@@ -170,7 +202,8 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
     const glm::vec3 start = start_above(surface, drawing.rays.eye);
     glm::vec3 where = light.where;
     if (soft) {
-      where = point_of_light(light, toward, angle + kTurn / kPacket * float(kOrder[k]), radius);
+      const auto [right, up] = light.point ? disc_axes(toward) : std::pair(light.right, light.up);
+      where = light.where + light.size * (places[k].x * right + places[k].y * up);
       toward = light.point ? where - surface.position : where;
       if (!(glm::dot(surface.geometric, toward) > 0.0f)) continue;
     }
