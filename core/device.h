@@ -29,15 +29,15 @@ inline constexpr int kMostMixedLayers = 8;
 struct CaptureSettings {
   int width = 1024, height = 1024;  ///< without the guard band
   int shadows = kMostShadows;  ///< of how many lights, from the first on, shadows are traced: 1 is the key light alone
-  /// Shadow rays per pixel and light that has a size, where some of the pixels around are partly lit; fewer elsewhere.
-  /// 1: lights are points.
-  int shadow_rays = 1;
-  int sample = 0;  ///< of pictures that are averaged: each has other shadow rays
   // Layers come in this order: `layers`, then as many of `back_sides`, then `extra_views`.
   int layers = 1;           ///< surfaces along each primary ray, 1 to kMostLayers
   bool back_sides = false;  ///< a layer of the other side of each of those too
   int extra_views = 0;      ///< further cameras, one layer each, 0 to kMostExtraViews
   int guard = 0;            ///< pixels drawn beyond each side: see PictureInfo::guard
+  /// Shadow rays per pixel and light that has a size, where some of the pixels around are partly lit; fewer elsewhere.
+  /// 1: lights are points.
+  int shadow_rays = 1;
+  int sample = 0;  ///< of pictures that are averaged: each has other shadow rays
 };
 
 /// How many layers such a capture has. Errors: kUsage where they are too many.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
@@ -159,7 +160,11 @@ TEST_P(Differential, HostileInputGivesDefinedOutput) {
         for (std::size_t p = 0; p < image.planes.size(); ++p) {
           long bad = 0;
           for (int y = 0; y < size.height; ++y)
-            for (int x = 0; x < size.width; ++x) bad += !std::isfinite(image.planes[p].at(x, y));
+            for (int x = 0; x < size.width; ++x) {
+              const float v = image.planes[p].at(x, y);
+              const bool no_surface = image.names[p] == "depth" && v == std::numeric_limits<float>::infinity();
+              bad += !std::isfinite(v) && !no_surface;
+            }
           EXPECT_EQ(bad, 0) << effect.name << ' ' << image.names[p] << (scalar ? " scalar" : " lanes") << " variant "
                             << variant;
         }

@@ -125,11 +125,11 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
   const CaptureSettings settings{.width = draw.width,
                                  .height = draw.height,
                                  .shadows = shadows,
-                                 .shadow_rays = look.shadow_rays,
                                  .layers = draw.layers.value_or(look.layers),
                                  .back_sides = look.back_sides,
                                  .extra_views = draw.extra_views.value_or(look.extra_views),
-                                 .guard = guard};
+                                 .guard = guard,
+                                 .shadow_rays = look.shadow_rays};
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
   if (width * height * *layers > kMostPixels)

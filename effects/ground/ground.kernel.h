@@ -16,6 +16,6 @@ FN void ground_pixel(Int px, Int py) {
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   Real infinity = real_of_bits(Uint(0x7f800000u));
   store_cover(shade);
-  store_depth(select(ground, infinity, depth));
-  store_lit(select(ground, Vec3(Real(0.0f), Real(0.0f), Real(0.0f)), lit));
+  store_depth(select(is_surface(depth) && !ground, depth, infinity));
+  store_lit(select(ground, Vec3(Real(0.0f), Real(0.0f), Real(0.0f)), finite_or_zero(lit)));
 }

@@ -96,7 +96,9 @@ TEST(Output, AShoulderBendsLightBelowWhite) {
           const float bent = image.plane("color.g").at(x, 0);
           ASSERT_NEAR(bent, std::min<double>(values[x], 0.75) + 0.25 * over / (1.0 + over), 1e-6) << values[x];
           ASSERT_LT(bent, 1.0f);
-          if (x > 0) ASSERT_GT(bent, image.plane("color.g").at(x - 1, 0)) << values[x];
+          if (x > 0) {
+            ASSERT_GT(bent, image.plane("color.g").at(x - 1, 0)) << values[x];
+          }
         }
       });
 }

@@ -1,0 +1,62 @@
+// `ground`: what is left of the ground is the shade on it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+/// Pixels of object 3, the ground, but for the first, of object 1. All get `open` light; what arrives differs.
+GBuffer row_of(const std::vector<float>& arrives, float open, int ground_object = 3) {
+  GBuffer g = test::empty_gbuffer(int(arrives.size()), 1);
+  g.info.ground_object = ground_object;
+  Image& image = g.layers[0];
+  for (const char* name : {"depth", "object_id", "open_light", "lit.r", "lit.g", "lit.b"})
+    image.add(name) = Plane(image.width, 1, 2.0f);
+  for (int x = 0; x < image.width; ++x) {
+    image.plane("object_id").at(x, 0) = x == 0 ? 1.0f : 3.0f;
+    image.plane("open_light").at(x, 0) = open;
+    for (const char* name : {"lit.r", "lit.g", "lit.b"}) image.plane(name).at(x, 0) = arrives[x];
+  }
+  return g;
+}
+
+TEST(Ground, ShadeIsTheShareOfLightThatDoesNotArrive) {
+  const std::vector<float> arrives = {0.3f, 0.0f, 0.4f, 0.8f, 1.6f};
+  test::on_every_target("ground", row_of(arrives, 0.8f), {}, [&](const Image& image) {
+    EXPECT_EQ(image.plane("cover").at(0, 0), 0.0f) << "the model itself";
+    EXPECT_EQ(image.plane("depth").at(0, 0), 2.0f);
+    EXPECT_EQ(image.plane("lit.g").at(0, 0), 0.3f);
+    for (int x = 1; x < image.width; ++x) {
+      EXPECT_NEAR(image.plane("cover").at(x, 0), std::max(1.0 - arrives[x] / 0.8, 0.0), 1e-6) << x;
+      EXPECT_EQ(image.plane("depth").at(x, 0), std::numeric_limits<float>::infinity());
+      EXPECT_EQ(image.plane("lit.g").at(x, 0), 0.0f);
+    }
+  });
+  test::on_every_target("ground", row_of(arrives, 0.8f), {{"strength", "0.5"}}, [](const Image& image) {
+    EXPECT_NEAR(image.plane("cover").at(1, 0), 0.5, 1e-6);
+    EXPECT_NEAR(image.plane("cover").at(2, 0), 0.25, 1e-6);
+  });
+}
+
+TEST(Ground, NothingChangesWithoutOne) {
+  test::on_every_target("ground", row_of({0.3f, 0.2f}, 0.8f, -1), {}, [](const Image& image) {
+    for (int x : {0, 1}) {
+      EXPECT_EQ(image.plane("cover").at(x, 0), 0.0f);
+      EXPECT_EQ(image.plane("depth").at(x, 0), 2.0f);
+      EXPECT_EQ(image.plane("lit.r").at(x, 0), x == 0 ? 0.3f : 0.2f);
+    }
+  });
+}
+
+TEST(Ground, NoLightIsNoShade) {
+  test::on_every_target("ground", row_of({0.3f, 0.0f}, 0.0f), {},
+                        [](const Image& image) { EXPECT_EQ(image.plane("cover").at(1, 0), 0.0f); });
+}
+
+}  // namespace
+}  // namespace umbrage

@@ -1,0 +1,318 @@
+// The look `studio` and what it is made of: averaged frames, metering, soft shadows, the ground under a model.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+#include "apps/job/job.h"
+#include "devices/cpu/cpu_device.h"
+#include "looks/frames.h"
+#include "looks/metering.h"
+#include "scene/builtin.h"
+#include "scene/finish.h"
+#include "scene/ground.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+// --- frames --------------------------------------------------------------------------------------------------------
+
+TEST(Frames, OffsetsAreSpreadOverThePixel) {
+  for (const int count : {1, 2, 3, 4, 8, 16, 64}) {
+    glm::dvec2 mean(0.0);
+    int quarters[2][2] = {};
+    for (int k = 0; k < count; ++k) {
+      const glm::vec2 offset = frame_offset(k, count);
+      EXPECT_LE(std::max(std::fabs(offset.x), std::fabs(offset.y)), 0.5f);
+      mean += glm::dvec2(offset) / double(count);
+      ++quarters[offset.x < 0.0f][offset.y < 0.0f];
+    }
+    EXPECT_EQ(frame_offset(0, count), glm::vec2(0.0f));
+    if (count < 3) continue;
+    EXPECT_NEAR(mean.x, 0.0, 0.02) << count;
+    EXPECT_NEAR(mean.y, 0.0, 0.02) << count;
+    if (count < 8) continue;
+    for (const auto& row : quarters)
+      for (const int n : row) EXPECT_NEAR(double(n) / count, 0.25, 0.13) << count;
+  }
+}
+
+TEST(Frames, AShiftedCameraSeesWhatIsAside) {
+  const Camera camera = perspective_camera({0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40.0f, 2.0f);
+  const Camera shifted = shifted_camera(camera, {1.0f, 1.0f}, 200, 100);
+  // The centre of pixel (x, y) of one is that of pixel (x + 1, y + 1) of the other.
+  const auto at = [](const Camera& c, double x, double y) {
+    return glm::dvec2(c.left + (x + 0.5) / 200.0 * (c.right - c.left), c.top - (y + 0.5) / 100.0 * (c.top - c.bottom));
+  };
+  EXPECT_LT(glm::distance(at(shifted, 10, 20), at(camera, 11, 21)), 1e-6);
+}
+
+Image one_pixel(float r, float alpha, float ao) {
+  Image image(1, 1);
+  for (const auto& [name, v] :
+       {std::pair{"color.r", r}, {"color.g", 0.5f}, {"color.b", 0.0f}, {"color.a", alpha}, {"ao", ao}})
+    image.add(name) = Plane(1, 1, v);
+  return image;
+}
+
+TEST(Frames, ColourIsAveragedByItsAlpha) {
+  PictureSum total;
+  add_picture(total, one_pixel(0.8f, 1.0f, 0.25f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
+  add_picture(total, one_pixel(0.2f, 1.0f, 0.5f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.5f));
+  const GBuffer mean = mean_picture(total, PictureInfo{.width = 1, .height = 1});
+  EXPECT_FLOAT_EQ(mean.layers[0].plane("outline").at(0, 0), 0.5f);
+  EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.25f);  // 0.5 over half of the pixel
+  EXPECT_FLOAT_EQ(mean_planes(total).plane("ao").at(0, 0), 0.5f);
+  EXPECT_EQ(mean_planes(total).find("color.r"), nullptr);
+}
+
+/// A scene drawn with the look `ao` and no technique: white where there is a surface.
+Image silhouette(Scene scene, int frames, const std::vector<std::string>& settings = {}) {
+  auto device = make_cpu_device();
+  EXPECT_TRUE(device->prepare(scene));
+  StageTimes times;
+  DrawSettings draw_with;
+  draw_with.width = 96;
+  draw_with.height = 64;
+  draw_with.look = "ao";
+  draw_with.occlusion = "none";
+  draw_with.settings = {"output.background_r=0", "output.background_g=0", "output.background_b=0",
+                        "output.transfer=none"};
+  draw_with.settings.insert(draw_with.settings.end(), settings.begin(), settings.end());
+  draw_with.frames = frames;
+  const auto frame = draw(*device, scene, draw_with, times);
+  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  return *device->download(*frame, {"color.r", "color.a", "depth"});
+}
+
+TEST(Frames, AnEdgePixelHasTheShareThatTheModelCoversOfIt) {
+  const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
+  const Image coarse = silhouette(scene, 1), fine = silhouette(scene, 16), finest = silhouette(scene, 128);
+  const Image cutout = silhouette(scene, 16, {"output.transparent=on"});
+  int between = 0;
+  double error_coarse = 0.0, error_fine = 0.0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 96; ++x) {
+      const double truth = finest.planes[0].at(x, y);
+      EXPECT_TRUE(coarse.planes[0].at(x, y) == 0.0f || coarse.planes[0].at(x, y) == 1.0f);
+      between += fine.planes[0].at(x, y) > 0.1f && fine.planes[0].at(x, y) < 0.9f;
+      error_coarse += std::pow(coarse.planes[0].at(x, y) - truth, 2.0);
+      error_fine += std::pow(fine.planes[0].at(x, y) - truth, 2.0);
+      EXPECT_NEAR(cutout.planes[1].at(x, y), fine.planes[0].at(x, y), 1e-5) << "alpha is the same share";
+      if (cutout.planes[1].at(x, y) > 0.0f) EXPECT_NEAR(cutout.planes[0].at(x, y), 1.0, 1e-4) << "colour is straight";
+    }
+  EXPECT_GT(between, 60);
+  EXPECT_LT(error_fine, 0.05 * error_coarse);
+}
+
+// --- metering ------------------------------------------------------------------------------------------------------
+
+float stops_of(float brightness, float share_of_surface) {
+  GBuffer g = test::empty_gbuffer(60, 60);
+  for (const char* name : {"lit.r", "lit.g", "lit.b"}) g.layers[0].add(name) = Plane(60, 60, brightness);
+  Plane& depth = g.layers[0].add("depth") = Plane(60, 60, 1.0f);
+  for (int y = int(60 * share_of_surface); y < 60; ++y)
+    for (int x = 0; x < 60; ++x) depth.at(x, y) = std::numeric_limits<float>::infinity();
+  const auto device = make_cpu_device();
+  auto frame = device->upload(g);
+  return *metered_stops(*device, *frame);
+}
+
+TEST(Metering, BringsSurfacesTowardsWhite) {
+  EXPECT_NEAR(stops_of(kMeteredWhite, 1.0f), 0.0, 1e-5);
+  EXPECT_GT(stops_of(kMeteredWhite / 4.0f, 1.0f), 1.0f);
+  EXPECT_LT(stops_of(kMeteredWhite / 4.0f, 1.0f), 2.0f) << "what is dark stays darker";
+  EXPECT_LT(stops_of(kMeteredWhite * 4.0f, 1.0f), -1.0f);
+  EXPECT_EQ(stops_of(kMeteredWhite / 4.0f, 0.3f), stops_of(kMeteredWhite / 4.0f, 1.0f)) << "the background is left out";
+  EXPECT_EQ(stops_of(0.5f, 0.0f), 0.0f) << "nothing is in view";
+  EXPECT_EQ(stops_of(0.0f, 1.0f), 0.0f) << "no light at all";
+  EXPECT_LE(stops_of(1e-9f, 1.0f), 2.5f);
+}
+
+// --- soft shadows --------------------------------------------------------------------------------------------------
+
+/// A floor at height 0, and a sheet at height 1 that covers x below 0.
+Scene sheet_over_floor(float disc_deg) {
+  Scene scene;
+  scene.name = "sheet";
+  scene.materials.resize(1);
+  const auto add = [&](float x0, float x1, float height) {
+    Mesh mesh;
+    mesh.object = int(scene.meshes.size());
+    mesh.positions = {{x0, height, -9}, {x1, height, -9}, {x1, height, 9}, {x0, height, 9}};
+    mesh.normals.assign(4, glm::vec3(0, 1, 0));
+    mesh.indices = {0, 2, 1, 0, 3, 2};
+    scene.meshes.push_back(mesh);
+  };
+  add(-9.0f, 9.0f, 0.0f);
+  add(-9.0f, 0.0f, 1.0f);
+  finish_scene(scene);
+  Light sun;
+  sun.direction = {0, 1, 0};
+  sun.angle_deg = disc_deg;
+  sun.casts_shadow = true;
+  scene.lights = {sun};
+  return scene;
+}
+
+TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
+  constexpr float kDiscDeg = 30.0f;
+  const Scene scene = sheet_over_floor(kDiscDeg);
+  auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  // From below the sheet's height, along it: the floor right of its edge is seen whole.
+  constexpr int kSide = 128;
+  const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 2.0f, 1.0f);
+  const double reach = std::tan(glm::radians(0.5 * kDiscDeg));
+  for (const int rays : {1, 64}) {
+    const auto frame = device->capture(camera, {.width = kSide, .height = kSide, .shadows = 1, .shadow_rays = rays});
+    ASSERT_TRUE(frame);
+    const Image image = *device->download(*frame, {"shadow", "depth"});
+    for (int x = kSide / 2 + 1; x < kSide; ++x) {
+      double mean = 0.0;
+      for (int y = 0; y < kSide; ++y) {
+        ASSERT_NEAR(image.planes[1].at(x, y), 5.0, 1e-3);
+        mean += image.planes[0].at(x, y) / kSide;
+      }
+      const double at = (x + 0.5) / (0.5 * kSide) - 1.0;  // from the sheet's edge
+      // The part of the disc that the sheet leaves free: a circle's segment.
+      const double cut = std::clamp(at / reach, -1.0, 1.0);
+      const double open = 1.0 - (std::acos(cut) - cut * std::sqrt(1.0 - cut * cut)) / std::acos(-1.0);
+      EXPECT_NEAR(mean, rays == 1 ? 1.0 : open, rays == 1 ? 0.0 : 0.01) << rays << ' ' << at;
+    }
+  }
+}
+
+TEST(SoftShadows, AveragedFramesHaveOtherRays) {
+  const Scene scene = sheet_over_floor(30.0f);
+  auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 2.0f, 1.0f);
+  const auto shadow = [&](int sample) {
+    const auto frame =
+        device->capture(camera, {.width = 32, .height = 32, .shadows = 1, .shadow_rays = 4, .sample = sample});
+    return device->download(*frame, {"shadow"})->planes[0];
+  };
+  EXPECT_EQ(test::difference(shadow(1), shadow(1), 0.0).most, 0.0);
+  EXPECT_GT(test::difference(shadow(0), shadow(1), 0.0).share_over, 0.02);
+}
+
+// --- ground --------------------------------------------------------------------------------------------------------
+
+/// An axis-aligned box that stands on height 0.
+Scene box_scene(glm::vec3 size) {
+  Scene scene;
+  scene.name = "box";
+  scene.materials.resize(1);
+  Mesh mesh;
+  for (int k = 0; k < 8; ++k)
+    mesh.positions.push_back(size * glm::vec3(k & 1 ? 0.5f : -0.5f, k & 2 ? 1.0f : 0.0f, k & 4 ? 0.5f : -0.5f));
+  mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                  2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  scene.meshes = {mesh};
+  finish_scene(scene);
+  return scene;
+}
+
+TEST(GroundUnderModels, WhatStandsInTheOpenLacksOne) {
+  EXPECT_TRUE(lacks_ground(box_scene({1, 1, 1})));
+  EXPECT_TRUE(lacks_ground(box_scene({1, 3, 1})));
+  EXPECT_FALSE(lacks_ground(box_scene({10, 0.5f, 10}))) << "a slab is a ground itself";
+  for (const char* name : {"scene:terrain", "scene:solids", "scene:tank"})
+    EXPECT_FALSE(lacks_ground(*make_builtin_scene(std::string(name) + "?detail=8000"))) << name;
+  EXPECT_FALSE(lacks_ground(Scene{}));
+}
+
+TEST(GroundUnderModels, LeavesTheBoundsAndTheFraming) {
+  for (const float scale : {0.001f, 1.0f, 1000.0f}) {
+    Scene scene = box_scene(glm::vec3(scale));
+    const Camera before = frame_scene(scene, {}, 64, 64);
+    const glm::vec3 low = scene.bounds_min, high = scene.bounds_max;
+    add_ground(scene);
+    EXPECT_EQ(scene.bounds_min, low);
+    EXPECT_EQ(scene.bounds_max, high);
+    EXPECT_EQ(frame_scene(scene, {}, 64, 64).view_from_world, before.view_from_world);
+    EXPECT_EQ(scene.ground_object, 1);
+    for (const glm::vec3& p : scene.meshes.back().positions) {
+      EXPECT_LT(p.y, low.y);
+      EXPECT_GT(p.y, low.y - 0.001f * scale);
+    }
+  }
+}
+
+Image studio_picture(Scene scene, Ground ground, const std::vector<std::string>& settings = {}) {
+  auto device = make_cpu_device();
+  DrawSettings draw_with;
+  draw_with.width = 128;
+  draw_with.height = 128;
+  draw_with.look = "studio";
+  draw_with.ground = ground;
+  draw_with.settings = settings;
+  furnish(scene, draw_with);
+  EXPECT_TRUE(device->prepare(scene));
+  StageTimes times;
+  const auto frame = draw(*device, scene, draw_with, times);
+  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  return *device->download(*frame, {"color.r", "color.g", "color.b", "color.a"});
+}
+
+TEST(Studio, ABoxHasAShadowAndTheRestIsBackground) {
+  for (const float scale : {0.001f, 1000.0f}) {
+    const Image with = studio_picture(box_scene(glm::vec3(scale)), Ground::kAuto);
+    const Image without = studio_picture(box_scene(glm::vec3(scale)), Ground::kOff);
+    long shaded = 0, background = 0, brighter = 0;
+    for (int y = 0; y < 128; ++y)
+      for (int x = 0; x < 128; ++x) {
+        if (without.planes[1].at(x, y) != 0.93f) continue;  // the box
+        const float g = with.planes[1].at(x, y);
+        shaded += g < 0.88f;
+        background += g == 0.93f;
+        brighter += g > 0.9301f;
+      }
+    EXPECT_GT(shaded, 400) << scale;
+    EXPECT_GT(background, 2000) << scale;
+    EXPECT_EQ(brighter, 0) << scale;
+  }
+}
+
+TEST(Studio, WithoutABackgroundTheShadowIsInAlpha) {
+  const Image cutout = studio_picture(box_scene(glm::vec3(1.0f)), Ground::kOn, {"output.transparent=on"});
+  long partly = 0;
+  for (int y = 0; y < 128; ++y)
+    for (int x = 0; x < 128; ++x) {
+      const float alpha = cutout.planes[3].at(x, y);
+      partly += alpha > 0.05f && alpha < 0.7f;
+      EXPECT_GE(alpha, 0.0f);
+      EXPECT_LE(alpha, 1.0001f);
+    }
+  EXPECT_GT(partly, 400);
+}
+
+TEST(Studio, ExposureIsThePictures) {
+  // The same model, darker by two stops: the picture is darker by much less.
+  const auto brightness = [](float albedo) {
+    Scene scene = box_scene(glm::vec3(1.0f));
+    scene.materials[0].albedo = glm::vec3(albedo);
+    const Image image = studio_picture(scene, Ground::kOff, {"output.transfer=none"});
+    double sum = 0.0;
+    long count = 0;
+    for (int y = 0; y < 128; ++y)
+      for (int x = 0; x < 128; ++x)
+        if (image.planes[1].at(x, y) != 0.93f) sum += image.planes[1].at(x, y), ++count;
+    return sum / double(count);
+  };
+  const double white = brightness(0.8f), dark = brightness(0.2f);
+  EXPECT_GT(white, 0.4);
+  EXPECT_LT(white, 0.85);
+  EXPECT_GT(dark, white / 2.2);
+  EXPECT_LT(dark, white);
+}
+
+}  // namespace
+}  // namespace umbrage
