@@ -198,14 +198,14 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
     if (!surfaces.there[k]) continue;
     const Surface& surface = surfaces.at[k];
     glm::vec3 toward = light.point ? light.where - surface.position : light.where;
-    if (!(glm::dot(surface.geometric, toward) > 0.0f)) continue;
-    const glm::vec3 start = start_above(surface, drawing.rays.eye);
+    if (!(glm::dot(surface.normal, toward) > 0.0f)) continue;
+    const glm::vec3 start = start_to_light(drawing.traced, surface, drawing.rays.eye);
     glm::vec3 where = light.where;
     if (soft) {
       const auto [right, up] = light.point ? disc_axes(toward) : std::pair(light.right, light.up);
       where = light.where + light.size * (places[k].x * right + places[k].y * up);
       toward = light.point ? where - surface.position : where;
-      if (!(glm::dot(surface.geometric, toward) > 0.0f)) continue;
+      if (!(glm::dot(surface.normal, toward) > 0.0f)) continue;
     }
     if (!light.point) {
       set_ray(to_light, k, start, toward, std::numeric_limits<float>::infinity());
