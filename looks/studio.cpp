@@ -20,8 +20,7 @@ const Look& look_studio() {
                   {"output.background_r", "0.93"},
                   {"output.background_g", "0.93"},
                   {"output.background_b", "0.94"}},
-      .frames = 4,
-      .shadow_rays = 4,
+      .quality = "normal",
       .studio_lights = true,
       .ground = true,
   };

@@ -105,7 +105,9 @@ TEST(Frames, AnEdgePixelHasTheShareThatTheModelCoversOfIt) {
       error_coarse += std::pow(coarse.planes[0].at(x, y) - truth, 2.0);
       error_fine += std::pow(fine.planes[0].at(x, y) - truth, 2.0);
       EXPECT_NEAR(cutout.planes[1].at(x, y), fine.planes[0].at(x, y), 1e-5) << "alpha is the same share";
-      if (cutout.planes[1].at(x, y) > 0.0f) EXPECT_NEAR(cutout.planes[0].at(x, y), 1.0, 1e-4) << "colour is straight";
+      if (cutout.planes[1].at(x, y) > 0.0f) {
+        EXPECT_NEAR(cutout.planes[0].at(x, y), 1.0, 1e-4) << "colour is straight";
+      }
     }
   EXPECT_GT(between, 60);
   EXPECT_LT(error_fine, 0.05 * error_coarse);

@@ -84,6 +84,11 @@ void add_technique_options(CLI::App& command, CommonOptions& o) {
       ->take_all()
       ->expected(1);
   command
+      .add_option("--quality", o.quality,
+                  "how much time to take: draft, normal, high or ultra sets samples, resolution of occlusion, layers, "
+                  "shadow rays and averaged pictures [the look's]")
+      ->group(technique);
+  command
       .add_option("--guard-band", o.guard_band,
                   "draw so much more on each side and cut it off, as a share of the longer side [0%]")
       ->group(technique);
@@ -101,7 +106,7 @@ void add_technique_options(CLI::App& command, CommonOptions& o) {
 void add_picture_options(CLI::App& command, CommonOptions& o) {
   const auto picture = "Picture";
   command.add_option("--resolution", o.resolution, "width,height in pixels [1024,1024]")->group(picture);
-  command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [ao]")->group(picture);
+  command.add_option("--look", o.look, "recipe of the picture: see umbrage list looks [studio]")->group(picture);
   command.add_option("--ao", o.occlusion, "occlusion technique, or none [the look's]")->group(picture);
   command
       .add_option("--ao-scale", o.occlusion_scale,
@@ -214,6 +219,7 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
                        kWidestGuard);
   draw.guard_percent = float(*guard);
   draw.look = o.look;
+  draw.quality = o.quality;
   constexpr std::string_view kGrounds[] = {"auto", "on", "off"};
   const auto ground = std::find(std::begin(kGrounds), std::end(kGrounds), o.ground);
   if (ground == std::end(kGrounds)) return usage_error("--ground cannot be '{}': it takes auto, on or off", o.ground);

@@ -16,7 +16,7 @@ struct CommonOptions {
   std::string up, crease_angle, position, focal_point, view_up, direction;
   std::string view_angle, azimuth = "0", elevation = "0", zoom = "1";
   bool orthographic = false;
-  std::string look = "ao", occlusion, occlusion_scale, radius, anti_aliasing, ground = "auto";
+  std::string look = "studio", occlusion, occlusion_scale, radius, anti_aliasing, quality, ground = "auto";
   std::vector<std::string> settings;
   std::string layers, extra_views, guard_band = "0%";
   std::string background;

@@ -1,5 +1,7 @@
 #include "apps/job/job.h"
 
+#include <fmt/ranges.h>
+
 #include <charconv>
 #include <cmath>
 #include <glm/vector_relational.hpp>
@@ -10,6 +12,7 @@
 #include "effects/effects.h"
 #include "effects/output/output.h"
 #include "looks/frames.h"
+#include "looks/quality.h"
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "scene/builtin.h"
@@ -119,17 +122,27 @@ Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::
   return {};
 }
 
+namespace {
+
+/// The quality that the user or else the look names, or null.
+const Quality* quality_of(const DrawSettings& draw, const Look& look) {
+  return find_quality(draw.quality.empty() ? look.quality : std::string_view(draw.quality));
+}
+
+}  // namespace
+
 Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows) {
   const int guard = int(std::ceil(draw.guard_percent / 100.0f * float(std::max(draw.width, draw.height))));
   const long width = draw.width + 2L * guard, height = draw.height + 2L * guard;
+  const Quality* quality = quality_of(draw, look);
   const CaptureSettings settings{.width = draw.width,
                                  .height = draw.height,
                                  .shadows = shadows,
-                                 .layers = draw.layers.value_or(look.layers),
+                                 .layers = draw.layers.value_or(std::max(look.layers, quality ? quality->layers : 1)),
                                  .back_sides = look.back_sides,
                                  .extra_views = draw.extra_views.value_or(look.extra_views),
                                  .guard = guard,
-                                 .shadow_rays = look.shadow_rays};
+                                 .shadow_rays = quality ? quality->shadow_rays : 1};
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
   if (width * height * *layers > kMostPixels)
@@ -244,7 +257,16 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   const bool traced = find_effect(recipe.occlusion) == nullptr;  // or none at all
-  recipe.occlusion_every = traced ? 1 : recipe.look->occlusion_every;
+  const Quality* quality = quality_of(draw, *recipe.look);
+  if (!quality && !draw.quality.empty()) {
+    std::vector<std::string_view> names;
+    for (const Quality& each : qualities()) names.push_back(each.name);
+    return usage_error("--quality cannot be '{}'{}: it takes {}", draw.quality, suggestion(draw.quality, names),
+                       fmt::join(names, ", "));
+  }
+  recipe.frames = draw.frames.value_or(quality ? quality->frames : 1);
+  recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
+  if (traced) recipe.occlusion_every = 1;
   if (!draw.occlusion_scale.empty()) {
     const auto every = parse_scale("--ao-scale", draw.occlusion_scale);
     if (!every) return every.error();
@@ -256,6 +278,9 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
   if (!draw.radius.empty())
     if (const auto radius = parse_radius("--ao-radius", draw.radius); !radius) return radius.error();
   recipe.settings = look_settings(*recipe.look, handed_in());
+  if (quality)
+    for (const std::string_view setting : recipe.frames > 1 ? quality->settings_of_frames : quality->settings)
+      if (auto done = apply_setting(recipe.settings, setting, handed_in()); !done) fail_check(done.error().message);
   for (const std::string& setting : draw.settings)
     if (setting.starts_with("upsample.factor=") || setting.starts_with("upsample.indirect="))
       return usage_error("--set {}: {} follows from --ao-scale", setting, setting.substr(0, setting.find('=')));
@@ -343,7 +368,6 @@ Result<void> average_frames(Drawer& drawer, const Camera& camera, int count, Rec
 Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
   auto recipe = make_recipe(settings);
   if (!recipe) return recipe.error();
-  const int frames = settings.frames.value_or(recipe->look->frames);
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty())
     if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
@@ -375,8 +399,8 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
                 .run_handed_in = run_reference};
   const auto stops = run_look(drawer.run, device, *frame);
   if (!stops) return stops.error();
-  if (frames > 1)
-    if (auto done = average_frames(drawer, camera, frames, *recipe, *stops, *frame); !done) return done.error();
+  if (recipe->frames > 1)
+    if (auto done = average_frames(drawer, camera, recipe->frames, *recipe, *stops, *frame); !done) return done.error();
   return frame;
 }
 

@@ -53,7 +53,8 @@ struct DrawSettings {
   int shadows = 0;     ///< trace the shadows of so many lights though no effect of the look reads them
   std::optional<int> layers;  ///< surfaces captured along each primary ray; nothing: as many as the look wants
   Ground ground = Ground::kAuto;
-  std::optional<int> frames;          ///< pictures that are averaged; nothing: as many as the look wants
+  std::string quality;                ///< a name of looks/quality.h; empty: the look's own
+  std::optional<int> frames;          ///< pictures that are averaged; nothing: as many as the quality says
   std::vector<std::string> averaged;  ///< planes besides the picture that are averaged, too, where it is of frames
   std::optional<int> extra_views;     ///< further cameras; nothing: as many as the look wants
   float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
@@ -89,6 +90,7 @@ struct Recipe {
   const Look* look = nullptr;
   std::string occlusion;
   int occlusion_every = 1;  ///< see LookRun
+  int frames = 1;           ///< pictures that are averaged
   EffectSettings settings;
 };
 Result<Recipe> make_recipe(const DrawSettings& draw);

@@ -1,0 +1,51 @@
+#include "looks/quality.h"
+
+namespace umbrage {
+
+std::span<const Quality> qualities() {
+  // Settings of `bitmask` lie on the frontier of error against time in effects/bitmask/README.md.
+  static const std::vector<Quality> all = {
+      {.name = "draft",
+       .summary = "to try things: one frame, hard shadows, occlusion at half resolution",
+       .frames = 1,
+       .occlusion_every = 2,
+       .shadow_rays = 1,
+       .settings = {"bitmask.slices=1", "bitmask.steps=8", "hemisphere.samples=8", "sphere.samples=8"},
+       .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=8", "hemisphere.samples=8", "sphere.samples=8"}},
+      {.name = "normal",
+       .summary = "for every day: smooth edges of four frames",
+       .frames = 4,
+       .occlusion_every = 2,
+       .shadow_rays = 4,
+       .settings = {"bitmask.slices=2", "bitmask.steps=12", "hemisphere.samples=16", "sphere.samples=16"},
+       .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=12", "hemisphere.samples=8", "sphere.samples=16"}},
+      {.name = "high",
+       .summary = "for print: eight frames, occlusion at full resolution from two layers of depth",
+       .frames = 8,
+       .occlusion_every = 1,
+       .layers = 2,
+       .shadow_rays = 8,
+       .settings = {"bitmask.slices=2", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=32",
+                    "sphere.samples=32"},
+       .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=16",
+                              "sphere.samples=32"}},
+      {.name = "ultra",
+       .summary = "whatever it takes: sixteen frames, four layers of depth",
+       .frames = 16,
+       .occlusion_every = 1,
+       .layers = 4,
+       .shadow_rays = 8,
+       .settings = {"bitmask.slices=4", "bitmask.steps=24", "bitmask.mode=layers", "hemisphere.samples=64",
+                    "sphere.samples=64"},
+       .settings_of_frames = {"bitmask.slices=2", "bitmask.steps=24", "bitmask.mode=layers", "hemisphere.samples=32",
+                              "sphere.samples=32"}}};
+  return all;
+}
+
+const Quality* find_quality(std::string_view name) {
+  for (const Quality& quality : qualities())
+    if (quality.name == name) return &quality;
+  return nullptr;
+}
+
+}  // namespace umbrage
