@@ -186,11 +186,19 @@ DiscPoints disc_points() {
   return points;
 }
 
-/// Traces one ray of each pixel to a light, ray `index` of them; adds 1 to `lit` where it arrives.
-void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, int index, bool soft,
-                    std::array<float, kPacket>& lit) {
-  static const DiscPoints points = disc_points();
-  const auto& places = points[std::size_t(index + drawing.softness.sample * drawing.softness.rays) % kDiscPoints];
+/// Points around the rim of the disc, one for each pixel of a packet.
+std::array<glm::vec2, kPacket> rim_points() {
+  std::array<glm::vec2, kPacket> points;
+  for (int k = 0; k < kPacket; ++k) {
+    const double angle = 2.0 * glm::pi<double>() * k / kPacket;
+    points[k] = {float(std::cos(angle)), float(std::sin(angle))};
+  }
+  return points;
+}
+
+/// Traces one ray of each pixel to a place on a light's disc; adds 1 to `lit` where it arrives.
+void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, bool soft,
+                    const std::array<glm::vec2, kPacket>& places, std::array<float, kPacket>& lit) {
   alignas(64) RTCRay16 to_light;
   alignas(64) std::array<int, kPacket> wanted{};
   bool any = false;
@@ -227,27 +235,31 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
     if (wanted[k] && !(to_light.tfar[k] < 0.0f)) lit[k] += 1.0f;
 }
 
-/// Fills in what arrives of each light. Of a light that has a size a few rays tell whether the block is all lit or all
-/// dark; else more are traced.
+/// Fills in what arrives of each light. Of a light that has a size one ray of each pixel, each to another place on its
+/// rim, tells whether the block is all lit or all dark: what hides a part of the light crosses its rim. Where they
+/// disagree, each pixel gets rays of its own.
 void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
-  constexpr int kFirstRays = 1;  // each pixel of a block sends its to another point of the light
+  static const DiscPoints points = disc_points();
+  static const auto rim = rim_points();
   for (const ShadowLight& light : drawing.lights) {
-    const bool soft = light.size > 0.0f && drawing.softness.rays > 1;
-    const int most = soft ? drawing.softness.rays : 1;
+    const int rays = light.size > 0.0f ? drawing.softness.rays : 1;
     std::array<float, kPacket> lit{};
-    int rays = 0;
-    while (rays < std::min(kFirstRays, most)) trace_to_light(drawing, surfaces, light, rays++, soft, lit);
-    int all_lit = 0, all_dark = 0, pixels = 0;
+    trace_to_light(drawing, surfaces, light, rays > 1, rim, lit);
+    int arrived = 0, pixels = 0;
     for (int k = 0; k < kPacket; ++k) {
-      if (!surfaces.there[k]) continue;
-      ++pixels;
-      all_lit += lit[k] == float(rays);
-      all_dark += lit[k] == 0.0f;
+      pixels += surfaces.there[k];
+      arrived += surfaces.there[k] && lit[k] > 0.0f;
     }
-    if (all_lit != pixels && all_dark != pixels)
-      while (rays < most) trace_to_light(drawing, surfaces, light, rays++, soft, lit);
+    float scale = 1.0f;
+    if (rays > 1 && arrived != 0 && arrived != pixels) {
+      lit = {};
+      for (int ray = 0; ray < rays; ++ray)
+        trace_to_light(drawing, surfaces, light, true,
+                       points[std::size_t(ray + drawing.softness.sample * rays) % kDiscPoints], lit);
+      scale = 1.0f / float(rays);
+    }
     for (int k = 0; k < kPacket; ++k)
-      if (surfaces.there[k]) out.shadow[light.index][k] = lit[k] / float(rays);
+      if (surfaces.there[k]) out.shadow[light.index][k] = lit[k] * scale;
   }
 }
 
