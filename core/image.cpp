@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
+#include <map>
+#include <mutex>
 #include <new>
 #include <utility>
 
@@ -29,9 +31,54 @@ int padded_stride(int width) {
   return aliased ? stride + kRowAlignment : stride;
 }
 
+/// Memory of planes that are gone, by its size, while somebody wants it kept.
+struct Kept {
+  std::mutex mutex;
+  int wanted_by = 0;
+  std::multimap<std::size_t, void*> blocks;
+};
+
+Kept& kept() {
+  static Kept& all = *new Kept;  // planes may outlive what is static
+  return all;
+}
+
+void* take_kept(std::size_t size) {
+  Kept& all = kept();
+  const std::lock_guard lock(all.mutex);
+  const auto found = all.blocks.find(size);
+  if (found == all.blocks.end()) return nullptr;
+  void* base = found->second;
+  all.blocks.erase(found);
+  return base;
+}
+
 }  // namespace
 
-void Plane::Free::operator()(float*) const { std::free(base); }
+KeptPlanes::KeptPlanes() {
+  const std::lock_guard lock(kept().mutex);
+  ++kept().wanted_by;
+}
+
+KeptPlanes::~KeptPlanes() {
+  Kept& all = kept();
+  const std::lock_guard lock(all.mutex);
+  if (--all.wanted_by > 0) return;
+  for (const auto& [size, base] : all.blocks) std::free(base);
+  all.blocks.clear();
+}
+
+void Plane::Free::operator()(float*) const {
+  if (size >= kHugePage) {
+    Kept& all = kept();
+    const std::lock_guard lock(all.mutex);
+    if (all.wanted_by > 0) {
+      all.blocks.emplace(size, base);
+      return;
+    }
+  }
+  std::free(base);
+}
 
 Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(padded_stride(width_)) {
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
@@ -41,10 +88,13 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   const std::size_t offset = bytes >= kHugePage ? count++ % kStaggers * kStagger : 0;
   const std::size_t alignment = bytes >= kHugePage ? kHugePage : kCacheLine;
   const std::size_t whole = (offset + bytes + alignment - 1) / alignment * alignment;
-  void* base = std::aligned_alloc(alignment, whole);
-  if (!base) throw std::bad_alloc();
-  if (bytes >= kHugePage) madvise(base, whole, MADV_HUGEPAGE);
-  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base}};
+  void* base = bytes >= kHugePage ? take_kept(whole) : nullptr;
+  if (!base) {
+    base = std::aligned_alloc(alignment, whole);
+    if (!base) throw std::bad_alloc();
+    if (bytes >= kHugePage) madvise(base, whole, MADV_HUGEPAGE);
+  }
+  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole}};
 }
 
 Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {

@@ -73,7 +73,7 @@ bool lacks_ground(const Scene& scene) {
 
 void add_ground(Scene& scene) {
   constexpr int kCorners = 96;
-  constexpr float kWide = 4.0f;    // radii of the model: its shadow ends before
+  constexpr float kWide = 3.0f;    // radii of the model: its shadow ends before
   constexpr float kBelow = 1e-4f;  // of the radius: faces that lie on the ground stay in front of it
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);

@@ -294,114 +294,93 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
 
 namespace {
 
-/// One picture: captures with a camera and runs the look.
-struct Drawer {
-  Device& device;
-  Scene& scene;
-  const DrawSettings& settings;
-  StageTimes& times;
-  CaptureSettings capture_with;
-  LookRun run;
-
-  Result<Frame> capture(const Camera& camera) const {
-    auto frame = device.capture(camera, capture_with);
-    if (frame) times.done("capture");
-    return frame;
-  }
-};
-
-/// Averages `count` pictures into the first one's frame, which has been drawn. Each has its own noise where the
-/// technique takes a frame's number.
-Result<void> average_frames(Drawer& drawer, const Camera& camera, int count, Recipe& recipe, float stops,
-                            Frame& first) {
-  const Effect& output = *find_effect("output");
-  const ParameterBytes finish = recipe.settings.find(output.name)->second;
-  // Light with alpha, so that edges mix with the background as light does.
-  for (const char* setting : {"output.transfer=none", "output.transparent=on"})
-    if (auto set = apply_setting(recipe.settings, setting, handed_in()); !set) fail_check(set.error().message);
+/// The planes of a picture that are averaged over frames.
+std::vector<std::string> averaged_planes(const DrawSettings& settings) {
   std::vector<std::string> names = {"color.r", "color.g", "color.b", "color.a"};
-  names.insert(names.end(), drawer.settings.averaged.begin(), drawer.settings.averaged.end());
-  drawer.run.stops = stops;
-  const Effect* technique = find_effect(recipe.occlusion);
-  PictureSum total;
-  const int inner_width = drawer.settings.width, inner_height = drawer.settings.height;
-  for (int k = 0; k < count; ++k) {
-    if (k == 0) {
-      ParameterBytes light = recipe.settings.find(output.name)->second;
-      as<OutputParams>(light).exposure += as<OutputParams>(light).metering != 0 ? stops : 0.0f;
-      if (auto done = drawer.device.run(output, light, first); !done) return done;
-    }
-    std::optional<Frame> next;
-    if (k > 0) {
-      if (technique && find_parameter(*technique, "frame"))
-        if (auto set = apply_setting(recipe.settings, fmt::format("{}.frame={}", technique->name, k), handed_in());
-            !set)
-          fail_check(set.error().message);
-      const glm::vec2 offset = frame_offset(k, count);
-      drawer.capture_with.sample = k;
-      auto frame = drawer.capture(shifted_camera(camera, offset, inner_width, inner_height));
-      if (!frame) return frame.error();
-      if (auto done = run_look(drawer.run, drawer.device, *frame); !done) return done.error();
-      next = std::move(*frame);
-    }
-    const auto picture = drawer.device.download(next ? *next : first, names);
-    if (!picture) return picture.error();
-    add_picture(total, *picture);
-    drawer.times.done("average");
-  }
-  auto mean = drawer.device.upload(mean_picture(total, inner_info(first.info)));
+  names.insert(names.end(), settings.averaged.begin(), settings.averaged.end());
+  return names;
+}
+
+/// Makes the finished picture of averaged ones, and puts it and what else was averaged into a frame. `output`: how the
+/// look would have finished a single one.
+Result<void> finish_average(Device& device, const PictureSum& total, ParameterBytes output, Frame& frame) {
+  auto mean = device.upload(mean_picture(total, inner_info(frame.info)));
   if (!mean) return mean.error();
-  ParameterBytes finished = finish;
-  as<OutputParams>(finished).exposure = 0.0f;
-  as<OutputParams>(finished).shoulder = 1.0f;
-  if (auto done = drawer.device.run(output, finished, *mean); !done) return done;
-  auto color = drawer.device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
+  as<OutputParams>(output).exposure = 0.0f;  // each frame had them
+  as<OutputParams>(output).shoulder = 1.0f;
+  if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done;
+  const auto color = device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
   if (!color) return color.error();
-  if (auto done = drawer.device.add(*color, first); !done) return done;
-  if (auto done = drawer.device.add(mean_planes(total), first); !done) return done;
-  drawer.times.done("average");
-  return {};
+  if (auto done = device.add(*color, frame); !done) return done;
+  return device.add(mean_planes(total), frame);
 }
 
 }  // namespace
 
 Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
+  const KeptPlanes kept;
   auto recipe = make_recipe(settings);
   if (!recipe) return recipe.error();
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty())
     if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
-  const auto capture_with =
-      capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
+  auto capture_with = capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();
-  Drawer drawer{device, scene, settings, times, *capture_with, {}};
-  auto frame = drawer.capture(camera);
-  if (!frame) return frame;
-  if (!settings.radius.empty()) {
-    if (auto done = apply_radius(settings.radius, frame->info, recipe->settings); !done) return done.error();
-    // What --set says of a technique holds whatever the radius.
-    for (const std::string& setting : settings.settings)
-      if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) return done.error();
-  }
   const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
     const auto traced = trace_ready(scene, device.threads());
     if (!traced) return traced.error();
     const auto planes = trace_reference(**traced, on.info, params, {device.threads(), settings.progress});
     return planes ? device.add(*planes, on) : planes.error();
   };
-  drawer.run = {.look = recipe->look,
-                .occlusion = recipe->occlusion,
-                .occlusion_every = recipe->occlusion_every,
-                .settings = &recipe->settings,
-                .after = [&](std::string_view name) { times.done(name); },
-                .stops = {},
-                .handed_in = handed_in(),
-                .run_handed_in = run_reference};
-  const auto stops = run_look(drawer.run, device, *frame);
-  if (!stops) return stops.error();
-  if (recipe->frames > 1)
-    if (auto done = average_frames(drawer, camera, recipe->frames, *recipe, *stops, *frame); !done) return done.error();
-  return frame;
+  LookRun run{.look = recipe->look,
+              .occlusion = recipe->occlusion,
+              .occlusion_every = recipe->occlusion_every,
+              .settings = &recipe->settings,
+              .after = [&](std::string_view name) { times.done(name); },
+              .stops = {},
+              .handed_in = handed_in(),
+              .run_handed_in = run_reference};
+  const auto set = [&](const std::string& setting) {
+    if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) fail_check(done.error().message);
+  };
+  const bool averages = recipe->frames > 1;
+  const ParameterBytes output = recipe->settings.find("output")->second;
+  if (averages) {
+    // Light with alpha, so that edges mix with the background as light does.
+    set("output.transfer=none");
+    set("output.transparent=on");
+  }
+  const Effect* technique = find_effect(recipe->occlusion);
+  const bool noise_of_frames = technique && find_parameter(*technique, "frame");
+  PictureSum total;
+  // The last frame has its samples at the pixels' centres, and stays.
+  for (int k = recipe->frames - 1;; --k) {
+    capture_with->sample = k;
+    auto frame = device.capture(
+        shifted_camera(camera, frame_offset(k, recipe->frames), settings.width, settings.height), *capture_with);
+    if (!frame) return frame;
+    times.done("capture");
+    if (total.count == 0 && !settings.radius.empty()) {
+      if (auto done = apply_radius(settings.radius, frame->info, recipe->settings); !done) return done.error();
+      // What --set says of a technique holds whatever the radius.
+      for (const std::string& setting : settings.settings)
+        if (!setting.starts_with("output."))
+          if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) return done.error();
+    }
+    if (averages && noise_of_frames) set(fmt::format("{}.frame={}", technique->name, k));
+    const auto stops = run_look(run, device, *frame);
+    if (!stops) return stops.error();
+    run.stops = *stops;  // one exposure for all
+    if (!averages) return frame;
+    const auto picture = device.download(*frame, averaged_planes(settings));
+    if (!picture) return picture.error();
+    add_picture(total, *picture);
+    times.done("average");
+    if (k > 0) continue;
+    if (auto done = finish_average(device, total, output, *frame); !done) return done.error();
+    times.done("average");
+    return frame;
+  }
 }
 
 }  // namespace umbrage

@@ -57,14 +57,11 @@ struct ShadowLight {
   bool point = false;
   glm::vec3 where{0.0f};            ///< in unit space: where it stands, or the direction to it
   glm::vec3 right{0.0f}, up{0.0f};  ///< (parallel) the axes of its disc
+  int rays = 1;                     ///< of a pixel that it reaches in part
   float size = 0.0f;                ///< in unit space: radius of its ball; or half its disc's angle, as a tangent
 };
 
-/// How shadows are traced.
-struct Softness {
-  int rays = 1;    ///< at most, to a light that has a size
-  int sample = 0;  ///< of pictures that are averaged
-};
+constexpr int kDiscPoints = 256;  // rays to a light after which their places repeat
 
 /// What all blocks of a view share.
 struct Drawing {
@@ -72,7 +69,7 @@ struct Drawing {
   PictureInfo info;  ///< as the view's camera sees it
   CameraRays rays;
   std::vector<ShadowLight> lights;
-  Softness softness;
+  int sample = 0;                  ///< of pictures that are averaged
   std::vector<DrawnPlane> planes;  ///< of each layer, in this order
 };
 
@@ -116,16 +113,24 @@ std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
 
 /// The lights are in view space; shadow rays run along world axes.
 std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
-                                       int shadows) {
+                                       const CaptureSettings& settings) {
+  const auto brightness = [](const Light& light) { return std::max({light.color.r, light.color.g, light.color.b}); };
+  float brightest = 0.0f;
+  for (const Light& light : info.lights) brightest = std::max(brightest, brightness(light));
   std::vector<ShadowLight> lights;
-  for (int k = 0; k < std::min({int(info.lights.size()), shadows, kMostShadows}); ++k) {
+  for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k) {
     const Light& light = info.lights[k];
     if (!casts_from_afar(light)) continue;
     const bool point = light.kind == LightKind::kPoint;
     const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
     const float size = point ? light.radius * traced.scale : std::tan(glm::radians(0.5f * light.angle_deg));
     const auto [right, up] = disc_axes(where);
-    lights.push_back({k, point, point ? where + rays.eye : where, right, up, size});
+    // The noise of a faint light shows less.
+    const float share = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
+    const int traced_rays = size > 0.0f && settings.shadow_rays > 1
+                                ? std::clamp(int(std::lround(float(settings.shadow_rays) * share)), 2, kDiscPoints)
+                                : 1;
+    lights.push_back({k, point, point ? where + rays.eye : where, right, up, traced_rays, size});
   }
   return lights;
 }
@@ -149,8 +154,6 @@ struct Surfaces {
   std::array<Surface, kPacket> at;
   std::array<bool, kPacket> there{};
 };
-
-constexpr int kDiscPoints = 256;  // rays to a light after which their places repeat
 
 /// Points of the unit disc for the rays of a packet's pixels: those of a pixel are spread evenly, and those of the
 /// packet together, too. A digital (0, 2)-sequence [Sobol 1967], shifted from pixel to pixel by its own first points,
@@ -242,7 +245,7 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
   static const DiscPoints points = disc_points();
   static const auto rim = rim_points();
   for (const ShadowLight& light : drawing.lights) {
-    const int rays = light.size > 0.0f ? drawing.softness.rays : 1;
+    const int rays = light.rays;
     std::array<float, kPacket> lit{};
     trace_to_light(drawing, surfaces, light, rays > 1, rim, lit);
     int arrived = 0, pixels = 0;
@@ -254,8 +257,8 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
     if (rays > 1 && arrived != 0 && arrived != pixels) {
       lit = {};
       for (int ray = 0; ray < rays; ++ray)
-        trace_to_light(drawing, surfaces, light, true,
-                       points[std::size_t(ray + drawing.softness.sample * rays) % kDiscPoints], lit);
+        trace_to_light(drawing, surfaces, light, true, points[std::size_t(ray + drawing.sample * rays) % kDiscPoints],
+                       lit);
       scale = 1.0f / float(rays);
     }
     for (int k = 0; k < kPacket; ++k)
@@ -385,10 +388,10 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const std::ve
                   .info = layer_info(info, view),
                   .rays = {},
                   .lights = {},
-                  .softness = {settings.shadow_rays, settings.sample},
+                  .sample = settings.sample,
                   .planes = planes};
   drawing.rays = camera_rays(traced, drawing.info);
-  drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings.shadows);
+  drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
   if (!within_reach(drawing.rays, drawing.info)) {
     // From there nothing is seen.
     Block background;
