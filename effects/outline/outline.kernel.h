@@ -32,8 +32,33 @@ FN Real linked_of(Real piece) { return bits_at(piece, 23, Uint(31u)) * Real(1.0f
 FN Real cosine_of(Real slope) { return rsqrt(mad(slope, slope, Real(1.0f))); }
 
 // What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
-// (towards -1) or forward (1), cover of it, 1 and more for all; how far the first of them is, if it is the rim of the
-// surface that the pixel is on; and that one's slope.
+// (towards -1) or forward (1), cover of it, 1 and more for all.
+FN Real seen_cover(int lying, int towards) {
+  Real covered = Real(0.0f);
+  Real open = Real(1.0f);
+  for (int k = 0; k < C.sight; ++k) {
+    int i = towards < 0 ? -1 - k : k;
+    Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
+    Bool here = v > 0.0f;
+    if (!some(here)) continue;
+    Real shrink = cosine_of(slope_of(v));
+    Real sure = linked_of(v);
+    Real width = sure * C.width_px;
+    Real side = side_of(v);
+    Real off = (place_of(v) + Real(float(i))) * shrink;
+    off = select(side < 0.0f, -off, off);
+    side = abs(side);
+    Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
+    Real narrow = width + 1.0f - wide;                         // onto the other
+    Real cover = min(wide - off, narrow + off) * unit_clamp(sure * kFading);
+    covered = max(covered, cover * open);
+    open = select(here && side > kSideEnds, Real(0.0f), open);
+  }
+  return covered;
+}
+
+// The same for pixels between two lines: also how far the first line is, if it is the rim of the surface that the pixel
+// is on, and that one's slope. There the cover is that of the line alone, not antialiased at the rim.
 FN Vec3 seen(int lying, int towards) {
   Real covered = Real(0.0f);
   Real distance = Real(kFar);
@@ -151,27 +176,39 @@ FN Real ends_cover(int j, Vec3 own) {
   return covered;
 }
 
-// `covered`, or what ends of lines cover, less `spare`.
-FN Real ends_or(Real covered, Real spare, Int px, Int py) {
-  Real ends = Real(0.0f);
-  for (int j = -C.reach; j <= C.reach; ++j) ends = max(ends, near_outline_ends(0, j));
-  if (!some(ends > 0.0f && covered < 1.0f)) return covered;
+// `covered`, or what ends of lines cover, less `spare`. around: of outline_ends, the most of the rows around.
+FN Real ends_or(Real covered, Real spare, Real around, Int px, Int py) {
+  if (!some(around > 1.5f && covered < 1.0f)) return covered;
   Vec3 own = nearness(px, py);
   for (int j = -C.reach; j <= C.reach; ++j)
-    if (some(near_outline_ends(0, j) > 0.0f && covered < 1.0f)) covered = max(covered, ends_cover(j, own) - spare);
+    if (some(near_outline_ends(0, j) > 1.5f && covered < 1.0f)) covered = max(covered, ends_cover(j, own) - spare);
   return covered;
 }
 
-FN Real robust_cover(Int px, Int py) {
+// The cover of pixels that have lines on both sides, `between`; of others it is `covered`.
+FN Real between_lines(Real covered, Bool between, Real around, Int px, Int py) {
   Vec3 left = seen(0, -1);
   Vec3 right = seen(0, 1);
   Vec3 up = seen(1, -1);
   Vec3 down = seen(1, 1);
-  Real covered = max(max(left.x, right.x), max(up.x, down.x));
-  if (!some(covered > 0.0f)) return ends_or(Real(0.0f), Real(0.0f), px, py);
-  Real spare = select(covered > 0.0f, max(too_wide(left, right), too_wide(up, down)), Real(0.0f));
-  covered = max(max(cover_of(left, spare), cover_of(right, spare)), max(cover_of(up, spare), cover_of(down, spare)));
-  return ends_or(unit_clamp(covered), spare, px, py);
+  Real spare = select(between, max(too_wide(left, right), too_wide(up, down)), Real(0.0f));
+  Real less = max(max(cover_of(left, spare), cover_of(right, spare)), max(cover_of(up, spare), cover_of(down, spare)));
+  return ends_or(unit_clamp(select(between, less, covered)), spare, around, px, py);
+}
+
+FN Real robust_cover(Int px, Int py) {
+  Real around = Real(0.0f);
+  for (int j = -C.sight; j <= C.sight; ++j) around = max(around, near_outline_ends(0, j));
+  if (!some(around > 0.0f)) return Real(0.0f);
+  Real left = seen_cover(0, -1);
+  Real right = seen_cover(0, 1);
+  Real up = seen_cover(1, -1);
+  Real down = seen_cover(1, 1);
+  Real covered = max(max(left, right), max(up, down));
+  Bool across = left > 0.0f && right > 0.0f;
+  Bool along = up > 0.0f && down > 0.0f;
+  if (!some(across || along)) return ends_or(unit_clamp(covered), Real(0.0f), around, px, py);
+  return between_lines(covered, across || along, around, px, py);
 }
 
 FN void outline_pixel(Int px, Int py) {
@@ -179,6 +216,10 @@ FN void outline_pixel(Int px, Int py) {
   store_outline(covered);
   Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));
   Bool surface = is_surface(near_depth(0, 0));
-  Vec3 lit = select(surface, finite_or_zero(own_lit()), Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
+  Vec3 lit = own_lit();
+  // Where there is nothing to change nothing is written.
+  Bool fine = surface && is_finite(lit.x + lit.y + lit.z) && !(covered > 0.0f);
+  if (!some(!fine)) return;
+  lit = select(surface, finite_or_zero(lit), Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
   store_lit(lit * (Real(1.0f) - covered) + line * covered);
 }

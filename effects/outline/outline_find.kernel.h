@@ -214,9 +214,9 @@ FN Real edge(Int px, Int py, int i, int j) {
   Bool parted = !(abs(bend) < bound && near_object_id(-i, -j) == id1 && id1 == id2);
   if (C.materials > 0) parted = parted || !(near_material_id(0, 0) == near_material_id(i, j));
   parted = parted && some_surface;
-  Real turn =
-      max(square(near_normal(i, j) - near_normal(0, 0)), square(near_normal(2 * i, 2 * j) - near_normal(-i, -j)));
-  turn = max(turn, square(near_normal(3 * i, 3 * j) - near_normal(-2 * i, -2 * j)) * kSoft);
+  // Beyond a crease the surface has turned, or else it is a strip of one pixel.
+  Real turn = max(square(near_normal(2 * i, 2 * j) - near_normal(-i, -j)),
+                  square(near_normal(3 * i, 3 * j) - near_normal(-2 * i, -2 * j)) * kSoft);
   Bool turned = turn > Real(C.crease_chord * kFaintTurn) && some_surface;
 
   Real code = Real(0.0f);

@@ -112,11 +112,11 @@ FN Real linked(int lying, Int px, Int py, Real piece) {
 }
 
 // Whether a piece of line cannot be told from itself: it is not wholly clear, or lies partly on either side, or is so
-// nearly upright that its steps are far apart.
+// nearly upright that its steps are far apart; where a crease passes is known.
 FN Bool unsure(Real piece) {
   Bool aside = abs(abs(level_of(piece) - kMiddle) - kWholeSide * 0.5f) < kWholeSide * 0.5f - 0.5f;
-  return is_piece(piece) &&
-         (aside || !(bits_at(piece, 23, Uint(31u)) == Real(kSure)) || abs(slope_of(piece)) < kUpright);
+  return is_piece(piece) && (aside || !(bits_at(piece, 23, Uint(31u)) == Real(kSure)) ||
+                             (abs(slope_of(piece)) < kUpright && !(level_of(piece) == Real(kMiddle))));
 }
 
 FN Real looked_along(int lying, Int px, Int py, Real piece) {

@@ -118,6 +118,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool both = up_alive;
   Bool ends = !up_alive;
   for (int k = 1; k <= kRows; ++k) {
+    if (!some(up_alive || down_alive)) continue;
     up = follow(lying, -k, up.y, up_alive, side, clear);
     down = follow(lying, k, down.y, down_alive, side, clear);
     up_alive = abs(up.x) > 0.0f;
@@ -144,8 +145,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     moments = moments + select(both, (down_place - up_place) * Real(float(k)), Real(0.0f));
     squares = squares + select(both, Real(float(2 * k * k)), Real(0.0f));
   }
-  // A line that goes on for all rows is no speck.
-  Bool lonely = v > 0.0f && length < Real(float(2 * kRows));
+  // A line that goes on for all rows is no speck; outline_link asks creases.
+  Bool lonely = v > 0.0f && length < Real(float(2 * kRows)) && !(side == Real(kMiddle));
   if (some(lonely)) lonely = lonely && !in_line(lonely);
   v = select(lonely, Real(0.0f), v);
   Real mean = (places + t) / (pairs + pairs + 1.0f);
