@@ -34,9 +34,9 @@ struct CaptureSettings {
   bool back_sides = false;  ///< a layer of the other side of each of those too
   int extra_views = 0;      ///< further cameras, one layer each, 0 to kMostExtraViews
   int guard = 0;            ///< pixels drawn beyond each side: see PictureInfo::guard
-  /// Shadow rays per pixel and light that has a size, where some of the pixels around are partly lit; fewer elsewhere.
-  /// 1: lights are points.
-  int shadow_rays = 1;
+  /// Rays of a pixel to a light that has a size; where there are several, and the light is seen whole or not at all,
+  /// one. What arrives is averaged over the 4 x 4 pixels around, along surfaces. 0: lights are points.
+  int shadow_rays = 0;
   int sample = 0;  ///< of pictures that are averaged: each has other shadow rays
 };
 

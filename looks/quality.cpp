@@ -6,7 +6,7 @@ std::span<const Quality> qualities() {
   // Settings of `bitmask` lie on the frontier of error against time in effects/bitmask/README.md.
   static const std::vector<Quality> all = {
       {.name = "draft",
-       .summary = "to try things: one frame, hard shadows, occlusion at half resolution",
+       .summary = "to try things: one frame, occlusion at half resolution",
        .frames = 1,
        .occlusion_every = 2,
        .shadow_rays = 1,
@@ -16,7 +16,7 @@ std::span<const Quality> qualities() {
        .summary = "for every day: smooth edges of four frames",
        .frames = 4,
        .occlusion_every = 2,
-       .shadow_rays = 4,
+       .shadow_rays = 1,
        .settings = {"bitmask.slices=2", "bitmask.steps=12", "hemisphere.samples=16", "sphere.samples=16"},
        .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=12", "hemisphere.samples=8", "sphere.samples=16"}},
       {.name = "high",
@@ -24,7 +24,7 @@ std::span<const Quality> qualities() {
        .frames = 8,
        .occlusion_every = 1,
        .layers = 2,
-       .shadow_rays = 8,
+       .shadow_rays = 4,
        .settings = {"bitmask.slices=2", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=32",
                     "sphere.samples=32"},
        .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=16",

@@ -11,7 +11,7 @@ struct Quality {
   int frames = 1;           ///< pictures that are averaged
   int occlusion_every = 1;  ///< see Look
   int layers = 1;           ///< at least, see CaptureSettings
-  int shadow_rays = 1;      ///< see CaptureSettings
+  int shadow_rays = 0;      ///< see CaptureSettings
   /// Settings, "effect.parameter=value", of a picture of one frame, and of each frame where several are averaged.
   std::vector<std::string_view> settings, settings_of_frames;
 };

@@ -40,7 +40,8 @@ Extent extent_of(const Scene& scene, const Plan& plan) {
 }  // namespace
 
 bool lacks_ground(const Scene& scene) {
-  constexpr float kFlat = 0.25f;       // height over width of what is a landscape
+  constexpr float kFlat = 0.25f;  // height over width of what is a landscape, and how much of its plan it fills
+  constexpr float kFilled = 0.95f;
   constexpr float kLow = 0.12f;        // share of the width within which a slab's top lies over the bottom
   constexpr float kLevel = 0.9f;       // cosine of a slope that one stands on
   constexpr float kMostOfPlan = 0.4f;  // a round slab fills 0.79 of its square, less what stands on it
@@ -50,7 +51,7 @@ bool lacks_ground(const Scene& scene) {
   const glm::vec3 size = extent.most - extent.least;
   const float width = std::max(size.x, size.z);
   if (!(width > 0.0f) || !std::isfinite(width)) return false;
-  double level = 0.0, low = 0.0;
+  double upward = 0.0, low = 0.0;
   for (const Mesh& mesh : scene.meshes)
     for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
       const glm::vec3 a = mesh.positions[mesh.indices[k]], b = mesh.positions[mesh.indices[k + 1]],
@@ -60,14 +61,14 @@ bool lacks_ground(const Scene& scene) {
       if (!(area > 0.0f)) continue;
       const float cosine = glm::dot(twice, plan.up) / area;
       const glm::vec3 n = mesh.normals.empty() ? twice : mesh.normals[mesh.indices[k]];
-      if (glm::dot(n, plan.up) <= 0.0f || std::fabs(cosine) < kLevel) continue;
+      if (glm::dot(n, plan.up) <= 0.0f) continue;
       const double seen = 0.5 * area * std::fabs(cosine);
-      level += seen;
+      upward += seen;
       const float height = glm::dot(a + b + c, plan.up) / 3.0f - extent.least.y;
-      if (height < kLow * width) low += seen;
+      if (height < kLow * width && std::fabs(cosine) > kLevel) low += seen;
     }
   const double filled = double(size.x) * size.z;
-  const bool landscape = size.y < kFlat * width && level > kMostOfPlan * filled;
+  const bool landscape = size.y < kFlat * width && upward > kFilled * filled;
   return !landscape && low < kMostOfPlan * filled;
 }
 

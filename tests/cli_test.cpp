@@ -51,7 +51,7 @@ TEST_F(Cli, SaysWhoItIs) {
 TEST_F(Cli, DrawsABuiltInSceneInEveryFormat) {
   for (const char* ending : {"png", "exr", "pfm"}) {
     const std::string name = fmt::format("out.{}", ending);
-    EXPECT_EQ(good(kSolids + " -o " + name + kSmall).out, "");
+    EXPECT_EQ(good(kSolids + " --look ao -o " + name + kSmall).out, "");
     const Image picture = image(name);
     ASSERT_EQ(picture.width, 64);
     ASSERT_EQ(picture.height, 64);
@@ -171,7 +171,7 @@ TEST_F(Cli, JsonTellsTheTimeOfEachStage) {
   }
   EXPECT_EQ(records.back().at("stage"), "total");
   EXPECT_NEAR(records.back().at("ms").get<double>(), sum, 0.01);
-  for (const char* stage : {"load", "prepare", "capture", "unsharp", "output", "write"})
+  for (const char* stage : {"load", "prepare", "capture", "bitmask", "average", "output", "write"})
     EXPECT_TRUE(stages.count(stage)) << stage;
 }
 
@@ -189,11 +189,28 @@ TEST_F(Cli, BackgroundIsAsAsked) {
 TEST_F(Cli, OptionsChangeThePicture) {
   const std::string line = "tri.obj" + kSmall + " --passes depth,ao,color -o ";
   good(line + "plain.exr");
-  for (const char* option : {"--look unsharp", "--ao none", "--ao-scale half", "--ao-radius 0.01", "--ao-radius 90%",
-                             "--set unsharp.kernel=41", "--up -Y", "--camera-position 3,4,5",
-                             "--camera-focal-point 1,1,0", "--camera-view-up 1,1,0", "--camera-view-angle 70",
-                             "--camera-direction -1,-1,-1", "--camera-azimuth-angle 40", "--camera-elevation-angle -25",
-                             "--camera-zoom-factor 2", "--camera-orthographic", "--background-color 0,0,0"}) {
+  for (const char* option : {"--look unsharp",
+                             "--ao none",
+                             "--ao-scale full",
+                             "--ao-radius 0.01",
+                             "--ao-radius 90%",
+                             "--set bitmask.steps=3",
+                             "--ground off",
+                             "--quality draft",
+                             "--quality high",
+                             "--anti-aliasing 3",
+                             "--ao hemisphere",
+                             "--up -Y",
+                             "--camera-position 3,4,5",
+                             "--camera-focal-point 1,1,0",
+                             "--camera-view-up 1,1,0",
+                             "--camera-view-angle 70",
+                             "--camera-direction -1,-1,-1",
+                             "--camera-azimuth-angle 40",
+                             "--camera-elevation-angle -25",
+                             "--camera-zoom-factor 2",
+                             "--camera-orthographic",
+                             "--background-color 0,0,0"}) {
     good(line + "other.exr " + option);
     EXPECT_NE(text_of(folder_ / "other.exr"), text_of(folder_ / "plain.exr")) << option;
   }
@@ -649,7 +666,7 @@ TEST_F(Cli, TheGuardBandIsNotWritten) {
 TEST_F(Cli, TheGuardBandIsSeenByEffects) {
   // Zoomed in, the scene goes on beyond the picture; with the band its border is shaded as if it were the middle.
   const std::string line =
-      kSolids + " --camera-zoom-factor 2 --resolution 64x64 --passes ao --set unsharp.kernel=15 -o ";
+      kSolids + " --look ao --camera-zoom-factor 2 --resolution 64x64 --passes ao --set unsharp.kernel=15 -o ";
   good(line + "plain.exr");
   good(line + "guarded.exr --guard-band 15%");
   const Image plain = image("plain.exr"), guarded = image("guarded.exr");

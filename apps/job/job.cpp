@@ -142,7 +142,7 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
                                  .back_sides = look.back_sides,
                                  .extra_views = draw.extra_views.value_or(look.extra_views),
                                  .guard = guard,
-                                 .shadow_rays = quality ? quality->shadow_rays : 1};
+                                 .shadow_rays = quality ? quality->shadow_rays : 0};
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
   if (width * height * *layers > kMostPixels)
@@ -301,6 +301,19 @@ std::vector<std::string> averaged_planes(const DrawSettings& settings) {
   return names;
 }
 
+/// Planes as a frame with a guard band has them: as much around, of what is at the rim.
+Image with_band(const Image& inner, int band) {
+  Image whole(inner.width + 2 * band, inner.height + 2 * band);
+  for (std::size_t k = 0; k < inner.names.size(); ++k) {
+    Plane& plane = whole.add(inner.names[k]) = Plane(whole.width, whole.height);
+    for (int y = 0; y < whole.height; ++y)
+      for (int x = 0; x < whole.width; ++x)
+        plane.at(x, y) =
+            inner.planes[k].at(std::clamp(x - band, 0, inner.width - 1), std::clamp(y - band, 0, inner.height - 1));
+  }
+  return whole;
+}
+
 /// Makes the finished picture of averaged ones, and puts it and what else was averaged into a frame. `output`: how the
 /// look would have finished a single one.
 Result<void> finish_average(Device& device, const PictureSum& total, ParameterBytes output, Frame& frame) {
@@ -311,8 +324,8 @@ Result<void> finish_average(Device& device, const PictureSum& total, ParameterBy
   if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done;
   const auto color = device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
   if (!color) return color.error();
-  if (auto done = device.add(*color, frame); !done) return done;
-  return device.add(mean_planes(total), frame);
+  if (auto done = device.add(with_band(*color, frame.info.guard), frame); !done) return done;
+  return device.add(with_band(mean_planes(total), frame.info.guard), frame);
 }
 
 }  // namespace

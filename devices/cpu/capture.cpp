@@ -15,6 +15,7 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 
+#include "devices/cpu/soften.h"
 #include "rays/camera_rays.h"
 #include "rays/extra_cameras.h"
 #include "rays/traced_scene.h"
@@ -57,7 +58,7 @@ struct ShadowLight {
   bool point = false;
   glm::vec3 where{0.0f};            ///< in unit space: where it stands, or the direction to it
   glm::vec3 right{0.0f}, up{0.0f};  ///< (parallel) the axes of its disc
-  int rays = 1;                     ///< of a pixel that it reaches in part
+  int rays = 0;                     ///< of a pixel that it reaches in part; 0: it is a point
   float size = 0.0f;                ///< in unit space: radius of its ball; or half its disc's angle, as a tangent
 };
 
@@ -127,10 +128,9 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
     const auto [right, up] = disc_axes(where);
     // The noise of a faint light shows less.
     const float share = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
-    const int traced_rays = size > 0.0f && settings.shadow_rays > 1
-                                ? std::clamp(int(std::lround(float(settings.shadow_rays) * share)), 2, kDiscPoints)
-                                : 1;
-    lights.push_back({k, point, point ? where + rays.eye : where, right, up, traced_rays, size});
+    const bool soft = size > 0.0f && settings.shadow_rays > 0;
+    const int rays_of = soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * share)), 1, kDiscPoints) : 0;
+    lights.push_back({k, point, point ? where + rays.eye : where, right, up, rays_of, size});
   }
   return lights;
 }
@@ -155,9 +155,9 @@ struct Surfaces {
   std::array<bool, kPacket> there{};
 };
 
-/// Points of the unit disc for the rays of a packet's pixels: those of a pixel are spread evenly, and those of the
-/// packet together, too. A digital (0, 2)-sequence [Sobol 1967], shifted from pixel to pixel by its own first points,
-/// mapped to the disc [Shirley 1997].
+/// Points of the unit disc for the rays of a packet's pixels, by ray and pixel. Together they are a digital
+/// (0, 2)-sequence [Sobol 1967], mapped to the disc [Shirley and Chiu 1997]: each ray's sixteen points are spread
+/// evenly, those of several rays more finely, and any four that a pixel has in a row lie in four quarters.
 using DiscPoints = std::array<std::array<glm::vec2, kPacket>, kDiscPoints>;
 
 DiscPoints disc_points() {
@@ -173,14 +173,13 @@ DiscPoints disc_points() {
     return v;
   };
   constexpr double kScale = 1.0 / 4294967296.0;
-  // A pixel's share of the shift: below what parts the first sixteen points of a pixel.
-  constexpr int kBelow = 4;
+  // Where a pixel's point lies among a ray's sixteen: turned from ray to ray.
+  constexpr std::array<std::uint32_t, 4> kTurned = {0, 3, 1, 2};
   DiscPoints points;
   for (std::uint32_t n = 0; n < kDiscPoints; ++n)
     for (std::uint32_t k = 0; k < std::uint32_t(kPacket); ++k) {
-      const std::uint32_t shift_x = first(k) ^ (first(k) >> kBelow), shift_y = second(k) ^ (second(k) >> kBelow);
-      const double x = 2.0 * (double(first(n) ^ shift_x) * kScale) - 1.0;
-      const double y = 2.0 * (double(second(n) ^ shift_y) * kScale) - 1.0;
+      const std::uint32_t m = n * kPacket + (k ^ kTurned[n % 4] ^ (kTurned[n / 4 % 4] << 2));
+      const double x = 2.0 * (double(first(m)) * kScale) - 1.0, y = 2.0 * (double(second(m)) * kScale) - 1.0;
       const bool wide = std::fabs(x) > std::fabs(y);
       const double radius = wide ? x : y, quarter = glm::pi<double>() / 4.0;
       const double angle = wide ? quarter * (y / x) : 2.0 * quarter - (y == 0.0 ? 0.0 : quarter * (x / y));
@@ -245,21 +244,24 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
   static const DiscPoints points = disc_points();
   static const auto rim = rim_points();
   for (const ShadowLight& light : drawing.lights) {
-    const int rays = light.rays;
     std::array<float, kPacket> lit{};
-    trace_to_light(drawing, surfaces, light, rays > 1, rim, lit);
-    int arrived = 0, pixels = 0;
-    for (int k = 0; k < kPacket; ++k) {
-      pixels += surfaces.there[k];
-      arrived += surfaces.there[k] && lit[k] > 0.0f;
-    }
     float scale = 1.0f;
-    if (rays > 1 && arrived != 0 && arrived != pixels) {
+    bool partly = light.rays > 0;
+    if (light.rays != 1) {
+      trace_to_light(drawing, surfaces, light, light.rays > 0, rim, lit);
+      int arrived = 0, pixels = 0;
+      for (int k = 0; k < kPacket; ++k) {
+        pixels += surfaces.there[k];
+        arrived += surfaces.there[k] && lit[k] > 0.0f;
+      }
+      partly = partly && arrived != 0 && arrived != pixels;
+    }
+    if (partly) {
       lit = {};
-      for (int ray = 0; ray < rays; ++ray)
-        trace_to_light(drawing, surfaces, light, true, points[std::size_t(ray + drawing.sample * rays) % kDiscPoints],
-                       lit);
-      scale = 1.0f / float(rays);
+      for (int ray = 0; ray < light.rays; ++ray)
+        trace_to_light(drawing, surfaces, light, true,
+                       points[std::size_t(ray + drawing.sample * light.rays) % kDiscPoints], lit);
+      scale = 1.0f / float(light.rays);
     }
     for (int k = 0; k < kPacket; ++k)
       if (surfaces.there[k]) out.shadow[light.index][k] = lit[k] * scale;
@@ -464,6 +466,13 @@ Image capture_planes(const TracedScene& traced, const PictureInfo& info, const C
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
       draw_view(traced, info, planes, settings, layer, {.first = layer}, image);
+  if (settings.shadow_rays > 0) {
+    std::vector<std::string> soft;
+    for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
+      if (casts_from_afar(info.lights[k]) && (info.lights[k].angle_deg > 0.0f || info.lights[k].radius > 0.0f))
+        soft.push_back(shadow_plane(k));
+    soften_shadows(info, soft, image);
+  }
   return image;
 }
 

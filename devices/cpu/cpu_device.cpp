@@ -60,7 +60,8 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "shininess") return 1.0f;
   if (plane.starts_with("shadow")) return 1.0f;
   if (plane == "ao") return 1.0f;
-  if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" || plane == "material_id") return 0.0f;
+  if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" || plane == "material_id")
+    return 0.0f;
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
       plane.starts_with("emission."))
     return 0.0f;

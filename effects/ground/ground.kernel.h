@@ -1,21 +1,26 @@
 // Makes the ground that a model stands on invisible but for the shade on it: where the ground is seen there is no
 // surface any more, and black covers the background by the share of the light that does not arrive.
-IN_REAL(object_id)
 IN_REAL(open_light)
 INOUT_REAL(depth)
+INOUT_REAL(object_id)
+INOUT_REAL(material_id)
 INOUT_COLOR(lit)
 OUT_REAL(cover)
 
 FN void ground_pixel(Int px, Int py) {
   Real depth = own_depth();
   Vec3 lit = own_lit();
-  Bool ground = is_surface(depth) && near_object_id(0, 0) == Real(C.object) && Real(C.object) >= 0.0f;
+  Real object = own_object_id();
+  Real material = own_material_id();
+  Bool ground = is_surface(depth) && object == Real(C.object) && Real(C.object) >= 0.0f;
   Real open = near_open_light(0, 0);
   Real arrives = dot(lit, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))) / select(open > 0.0f, open, Real(1.0f));
   Real shade = clamp((Real(1.0f) - arrives) * C.strength, Real(0.0f), Real(1.0f));
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   Real infinity = real_of_bits(Uint(0x7f800000u));
   store_cover(shade);
+  store_object_id(select(ground, Real(-1.0f), finite_or_zero(object)));
+  store_material_id(select(ground, Real(-1.0f), finite_or_zero(material)));
   store_depth(select(is_surface(depth) && !ground, depth, infinity));
   store_lit(select(ground, Vec3(Real(0.0f), Real(0.0f), Real(0.0f)), finite_or_zero(lit)));
 }

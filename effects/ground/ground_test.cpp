@@ -15,7 +15,7 @@ GBuffer row_of(const std::vector<float>& arrives, float open, int ground_object 
   GBuffer g = test::empty_gbuffer(int(arrives.size()), 1);
   g.info.ground_object = ground_object;
   Image& image = g.layers[0];
-  for (const char* name : {"depth", "object_id", "open_light", "lit.r", "lit.g", "lit.b"})
+  for (const char* name : {"depth", "object_id", "material_id", "open_light", "lit.r", "lit.g", "lit.b"})
     image.add(name) = Plane(image.width, 1, 2.0f);
   for (int x = 0; x < image.width; ++x) {
     image.plane("object_id").at(x, 0) = x == 0 ? 1.0f : 3.0f;
@@ -35,6 +35,8 @@ TEST(Ground, ShadeIsTheShareOfLightThatDoesNotArrive) {
       EXPECT_NEAR(image.plane("cover").at(x, 0), std::max(1.0 - arrives[x] / 0.8, 0.0), 1e-6) << x;
       EXPECT_EQ(image.plane("depth").at(x, 0), std::numeric_limits<float>::infinity());
       EXPECT_EQ(image.plane("lit.g").at(x, 0), 0.0f);
+      EXPECT_EQ(image.plane("object_id").at(x, 0), -1.0f);
+      EXPECT_EQ(image.plane("material_id").at(x, 0), -1.0f);
     }
   });
   test::on_every_target("ground", row_of(arrives, 0.8f), {{"strength", "0.5"}}, [](const Image& image) {
