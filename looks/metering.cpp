@@ -11,6 +11,8 @@ Result<float> metered_stops(Device& device, const Frame& frame) {
   constexpr double kHighlights = 0.03;  // share of the surfaces that may be brighter than white
   constexpr float kHowFar = 0.7f;       // of the way to white, in stops
   constexpr float kMostStops = 2.5f;    // up or down
+  constexpr float kMostBeyond = 1.0f;   // stops
+  constexpr float kBlack = 1e-4f;       // of the brightest: what is darker tells nothing
   const auto image = device.download(frame, {"lit.r", "lit.g", "lit.b", "depth"});
   if (!image) return image.error();
   std::vector<float> seen;
@@ -26,7 +28,12 @@ Result<float> metered_stops(Device& device, const Frame& frame) {
   const auto bright = seen.begin() + long(double(seen.size() - 1) * (1.0 - kHighlights));
   std::nth_element(seen.begin(), bright, seen.end());
   if (!(*bright > 0.0f)) return 0.0f;
-  return std::clamp(kHowFar * std::log2(kMeteredWhite / *bright), -kMostStops, kMostStops);
+  double logs = 0.0;
+  for (const float v : seen) logs += std::log2(std::max(v, kBlack * *bright));
+  const float to_white = std::log2(kMeteredWhite / *bright);
+  const float to_grey = std::log2(kMeteredGrey) - float(logs / double(seen.size()));
+  const float stops = std::max(to_white, std::min(to_grey, to_white + kMostBeyond));
+  return std::clamp(kHowFar * stops, -kMostStops, kMostStops);
 }
 
 }  // namespace umbrage

@@ -4,10 +4,12 @@
 
 namespace umbrage {
 
-/// Stops to add. The brightest surfaces, highlights left aside, are brought towards kMeteredWhite, though only so far:
-/// what is dark is to look dark. 0 where nothing is in view. Reads `lit`, linear, and `depth`.
+/// Stops to add. The brightest surfaces, highlights left aside, are brought towards kMeteredWhite, or beyond by up to a
+/// stop where most of the picture is far darker than they are and its middle, the geometric mean, below kMeteredGrey;
+/// though only so far: what is dark is to look dark. 0 where nothing is in view. Reads `lit`, linear, and `depth`.
 Result<float> metered_stops(Device& device, const Frame& frame);
 
 inline constexpr float kMeteredWhite = 0.72f;
+inline constexpr float kMeteredGrey = 0.2f;
 
 }  // namespace umbrage

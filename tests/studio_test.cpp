@@ -126,6 +126,22 @@ float stops_of(float brightness, float share_of_surface) {
   return *metered_stops(*device, *frame);
 }
 
+TEST(Metering, ADarkHallWithASunlitFloorIsBrightened) {
+  // A tenth of the picture is white, the rest a hundredth of that.
+  GBuffer g = test::empty_gbuffer(60, 60);
+  for (const char* name : {"lit.r", "lit.g", "lit.b"}) {
+    Plane& plane = g.layers[0].add(name) = Plane(60, 60, 0.01f * kMeteredWhite);
+    for (int y = 0; y < 6; ++y)
+      for (int x = 0; x < 60; ++x) plane.at(x, y) = kMeteredWhite;
+  }
+  g.layers[0].add("depth") = Plane(60, 60, 1.0f);
+  const auto device = make_cpu_device();
+  auto frame = device->upload(g);
+  const float stops = *metered_stops(*device, *frame);
+  EXPECT_GT(stops, 0.5f);
+  EXPECT_LE(stops, 1.0f);
+}
+
 TEST(Metering, BringsSurfacesTowardsWhite) {
   EXPECT_NEAR(stops_of(kMeteredWhite, 1.0f), 0.0, 1e-5);
   EXPECT_GT(stops_of(kMeteredWhite / 4.0f, 1.0f), 1.0f);
