@@ -10,6 +10,7 @@
 
 #include "apps/compare/compare.h"
 #include "apps/compare/report.h"
+#include "looks/quality.h"
 #include "reference/reference.h"
 #include "run_program.h"
 #include "scene/builtin.h"
@@ -227,6 +228,34 @@ TEST(Compare, TheProgressCanEndTheWork) {
   const auto ended = compare(**device, settings);
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().kind, ErrorKind::kInterrupted);
+}
+
+TEST(Compare, EachQualityComesCloserToTheTruth) {
+  auto device = make_device("cpu", 0);
+  CompareSettings settings;
+  settings.models = {"scene:solids?detail=20000"};
+  settings.sizes = {{256, 192}};
+  settings.cameras = 1;
+  settings.samples = 64;
+  settings.runs = 1;
+  settings.techniques = {"bitmask"};
+  settings.filter = "denoise";
+  double before = 1.0;
+  for (const Quality& quality : qualities()) {
+    settings.draw.quality = quality.name;
+    const auto comparison = compare(**device, settings);
+    ASSERT_TRUE(comparison) << comparison.error().message;
+    const auto& scores = comparison->scores;
+    const auto own = std::find_if(scores.begin(), scores.end(), [](const Score& s) { return s.setting.empty(); });
+    ASSERT_NE(own, scores.end());
+    EXPECT_LT(own->card.covered.rmse, before) << quality.name;
+    before = own->card.covered.rmse;
+  }
+  settings.draw.quality = "best";
+  const auto refused = compare(**device, settings);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kUsage);
+  EXPECT_NE(refused.error().message.find("draft, normal, high, ultra"), std::string::npos) << refused.error().message;
 }
 
 TEST(Compare, GuardBandIsCutOffBeforeScoring) {

@@ -126,8 +126,10 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
 /// What the device is to capture.
 Result<CaptureSettings> capture_with(const CompareSettings& settings, const DrawSettings& draw, const Look& look) {
   Look wanted = look;
-  wanted.back_sides = settings.light && draw.layers.value_or(look.layers) > 1;
-  return capture_settings(draw, wanted, settings.light ? kMostShadows : 0);
+  auto capture = capture_settings(draw, wanted, settings.light ? kMostShadows : 0);
+  if (!settings.light || !capture || capture->layers < 2) return capture;
+  wanted.back_sides = true;
+  return capture_settings(draw, wanted, kMostShadows);
 }
 
 /// The look's settings with everything the user said, and what light needs: a filter that filters it, no ambient light
@@ -135,6 +137,7 @@ Result<CaptureSettings> capture_with(const CompareSettings& settings, const Draw
 Result<Recipe> recipe_of(const CompareSettings& settings) {
   DrawSettings draw = settings.draw;
   draw.look = "ao";
+  draw.frames = 1;  // a technique is scored alone
   if (const auto filter = filter_of(settings); !filter)
     return filter.error();
   else if (*filter && settings.light && find_parameter(**filter, "indirect"))
@@ -391,15 +394,18 @@ Terms terms_of(const CompareSettings& settings) {
   const auto said = [&](std::string_view name) {
     return parameter_text(*find_parameter(reference_effect(), name), reference);
   };
+  const auto captured = capture_with(settings, settings.draw, *recipe->look);
   return {.radius = radius_text(settings),
           .falloff = said("falloff"),
           .normal = said("normal"),
           .samples = settings.samples,
           .settings = fmt::format("{}", fmt::join(settings.draw.settings, " ")),
           .guard = fmt::format("{:g}%", settings.draw.guard_percent),
-          .layers = settings.draw.layers.value_or(recipe->look->layers),
+          .layers = captured ? captured->layers : 1,
           .extra_views = settings.draw.extra_views.value_or(recipe->look->extra_views),
-          .scale = settings.draw.occlusion_scale.empty() ? "full" : settings.draw.occlusion_scale,
+          .scale = recipe->occlusion_every == 1   ? "full"
+                   : recipe->occlusion_every == 2 ? "half"
+                                                  : "quarter",
           .filter = settings.filter};
 }
 
