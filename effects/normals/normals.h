@@ -1,0 +1,14 @@
+// What a person sets of `normals`, and what its kernel reads. Shared by C++ and GLSL: 4-byte scalars only.
+#ifndef UMBRAGE_EFFECTS_NORMALS_H
+#define UMBRAGE_EFFECTS_NORMALS_H
+
+// One row of the table in normals.cpp per field.
+struct NormalsParams {
+  int sides;  // 0 the better of two at each pixel, 1 the mean of both
+};
+
+struct NormalsConstants {
+  int mean;  // 0 or 1
+};
+
+#endif
