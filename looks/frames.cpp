@@ -63,9 +63,9 @@ namespace {
 
 Plane mean_plane(const PictureSum& total, std::string_view name) {
   Plane mean = total.sum.plane(name);
-  const float scale = 1.0f / float(total.count);
+  const auto count = float(total.count);
   for (int y = 0; y < mean.height; ++y)
-    for (int x = 0; x < mean.width; ++x) mean.row(y)[x] *= scale;
+    for (int x = 0; x < mean.width; ++x) mean.row(y)[x] /= count;
   return mean;
 }
 

@@ -17,8 +17,8 @@ Result<float> metered_stops(Device& device, const Frame& frame) {
   if (!image) return image.error();
   std::vector<float> seen;
   seen.reserve(std::size_t(image->width / kEvery + 1) * std::size_t(image->height / kEvery + 1));
-  for (int y = kEvery / 2; y < image->height; y += kEvery)
-    for (int x = kEvery / 2; x < image->width; x += kEvery) {
+  for (int y = std::min(kEvery / 2, image->height - 1); y < image->height; y += kEvery)
+    for (int x = std::min(kEvery / 2, image->width - 1); x < image->width; x += kEvery) {
       if (!std::isfinite(image->planes[3].at(x, y))) continue;
       const float luminance = 0.2126f * image->planes[0].at(x, y) + 0.7152f * image->planes[1].at(x, y) +
                               0.0722f * image->planes[2].at(x, y);

@@ -1,4 +1,4 @@
-// Quality: presets of how much time a picture may take, for every technique that has something to set.
+// Quality: presets of how much time a picture may take, for the techniques `bitmask`, `hemisphere` and `sphere`.
 #pragma once
 #include <span>
 #include <string_view>

@@ -24,8 +24,8 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
 /// Its disc spans four degrees, so that ray-traced shadows are a little soft.
 std::vector<Light> default_lights(const Scene& scene, const Camera& camera);
 
-/// A photographer's: a large white key light as above, a weaker and larger fill light from the other side, both with
-/// soft shadows, and a faint light from behind that parts the model from the background.
+/// A photographer's: a large white key light from above and to the left, a weaker and larger fill light from the other
+/// side, both with soft shadows.
 std::vector<Light> studio_lights(const Camera& camera);
 
 /// Ambient light that goes with studio_lights.

@@ -69,7 +69,7 @@ bool lacks_ground(const Scene& scene) {
     }
   const double filled = double(size.x) * size.z;
   const bool landscape = size.y < kFlat * width && upward > kFilled * filled;
-  return !landscape && low < kMostOfPlan * filled;
+  return !landscape && low <= kMostOfPlan * filled;
 }
 
 void add_ground(Scene& scene) {

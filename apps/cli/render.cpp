@@ -177,7 +177,7 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
 std::vector<std::string> averaged_passes(const std::vector<std::string>& words) {
   std::vector<std::string> planes;
   for (const std::string& word : words) {
-    if (word == "ao" || word == "outline") planes.push_back(word);
+    if (word == "ao" || word == "outline" || word == "cover" || word.starts_with("shadow")) planes.push_back(word);
     if (word == "direct" || word == "ambient" || word == "indirect" || word == "lit")
       for (const char* channel : {".r", ".g", ".b"}) planes.push_back(word + channel);
   }
@@ -244,6 +244,7 @@ Result<void> render(const RenderOptions& o) {
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
   times.done("load");
+  const std::size_t triangles = scene->triangle_count(), meshes = scene->meshes.size();
   furnish(*scene, *draw_with);
   if (auto ready = (*device)->prepare(*scene); !ready) return ready;
   times.done("prepare");
@@ -261,8 +262,7 @@ Result<void> render(const RenderOptions& o) {
   if (auto written = write_output(o, recipe->settings, **device, *frame); !written) return written;
   times.done("write");
   if (o.verbose)
-    fmt::print(stderr, "{}: {} triangles in {} meshes\n{}\n", scene->name, scene->triangle_count(),
-               scene->meshes.size(), (*device)->description());
+    fmt::print(stderr, "{}: {} triangles in {} meshes\n{}\n", scene->name, triangles, meshes, (*device)->description());
   if (o.verbose || o.json) print_times(times, o.json);
   return {};
 }

@@ -406,7 +406,8 @@ Terms terms_of(const CompareSettings& settings) {
           .scale = recipe->occlusion_every == 1   ? "full"
                    : recipe->occlusion_every == 2 ? "half"
                                                   : "quarter",
-          .filter = settings.filter};
+          .filter = settings.filter,
+          .quality = settings.draw.quality};
 }
 
 Result<Comparison> compare(Device& device, const CompareSettings& settings) {

@@ -71,6 +71,7 @@ struct Terms {
   int extra_views = 0;                  ///< --extra-views
   std::string scale;                    ///< --ao-scale
   std::string filter;                   ///< --filter
+  std::string quality;                  ///< --quality
 
   bool operator==(const Terms&) const = default;
 };

@@ -74,6 +74,7 @@ nlohmann::json terms_json(const Terms& terms) {
   if (terms.extra_views != 0) json["extra_views"] = terms.extra_views;
   if (terms.scale != "full") json["scale"] = terms.scale;
   if (!terms.filter.empty()) json["filter"] = terms.filter;
+  if (!terms.quality.empty()) json["quality"] = terms.quality;
   return json;
 }
 
@@ -221,7 +222,9 @@ Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, con
   now["extra_views"] = terms.extra_views;
   now["scale"] = terms.scale;
   now["filter"] = terms.filter;
-  const nlohmann::json seldom_named = {{"layers", 1}, {"extra_views", 0}, {"scale", "full"}, {"filter", ""}};
+  now["quality"] = terms.quality;
+  const nlohmann::json seldom_named = {
+      {"layers", 1}, {"extra_views", 0}, {"scale", "full"}, {"filter", ""}, {"quality", ""}};
   for (const nlohmann::json& record : baseline)
     for (const auto& [field, value] : now.items()) {
       const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);

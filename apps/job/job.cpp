@@ -135,14 +135,16 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
   const int guard = int(std::ceil(draw.guard_percent / 100.0f * float(std::max(draw.width, draw.height))));
   const long width = draw.width + 2L * guard, height = draw.height + 2L * guard;
   const Quality* quality = quality_of(draw, look);
-  const CaptureSettings settings{.width = draw.width,
-                                 .height = draw.height,
-                                 .shadows = shadows,
-                                 .layers = draw.layers.value_or(std::max(look.layers, quality ? quality->layers : 1)),
-                                 .back_sides = look.back_sides,
-                                 .extra_views = draw.extra_views.value_or(look.extra_views),
-                                 .guard = guard,
-                                 .shadow_rays = quality ? quality->shadow_rays : 0};
+  CaptureSettings settings{.width = draw.width,
+                           .height = draw.height,
+                           .shadows = shadows,
+                           .layers = draw.layers.value_or(std::max(look.layers, quality ? quality->layers : 1)),
+                           .back_sides = look.back_sides,
+                           .extra_views = draw.extra_views.value_or(look.extra_views),
+                           .guard = guard,
+                           .shadow_rays = quality ? quality->shadow_rays : 0};
+  // A quality wants no more layers than there is room for.
+  while (!draw.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
   if (width * height * *layers > kMostPixels)
@@ -239,7 +241,14 @@ void furnish(Scene& scene, const DrawSettings& settings) {
   const glm::vec3 eye = camera.eye();
   const bool inside =
       glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
-  const bool wanted = look->ground && !inside && lacks_ground(scene);
+  // From below a ground would hide the model.
+  const glm::vec3 looks_along = -glm::vec3(glm::transpose(camera.view_from_world)[2]);
+  const glm::vec3 lowest = scene.center() - glm::normalize(scene.up) * scene.radius();
+  const bool below = camera.projection == Projection::kOrthographic
+                         ? glm::dot(looks_along, scene.up) > 0.0f
+                         : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
+                                                                       glm::dot(eye - scene.center(), scene.up) < 0.0f);
+  const bool wanted = look->ground && !inside && !below && lacks_ground(scene);
   if (settings.ground == Ground::kOn || (settings.ground == Ground::kAuto && wanted)) add_ground(scene);
 }
 
@@ -257,12 +266,13 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   const bool traced = find_effect(recipe.occlusion) == nullptr;  // or none at all
+  if (draw.ground == Ground::kOn && !recipe.look->ground)
+    return usage_error("--ground on is for looks that show the shade alone, such as studio, not '{}'", draw.look);
   const Quality* quality = quality_of(draw, *recipe.look);
   if (!quality && !draw.quality.empty()) {
     std::vector<std::string_view> names;
     for (const Quality& each : qualities()) names.push_back(each.name);
-    return usage_error("--quality cannot be '{}'{}: it takes {}", draw.quality, suggestion(draw.quality, names),
-                       fmt::join(names, ", "));
+    return usage_error("--quality cannot be '{}'{}", draw.quality, suggestion(draw.quality, names));
   }
   recipe.frames = draw.frames.value_or(quality ? quality->frames : 1);
   recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
@@ -293,6 +303,23 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
 }
 
 namespace {
+
+/// The parameter by which a technique gets other noise in each frame, "hemisphere.seed", and what it is in the first;
+/// empty where it has none.
+struct FrameNoise {
+  std::string parameter;
+  int first = 0;
+};
+
+FrameNoise frame_noise(const Recipe& recipe) {
+  for (const Effect* effect : every_effect())
+    if (effect->name == recipe.occlusion)
+      for (const char* name : {"frame", "seed"})
+        if (const Parameter* row = find_parameter(*effect, name))
+          return {fmt::format("{}.{}", effect->name, name),
+                  std::atoi(parameter_text(*row, recipe.settings.find(effect->name)->second).c_str())};
+  return {};
+}
 
 /// The planes of a picture that are averaged over frames.
 std::vector<std::string> averaged_planes(const DrawSettings& settings) {
@@ -339,10 +366,16 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
   auto capture_with = capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();
+  int frames_done = 0;
+  TracedScenePtr hierarchy;  // of the reference, for all frames
+  const auto progress = [&](double done) { return settings.progress((frames_done + done) / recipe->frames); };
   const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
-    const auto traced = trace_ready(scene, device.threads());
-    if (!traced) return traced.error();
-    const auto planes = trace_reference(**traced, on.info, params, {device.threads(), settings.progress});
+    if (!hierarchy) {
+      auto traced = trace_ready(scene, device.threads());
+      if (!traced) return traced.error();
+      hierarchy = std::move(*traced);
+    }
+    const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), progress});
     return planes ? device.add(*planes, on) : planes.error();
   };
   LookRun run{.look = recipe->look,
@@ -356,6 +389,9 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   const auto set = [&](const std::string& setting) {
     if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) fail_check(done.error().message);
   };
+  if (const auto& finish = as<OutputParams>(recipe->settings.find("output")->second);
+      finish.transparent && finish.transfer == 0)
+    set("ground.blend=display");
   const bool averages = recipe->frames > 1;
   const ParameterBytes output = recipe->settings.find("output")->second;
   if (averages) {
@@ -363,8 +399,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     set("output.transfer=none");
     set("output.transparent=on");
   }
-  const Effect* technique = find_effect(recipe->occlusion);
-  const bool noise_of_frames = technique && find_parameter(*technique, "frame");
+  const FrameNoise noise = frame_noise(*recipe);
   PictureSum total;
   // The last frame has its samples at the pixels' centres, and stays.
   for (int k = recipe->frames - 1;; --k) {
@@ -380,7 +415,8 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
         if (!setting.starts_with("output."))
           if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) return done.error();
     }
-    if (averages && noise_of_frames) set(fmt::format("{}.frame={}", technique->name, k));
+    if (averages && !noise.parameter.empty())
+      set(fmt::format("{}={}", noise.parameter, (noise.first + k) % kMostFrames));
     const auto stops = run_look(run, device, *frame);
     if (!stops) return stops.error();
     run.stops = *stops;  // one exposure for all
@@ -388,6 +424,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     const auto picture = device.download(*frame, averaged_planes(settings));
     if (!picture) return picture.error();
     add_picture(total, *picture);
+    ++frames_done;
     times.done("average");
     if (k > 0) continue;
     if (auto done = finish_average(device, total, output, *frame); !done) return done.error();

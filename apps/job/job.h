@@ -45,7 +45,7 @@ enum class Ground {
 struct DrawSettings {
   int width = 1024, height = 1024;
   Framing framing;
-  std::string look = "ao";
+  std::string look = "ao";            ///< the plainest; programs say which one people get
   std::string occlusion;              ///< empty: the look's own
   std::string occlusion_scale;        ///< --ao-scale: full, half or quarter; empty: the look's own
   std::vector<std::string> settings;  ///< "effect.parameter=value", applied after the look's presets

@@ -74,6 +74,11 @@ struct Drawing {
   std::vector<DrawnPlane> planes;  ///< of each layer, in this order
 };
 
+/// The size of a light: of its ball's radius, or of half its disc's angle, as a tangent; 0: it is a point.
+float light_size(const Light& light) {
+  return light.kind == LightKind::kPoint ? light.radius : std::tan(glm::radians(0.5f * light.angle_deg));
+}
+
 bool casts_from_afar(const Light& light) {
   return light.casts_shadow && light.kind != LightKind::kHead;  // a head light shines from the eye: what is seen is lit
 }
@@ -124,7 +129,7 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
     if (!casts_from_afar(light)) continue;
     const bool point = light.kind == LightKind::kPoint;
     const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
-    const float size = point ? light.radius * traced.scale : std::tan(glm::radians(0.5f * light.angle_deg));
+    const float size = light_size(light) * (point ? traced.scale : 1.0f);
     const auto [right, up] = disc_axes(where);
     // The noise of a faint light shows less.
     const float share = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
@@ -469,8 +474,7 @@ Image capture_planes(const TracedScene& traced, const PictureInfo& info, const C
   if (settings.shadow_rays > 0) {
     std::vector<std::string> soft;
     for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
-      if (casts_from_afar(info.lights[k]) && (info.lights[k].angle_deg > 0.0f || info.lights[k].radius > 0.0f))
-        soft.push_back(shadow_plane(k));
+      if (casts_from_afar(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(shadow_plane(k));
     soften_shadows(info, soft, image);
   }
   return image;

@@ -21,11 +21,17 @@ const std::vector<Parameter> kTable = {
      .offset = offsetof(GroundParams, strength),
      .initial = 1.0,
      .most = 2.0},
+    {.name = "blend",
+     .help = "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone",
+     .type = ParameterType::kChoice,
+     .offset = offsetof(GroundParams, blend),
+     .choices = {"light", "display"}},
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
   const auto& params = as<GroundParams>(bytes);
-  *static_cast<GroundConstants*>(out) = {.object = float(info.ground_object), .strength = params.strength};
+  *static_cast<GroundConstants*>(out) = {
+      .object = float(info.ground_object), .strength = params.strength, .display = params.blend};
 }
 
 }  // namespace

@@ -5,11 +5,13 @@
 // One row of the table in ground.cpp per field.
 struct GroundParams {
   float strength;  // of the shade on the ground
+  int blend;       // what lays the shade over a background: 0 light, 1 values as a display shows them
 };
 
 struct GroundConstants {
   float object;  // id of the ground; below 0: there is none
   float strength;
+  int display;  // 0 or 1
 };
 
 #endif

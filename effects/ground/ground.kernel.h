@@ -18,6 +18,7 @@ FN void ground_pixel(Int px, Int py) {
   Real shade = clamp((Real(1.0f) - arrives) * C.strength, Real(0.0f), Real(1.0f));
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   Real infinity = real_of_bits(Uint(0x7f800000u));
+  if (C.display != 0) shade = Real(1.0f) - display_from_linear(Real(1.0f) - shade);
   store_cover(shade);
   store_object_id(select(ground, Real(-1.0f), finite_or_zero(object)));
   store_material_id(select(ground, Real(-1.0f), finite_or_zero(material)));

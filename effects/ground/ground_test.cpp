@@ -45,6 +45,16 @@ TEST(Ground, ShadeIsTheShareOfLightThatDoesNotArrive) {
   });
 }
 
+TEST(Ground, OverAnyBackgroundViewersShowTheSameShade) {
+  // What a viewer makes of black with that alpha is what light makes of the shade, but near black where sRGB is linear.
+  test::on_every_target("ground", row_of({0.3f, 0.4f, 0.2f}, 0.8f), {{"blend", "display"}}, [](const Image& image) {
+    for (int x : {1, 2}) {
+      const double arrives = x == 1 ? 0.5 : 0.25;
+      EXPECT_NEAR(1.0 - image.plane("cover").at(x, 0), 1.055 * std::pow(arrives, 1.0 / 2.4) - 0.055, 1e-4);
+    }
+  });
+}
+
 TEST(Ground, NothingChangesWithoutOne) {
   test::on_every_target("ground", row_of({0.3f, 0.2f}, 0.8f, -1), {}, [](const Image& image) {
     for (int x : {0, 1}) {

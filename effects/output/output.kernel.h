@@ -1,7 +1,7 @@
 // Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
 //
-// Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel, or what shade sends
-// that covers the share `cover`.
+// Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel, or what shade
+// sends that covers the share `cover`.
 IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
@@ -17,7 +17,7 @@ FN Real srgb_from_linear(Real v) {
 // Light beyond the shoulder, bent so that it nears 1 and never exceeds it.
 FN Real compressed(Real v) {
   Real over = max(v - C.shoulder, Real(0.0f)) * Real(C.room);
-  return min(v, Real(C.shoulder)) + over / (over + 1.0f) * Real(1.0f - C.shoulder);
+  return min(v, Real(C.shoulder)) + (Real(1.0f) - Real(1.0f) / (over + 1.0f)) * Real(1.0f - C.shoulder);
 }
 
 FN void output_pixel(Int px, Int py) {

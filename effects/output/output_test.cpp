@@ -175,6 +175,22 @@ TEST(Output, WhatIsNoLightIsBlack) {
     });
 }
 
+TEST(Output, UnderAShoulderLightIsANumber) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const GBuffer g = row_of({std::nanf(""), infinity, 3e38f, 1e38f, 1e20f});
+  for (const char* shoulder : {"0", "0.8", "0.999"})
+    test::on_every_target("output", g, {{"shoulder", shoulder}}, [](const Image& image) {
+      for (int x = 0; x < image.width; ++x) {
+        const float v = image.plane("color.r").at(x, 0);
+        EXPECT_GE(v, 0.0f) << x;
+        EXPECT_LE(v, 1.0f) << x;
+        if (x > 1) {
+          EXPECT_GT(v, 0.99f) << x;
+        }
+      }
+    });
+}
+
 TEST(Output, NeedsDepthAndLight) {
   const auto device = make_cpu_device();
   const Effect& effect = *find_effect("output");

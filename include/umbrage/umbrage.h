@@ -10,7 +10,7 @@ namespace umbrage {
 /// What to draw. Everything but the model has a value that serves.
 struct RenderRequest {
   std::string model;                  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
-  std::string look = "ao";            ///< a recipe: see `umbrage list looks`
+  std::string look = "studio";        ///< a recipe: see `umbrage list looks`
   std::string occlusion;              ///< an occlusion technique, or "none"; empty: the look's own
   std::vector<std::string> settings;  ///< "effect.parameter=value": see `umbrage list effects`
   int width = 1024, height = 1024;    ///< pixels, 1 to 16384 each
