@@ -1,6 +1,7 @@
 // Makes the ground that a model stands on invisible but for the shade on it: where the ground is seen there is no
 // surface any more, and black covers the background by the share of the light that does not arrive.
 IN_REAL(open_light)
+IN_COLOR(indirect)
 INOUT_REAL(depth)
 INOUT_REAL(object_id)
 INOUT_REAL(material_id)
@@ -14,7 +15,9 @@ FN void ground_pixel(Int px, Int py) {
   Real material = own_material_id();
   Bool ground = is_surface(depth) && object == Real(C.object) && Real(C.object) >= 0.0f;
   Real open = near_open_light(0, 0);
-  Real arrives = dot(lit, Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))) / select(open > 0.0f, open, Real(1.0f));
+  // The light that the model throws onto the ground would take away the shade where the two touch.
+  Real arrives = dot(lit - clean_light(near_indirect(0, 0)), Vec3(Real(0.2126f), Real(0.7152f), Real(0.0722f))) /
+                 select(open > 0.0f, open, Real(1.0f));
   Real shade = clamp((Real(1.0f) - arrives) * C.strength, Real(0.0f), Real(1.0f));
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
   Real infinity = real_of_bits(Uint(0x7f800000u));

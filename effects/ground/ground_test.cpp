@@ -55,6 +55,13 @@ TEST(Ground, OverAnyBackgroundViewersShowTheSameShade) {
   });
 }
 
+TEST(Ground, LightThatSurfacesSendIsLeftOut) {
+  GBuffer g = row_of({0.3f, 0.6f}, 0.8f);
+  for (const char* name : {"indirect.r", "indirect.g", "indirect.b"}) g.layers[0].add(name) = Plane(2, 1, 0.2f);
+  test::on_every_target("ground", g, {},
+                        [](const Image& image) { EXPECT_NEAR(image.plane("cover").at(1, 0), 0.5, 1e-6); });
+}
+
 TEST(Ground, NothingChangesWithoutOne) {
   test::on_every_target("ground", row_of({0.3f, 0.2f}, 0.8f, -1), {}, [](const Image& image) {
     for (int x : {0, 1}) {
