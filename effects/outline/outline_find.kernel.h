@@ -257,8 +257,12 @@ FN void outline_find_pixel(Int px, Int py) {
   Real right = Real(0.0f);
   Real below = Real(0.0f);
   if (some(beside)) {
-    right = edge(px, py, 1, 0);
-    below = edge(px, py, 0, 1);
+    // A loop, so that there is one copy of all this.
+    for (int down = 0; down < 2; ++down) {
+      Real found = edge(px, py, 1 - down, down);
+      if (down == 0) right = found;
+      if (down == 1) below = found;
+    }
   }
   store_outline_right(right);
   store_outline_below(below);
