@@ -14,10 +14,10 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
 void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info);
 
 /// The planes of core/gbuffer.h for each pixel centre's ray, one set per layer that `info` names: first the surfaces
-/// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a
-/// hundred-thousandth of their distances from the eye and from the scene's middle, added up, are one; which of them it
-/// is, rounding decides. Of the settings only those of shadows count. Uses all threads of the calling task arena; the result
-/// does not depend on their number.
+/// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a hundred-
+/// thousandth of their distances from the eye and from the scene's middle, added up, are one; which of them it is,
+/// rounding decides. Of the settings only those of shadows count. Uses all threads of the calling task arena; the
+/// result does not depend on their number.
 Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings);
 
 }  // namespace umbrage
