@@ -13,3 +13,12 @@ FN Real sine_of_quarters(Real u) {
   sum = mad(sum, squared, Real(-0.16666667f));
   return mad(sum * squared, x, x);
 }
+
+// Cosine and sine of a share of a whole turn, in [0, 1).
+FN Vec2 direction_of_turn(Real turn) {
+  Real s = sine_of_quarters(turn - 0.5f);
+  Real c = sqrt(mad(-s, s, Real(1.0f)));
+  Real half_s = 2.0f * s * c;
+  Real half_c = mad(s * s, Real(-2.0f), Real(1.0f));
+  return Vec2(mad(half_s * half_s, Real(-2.0f), Real(1.0f)), 2.0f * half_s * half_c);
+}

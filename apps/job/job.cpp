@@ -236,7 +236,7 @@ bool gathers_light(const Look& look, const EffectSettings& settings) {
 
 void furnish(Scene& scene, const DrawSettings& settings) {
   const Look* look = find_look(settings.look);
-  if (!look) return;  // make_recipe says so
+  if (!look || !look->ground || settings.ground == Ground::kOff) return;  // make_recipe says what is wrong
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   const glm::vec3 eye = camera.eye();
   const bool inside =
@@ -248,8 +248,7 @@ void furnish(Scene& scene, const DrawSettings& settings) {
                          ? glm::dot(looks_along, scene.up) > 0.0f
                          : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
                                                                        glm::dot(eye - scene.center(), scene.up) < 0.0f);
-  const bool wanted = look->ground && !inside && !below && lacks_ground(scene);
-  if (settings.ground == Ground::kOn || (settings.ground == Ground::kAuto && wanted)) add_ground(scene);
+  if (settings.ground == Ground::kOn || (!inside && !below && lacks_ground(scene))) add_ground(scene);
 }
 
 Result<Recipe> make_recipe(const DrawSettings& draw) {

@@ -14,13 +14,7 @@ OUT_REAL(ao)
 FN Vec2 turn_at(Int px, Int py) {
   Uint x = to_uint(px);
   Uint y = to_uint(py);
-  Real turn = share_of_one(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)) - 0.5f;
-  // By the half angle, twice: a quarter of it is within an eighth of a turn.
-  Real s = sine_of_quarters(turn);
-  Real c = sqrt(mad(-s, s, Real(1.0f)));
-  Real half_s = 2.0f * s * c;
-  Real half_c = mad(s * s, Real(-2.0f), Real(1.0f));
-  return Vec2(mad(half_s * half_s, Real(-2.0f), Real(1.0f)), 2.0f * half_s * half_c);
+  return direction_of_turn(share_of_one(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)));
 }
 
 FN void alchemy_pixel(Int px, Int py) {

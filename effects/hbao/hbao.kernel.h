@@ -11,15 +11,6 @@ OUT_REAL(ao)
 
 CONST float kLeastFacing = 0.02f;  // of the normal's z: a plane seen more edge-on has no slope that is a number
 
-// Cosine and sine of a share of a whole turn, in [0, 1).
-FN Vec2 direction_of(Real turn) {
-  Real s = sine_of_quarters(turn - 0.5f);
-  Real c = sqrt(mad(-s, s, Real(1.0f)));
-  Real half_s = 2.0f * s * c;
-  Real half_c = mad(s * s, Real(-2.0f), Real(1.0f));
-  return Vec2(mad(half_s * half_s, Real(-2.0f), Real(1.0f)), 2.0f * half_s * half_c);
-}
-
 FN void hbao_pixel(Int px, Int py) {
   Real depth = near_depth(0, 0);
   Bool surface = is_surface(depth);
@@ -38,7 +29,7 @@ FN void hbao_pixel(Int px, Int py) {
   // "we randomly rotate the directions and jitter the samples" [section 3.2].
   Uint first = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
   Real jitter = share_of_one(scrambled(first + Uint(1u)));
-  Vec2 direction = direction_of(share_of_one(first) * Real(C.turn_share));
+  Vec2 direction = direction_of_turn(share_of_one(first) * Real(C.turn_share));
   Real sum = Real(0.0f);
   for (int i = 0; i < C.directions; ++i) {
     // The tangent plane's rise along the direction, per length in the picture's plane; its elevation plus the bias.

@@ -21,6 +21,8 @@ IN_COLOR(emission)
 OUT_COLOR(direct)
 OUT_COLOR(ambient)
 
+#include "effects/lighting/lighting_lights.kernel.h"
+
 // The share of a light that arrives; lights after those that have a plane have no shadow.
 FN Real shadow_of(int light) {
   if (light == 0) return near_shadow(0, 0);
@@ -51,14 +53,8 @@ FN void lighting_pixel(Int px, Int py) {
   Vec3 sum = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   if (C.emission > 0.0f) sum = near_emission(0, 0) * Real(C.emission);
   for (int k = 0; k < C.light_count; ++k) {
-    Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
-    Real arrives = Real(1.0f);
-    if (C.kind[k] == 1) {
-      Vec3 away = light - position;
-      Real squared = max(dot(away, away), Real(1e-20f));
-      light = away * rsqrt(squared);
-      if (C.reach_squared[k] > 0.0f) arrives = Real(C.reach_squared[k]) / squared;
-    }
+    Vec3 light = towards_light(k, position);
+    Real arrives = arriving_share(k, position);
     if (C.shadow > 0.0f) arrives = arrives * mad(shadow_of(k) - 1.0f, Real(C.shadow), Real(1.0f));
     Real lambert = max(dot(normal, light), Real(0.0f));
     Real highlight = Real(0.0f);

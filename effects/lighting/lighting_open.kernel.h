@@ -4,6 +4,8 @@ IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(open_light)
 
+#include "effects/lighting/lighting_lights.kernel.h"
+
 FN Real luminance_of(Real r, Real g, Real b) { return r * 0.2126f + g * 0.7152f + b * 0.0722f; }  // Rec.709
 
 FN void lighting_open_pixel(Int px, Int py) {
@@ -13,14 +15,8 @@ FN void lighting_open_pixel(Int px, Int py) {
   Vec3 normal = near_normal(0, 0);
   Real sum = luminance_of(Real(C.ambient_r), Real(C.ambient_g), Real(C.ambient_b));
   for (int k = 0; k < C.light_count; ++k) {
-    Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
-    Real arrives = Real(1.0f);
-    if (C.kind[k] == 1) {
-      Vec3 away = light - position;
-      Real squared = max(dot(away, away), Real(1e-20f));
-      light = away * rsqrt(squared);
-      if (C.reach_squared[k] > 0.0f) arrives = Real(C.reach_squared[k]) / squared;
-    }
+    Vec3 light = towards_light(k, position);
+    Real arrives = arriving_share(k, position);
     Real lambert = max(dot(normal, light), Real(0.0f)) * C.diffuse;
     sum = sum + arrives * lambert * luminance_of(Real(C.r[k]), Real(C.g[k]), Real(C.b[k]));
   }

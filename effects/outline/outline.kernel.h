@@ -31,6 +31,19 @@ FN Real linked_of(Real piece) { return bits_at(piece, 23, Uint(31u)) * Real(1.0f
 // The cosine of a line's lean.
 FN Real cosine_of(Real slope) { return rsqrt(mad(slope, slope, Real(1.0f))); }
 
+// A piece of line as a pixel meets it whose row (column) it crosses i pixels on: how far inside the line's width the
+// pixel's centre lies, counted from half a pixel outside, from its side on the nearer surface and from the other; and
+// how far it is from the crossing, above 0 on the nearer surface.
+FN Vec3 met(Real v, int i) {
+  Real width = linked_of(v) * C.width_px;
+  Real side = side_of(v);
+  Real off = (place_of(v) + Real(float(i))) * cosine_of(slope_of(v));
+  off = select(side < 0.0f, -off, off);
+  Real wide = mad(abs(side), width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
+  Real narrow = width + 1.0f - wide;                              // onto the other
+  return Vec3(wide - off, narrow + off, off);
+}
+
 // What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
 // (towards -1) or forward (1), cover of it, 1 and more for all.
 FN Real seen_cover(int lying, int towards) {
@@ -41,18 +54,10 @@ FN Real seen_cover(int lying, int towards) {
     Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
-    Real shrink = cosine_of(slope_of(v));
-    Real sure = linked_of(v);
-    Real width = sure * C.width_px;
-    Real side = side_of(v);
-    Real off = (place_of(v) + Real(float(i))) * shrink;
-    off = select(side < 0.0f, -off, off);
-    side = abs(side);
-    Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
-    Real narrow = width + 1.0f - wide;                         // onto the other
-    Real cover = min(wide - off, narrow + off) * unit_clamp(sure * kFading);
+    Vec3 line = met(v, i);
+    Real cover = min(line.x, line.y) * unit_clamp(linked_of(v) * kFading);
     covered = max(covered, cover * open);
-    open = select(here && side > kSideEnds, Real(0.0f), open);
+    open = select(here && abs(side_of(v)) > kSideEnds, Real(0.0f), open);
   }
   return covered;
 }
@@ -69,22 +74,15 @@ FN Vec3 seen(int lying, int towards) {
     Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
-    Real slope = slope_of(v);
-    Real shrink = cosine_of(slope);
+    Vec3 line = met(v, i);
     Real sure = linked_of(v);
-    Real width = sure * C.width_px;
-    Real side = side_of(v);
-    Real off = (place_of(v) + Real(float(i))) * shrink;
-    off = select(side < 0.0f, -off, off);
-    side = abs(side);
-    Real wide = mad(side, width * 0.5f, width * 0.5f + 0.5f);  // onto the nearer side
-    Real narrow = width + 1.0f - wide;                         // onto the other
-    Bool rim = side > kRim && off > 0.0f;
-    Real cover = select(rim, wide - off, min(wide - off, narrow + off)) * unit_clamp(sure * kFading);
+    Real side = abs(side_of(v));
+    Bool rim = side > kRim && line.z > 0.0f;
+    Real cover = select(rim, line.x, min(line.x, line.y)) * unit_clamp(sure * kFading);
     covered = max(covered, cover * open);
     Bool first = sure > 0.0f && distance == Real(kFar);
-    lean = select(first, slope, lean);
-    distance = select(first, select(rim, off, Real(kFar + 1.0f)), distance);
+    lean = select(first, slope_of(v), lean);
+    distance = select(first, select(rim, line.z, Real(kFar + 1.0f)), distance);
     open = select(here && side > kSideEnds, Real(0.0f), open);
   }
   return Vec3(covered, distance, lean);

@@ -1,0 +1,18 @@
+// The lights of LightingConstants as a point sees them.
+
+// The squared distance of a point light, above 0.
+FN Real squared_distance(Vec3 away) { return max(dot(away, away), Real(1e-20f)); }
+
+// Unit vector from a view-space position towards light k.
+FN Vec3 towards_light(int k, Vec3 position) {
+  Vec3 light = Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k]));
+  if (C.kind[k] != 1) return light;
+  Vec3 away = light - position;
+  return away * rsqrt(squared_distance(away));
+}
+
+// The share of its colour that reaches a position with nothing in the way.
+FN Real arriving_share(int k, Vec3 position) {
+  if (C.kind[k] != 1 || !(C.reach_squared[k] > 0.0f)) return Real(1.0f);
+  return Real(C.reach_squared[k]) / squared_distance(Vec3(Real(C.x[k]), Real(C.y[k]), Real(C.z[k])) - position);
+}
