@@ -10,52 +10,18 @@
 
 #include "run_effect.h"
 #include "support.h"
+#include "waves.h"
 
 namespace umbrage {
 namespace {
 
+using test::normal;
+using test::pixel_at;
+using test::position;
 using test::Settings;
+using test::waves;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// Waves with a raised block, a hole, and normals that roughly belong to them.
-GBuffer waves(int width, int height, bool orthographic) {
-  GBuffer g = test::empty_gbuffer(width, height);
-  if (orthographic)
-    g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 4.0f, float(width) / float(height));
-  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) g.layers[0].add(name);
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const double u = 2.0 * (x + 0.5) / width - 1.0, v = 1.0 - 2.0 * (y + 0.5) / height;
-      double depth = 6.0 + 0.4 * std::sin(7.0 * u) * std::cos(5.0 * v);
-      glm::dvec3 n = glm::normalize(glm::dvec3(0.4 * std::cos(7.0 * u), 0.3 * std::sin(5.0 * v), 1.0));
-      if (u > 0.1 && u < 0.4 && v > 0.0 && v < 0.5) {
-        depth = 5.2 + 0.1 * u;
-        n = {0, 0, 1};
-      }
-      const bool hole = (u + 0.5) * (u + 0.5) + v * v < 0.02;
-      g.layers[0].planes[0].at(x, y) = hole ? kInfinity : float(depth);
-      for (int k = 0; k < 3; ++k) g.layers[0].planes[1 + k].at(x, y) = hole ? 0.0f : float(n[k]);
-    }
-  return g;
-}
-
-glm::dvec3 position(const GBuffer& g, int x, int y) {
-  const Camera& c = g.info.camera;
-  const double depth = g.layers[0].planes[0].at(x, y), spread = c.projection == Projection::kOrthographic ? 1.0 : depth;
-  return {(c.left + (double(c.right) - c.left) * (x + 0.5) / g.info.width) * spread,
-          (c.top - (double(c.top) - c.bottom) * (y + 0.5) / g.info.height) * spread, -depth};
-}
-
-glm::dvec3 normal(const GBuffer& g, int x, int y) {
-  const auto& planes = g.layers[0].planes;
-  return glm::normalize(glm::dvec3(planes[1].at(x, y), planes[2].at(x, y), planes[3].at(x, y)));
-}
-
-/// The pixel in which a place of the picture lies, at most at the border.
-glm::ivec2 pixel_at(const GBuffer& g, double x, double y) {
-  return {std::clamp(int(std::floor(x)), 0, g.info.width - 1), std::clamp(int(std::floor(y)), 0, g.info.height - 1)};
-}
 
 unsigned scrambled(unsigned v) {
   v = (v ^ (v >> 16)) * 0x7feb352du;
