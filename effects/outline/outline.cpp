@@ -13,7 +13,6 @@ namespace umbrage {
 UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
 UMBRAGE_DECLARE_KERNEL(outline_link)
-UMBRAGE_DECLARE_KERNEL(outline_ends)
 UMBRAGE_DECLARE_KERNEL(outline)
 UMBRAGE_DECLARE_KERNEL(outline_window)
 UMBRAGE_DECLARE_KERNEL(outline_paper)
@@ -28,9 +27,6 @@ constexpr std::uint32_t kRefineSpirv[] = {
 };
 constexpr std::uint32_t kLinkSpirv[] = {
 #include "spirv/outline_link.inc"
-};
-constexpr std::uint32_t kEndsSpirv[] = {
-#include "spirv/outline_ends.inc"
 };
 constexpr std::uint32_t kOutlineSpirv[] = {
 #include "spirv/outline.inc"
@@ -175,21 +171,14 @@ const Effect& effect_outline() {
                   .needed = is_robust},
                  {.name = "outline_link",
                   .inputs = {"outline_steep", "outline_flat"},
-                  .outputs = {"outline_steep_linked", "outline_flat_linked"},
+                  .outputs = {"outline_steep_linked", "outline_flat_linked", "outline_around"},
                   .scalar = run_scalar_outline_link,
                   .lanes = run_lanes_outline_link,
                   .spirv = kLinkSpirv,
                   .needed = is_robust},
-                 {.name = "outline_ends",
-                  .inputs = {"outline_steep_linked", "outline_flat_linked"},
-                  .outputs = {"outline_ends"},
-                  .scalar = run_scalar_outline_ends,
-                  .lanes = run_lanes_outline_ends,
-                  .spirv = kEndsSpirv,
-                  .needed = is_robust},
                  {.name = "outline",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep_linked", "outline_flat_linked",
-                             "outline_ends", "lit.r", "lit.g", "lit.b"},
+                             "outline_around", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,

@@ -8,7 +8,7 @@ IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(outline_steep_linked)
 IN_REAL(outline_flat_linked)
-IN_REAL(outline_ends)
+IN_REAL(outline_around)
 INOUT_COLOR(lit)
 OUT_REAL(outline)
 #include "effects/outline/outline_piece.kernel.h"
@@ -46,10 +46,10 @@ FN Vec3 met(Real v, int i) {
 
 // What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
 // (towards -1) or forward (1), cover of it, 1 and more for all.
-FN Real seen_cover(int lying, int towards) {
+FN Real seen_cover(int lying, int towards, int sight) {
   Real covered = Real(0.0f);
   Real open = Real(1.0f);
-  for (int k = 0; k < C.sight; ++k) {
+  for (int k = 0; k < sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
     Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
     Bool here = v > 0.0f;
@@ -64,12 +64,12 @@ FN Real seen_cover(int lying, int towards) {
 
 // The same for pixels between two lines: also how far the first line is, if it is the rim of the surface that the pixel
 // is on, and that one's slope. There the cover is that of the line alone, not antialiased at the rim.
-FN Vec3 seen(int lying, int towards) {
+FN Vec3 seen(int lying, int towards, int sight) {
   Real covered = Real(0.0f);
   Real distance = Real(kFar);
   Real lean = Real(0.0f);
   Real open = Real(1.0f);
-  for (int k = 0; k < C.sight; ++k) {
+  for (int k = 0; k < sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
     Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
     Bool here = v > 0.0f;
@@ -174,43 +174,45 @@ FN Real ends_cover(int j, Vec3 own) {
   return covered;
 }
 
-// `covered`, or what ends of lines cover, less `spare`. around: of outline_ends, the most of the rows around.
-FN Real ends_or(Real covered, Real spare, Real around, Int px, Int py) {
-  if (!some(around > 1.5f && covered < 1.0f)) return covered;
+// `covered`, or what ends of lines cover, less `spare`. ends: whether any are around.
+FN Real ends_or(Real covered, Real spare, Bool ends, Int px, Int py) {
+  if (!some(ends && covered < 1.0f)) return covered;
   Vec3 own = nearness(px, py);
   for (int j = -C.reach; j <= C.reach; ++j)
-    if (some(near_outline_ends(0, j) > 1.5f && covered < 1.0f)) covered = max(covered, ends_cover(j, own) - spare);
+    if (some(near_outline_around(0, j) < 0.0f && covered < 1.0f)) covered = max(covered, ends_cover(j, own) - spare);
   return covered;
 }
 
 // The cover of pixels that have lines on both sides, `between`; of others it is `covered`.
-FN Real between_lines(Real covered, Bool between, Real around, Int px, Int py) {
-  Vec3 left = seen(0, -1);
-  Vec3 right = seen(0, 1);
-  Vec3 up = seen(1, -1);
-  Vec3 down = seen(1, 1);
+FN Real between_lines(Real covered, Bool between, Bool ends, Int px, Int py, int sight) {
+  Vec3 left = seen(0, -1, sight);
+  Vec3 right = seen(0, 1, sight);
+  Vec3 up = seen(1, -1, sight);
+  Vec3 down = seen(1, 1, sight);
   Real spare = select(between, max(too_wide(left, right), too_wide(up, down)), Real(0.0f));
   Real less = max(max(cover_of(left, spare), cover_of(right, spare)), max(cover_of(up, spare), cover_of(down, spare)));
-  return ends_or(unit_clamp(select(between, less, covered)), spare, around, px, py);
+  return ends_or(unit_clamp(select(between, less, covered)), spare, ends, px, py);
 }
 
-FN Real robust_cover(Int px, Int py) {
-  Real around = Real(0.0f);
-  for (int j = -C.sight; j <= C.sight; ++j) around = max(around, near_outline_ends(0, j));
-  if (!some(around > 0.0f)) return Real(0.0f);
-  Real left = seen_cover(0, -1);
-  Real right = seen_cover(0, 1);
-  Real up = seen_cover(1, -1);
-  Real down = seen_cover(1, 1);
+FN Real robust_cover(Int px, Int py, int sight) {
+  Uint any = Uint(0u);
+  for (int j = -sight; j <= sight; ++j) any = any | bits_of(near_outline_around(0, j));
+  if (!some(!(to_signed(any) == Int(0)))) return Real(0.0f);
+  Bool ends = to_signed(any) < Int(0);
+  Real left = seen_cover(0, -1, sight);
+  Real right = seen_cover(0, 1, sight);
+  Real up = seen_cover(1, -1, sight);
+  Real down = seen_cover(1, 1, sight);
   Real covered = max(max(left, right), max(up, down));
   Bool across = left > 0.0f && right > 0.0f;
   Bool along = up > 0.0f && down > 0.0f;
-  if (!some(across || along)) return ends_or(unit_clamp(covered), Real(0.0f), around, px, py);
-  return between_lines(covered, across || along, around, px, py);
+  if (!some(across || along)) return ends_or(unit_clamp(covered), Real(0.0f), ends, px, py);
+  return between_lines(covered, across || along, ends, px, py, sight);
 }
 
 FN void outline_pixel(Int px, Int py) {
-  Real covered = robust_cover(px, py) * C.opacity;
+  Real covered = C.sight == kUsualSight ? robust_cover(px, py, kUsualSight) : robust_cover(px, py, C.sight);
+  covered = covered * C.opacity;
   store_outline(covered);
   Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));
   Bool surface = is_surface(near_depth(0, 0));

@@ -57,12 +57,17 @@ FN Vec2 nearness(Int px, Int py, int i, int j, int rightwards) {
   Real lean = rightwards != 0 ? n.x * Real(F.ray_scale_x) : n.y * Real(F.ray_scale_y);
   Real near = -depth;
   Real facing = max(n.z, Real(kLeastFacing));
+  Real slope = -lean;
   if (F.orthographic == 0) {
-    near = Real(1.0f) / depth;
-    facing = max(-dot(n, view_position(px + Int(i), py + Int(j), depth)), depth * kLeastFacing);
+    facing = max(-dot(n, view_position(px + Int(i), py + Int(j), Real(1.0f))), Real(kLeastFacing));
+    // One division for both.
+    Real both = Real(1.0f) / (depth * facing);
+    near = facing * both;
+    slope = slope * both;
   }
+  if (F.orthographic != 0) slope = slope / facing;
   Real nowhere = F.orthographic != 0 ? Real(-1e30f) : Real(0.0f);
-  return Vec2(select(surface, near, nowhere), select(surface, finite_or_zero(-lean / facing), Real(0.0f)));
+  return Vec2(select(surface, near, nowhere), select(surface, finite_or_zero(slope), Real(0.0f)));
 }
 
 FN Bool same_object(int i, int j, int k, int l) {
@@ -131,36 +136,38 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
   // which stand for angles.
   Bool before1 = goes_on(0, 0, -i, -j);
   Bool before2 = before1 && goes_on(-i, -j, -2 * i, -2 * j);
-  Bool before3 = before2 && goes_on(-2 * i, -2 * j, -3 * i, -3 * j);
-  Bool before4 = before3 && goes_on(-3 * i, -3 * j, -4 * i, -4 * j);
   Bool after1 = goes_on(i, j, 2 * i, 2 * j);
   Bool after2 = after1 && goes_on(2 * i, 2 * j, 3 * i, 3 * j);
-  Bool after3 = after2 && goes_on(3 * i, 3 * j, 4 * i, 4 * j);
-  Bool after4 = after3 && goes_on(4 * i, 4 * j, 5 * i, 5 * j);
   Vec3 a0 = near_normal(0, 0);
   Vec3 b0 = near_normal(i, j);
   Vec3 a1 = select(before1, near_normal(-i, -j), a0);
   Vec3 b1 = select(after1, near_normal(2 * i, 2 * j), b0);
   Vec3 a2 = select(before2, near_normal(-2 * i, -2 * j), a1);
   Vec3 b2 = select(after2, near_normal(3 * i, 3 * j), b1);
+  Real here = square(b0 - a0);
+  Real turn = max(max(here, square(b1 - a1)), square(b2 - a2) * kSoft);
+  Bool peak = same_object(0, 0, i, j) && turn > Real(C.crease_chord * kFaintTurn);
+  if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
+  // The crease is at the peak of the smoothed turn: steps that make a bevel are one.
+  Bool before3 = before2 && goes_on(-2 * i, -2 * j, -3 * i, -3 * j);
+  Bool after3 = after2 && goes_on(3 * i, 3 * j, 4 * i, 4 * j);
   Vec3 a3 = select(before3, near_normal(-3 * i, -3 * j), a2);
   Vec3 b3 = select(after3, near_normal(4 * i, 4 * j), b2);
+  Real strength = smooth_turn(a2, a1, a0, b0, b1, b2);
+  peak = peak && strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3);
+  if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
+  Bool before4 = before3 && goes_on(-3 * i, -3 * j, -4 * i, -4 * j);
+  Bool after4 = after3 && goes_on(4 * i, 4 * j, 5 * i, 5 * j);
   Vec3 a4 = select(before4, near_normal(-4 * i, -4 * j), a3);
   Vec3 b4 = select(after4, near_normal(5 * i, 5 * j), b3);
-  Real here = square(b0 - a0);
+  peak = peak && strength >= smooth_turn(a4, a3, a2, a1, a0, b0) && strength > smooth_turn(a0, b0, b1, b2, b3, b4);
+  if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   Real turn_a1 = square(a0 - a1);
   Real turn_b1 = square(b1 - b0);
   Real turn_a2 = square(a1 - a2);
   Real turn_b2 = square(b2 - b1);
   Real turn_a3 = square(a2 - a3);
   Real turn_b3 = square(b3 - b2);
-  Real turn = max(max(here, square(b1 - a1)), square(b2 - a2) * kSoft);
-  // The crease is at the peak of the smoothed turn: steps that make a bevel are one.
-  Real strength = smooth_turn(a2, a1, a0, b0, b1, b2);
-  Bool peak = strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3) &&
-              strength >= smooth_turn(a4, a3, a2, a1, a0, b0) && strength > smooth_turn(a0, b0, b1, b2, b3, b4);
-  peak = peak && same_object(0, 0, i, j) && turn > Real(C.crease_chord * kFaintTurn);
-  if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   Bool sharp = max(turn_a1, turn_b1) < here * kSharp;
   Real steady = Real(1.5f) - max(turn_a3, turn_b3) / max(turn * kSteady, Real(1e-20f));
   steady = select(sharp, Real(1.0f), select(before3 && after3, steady, Real(0.0f)));
@@ -192,15 +199,11 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
   return Vec2(select(peak, clear, Real(-1.0f)), t);
 }
 
-// The edge between pixel (0, 0) and (i, j), which is the right or the lower one.
-FN Real edge(Int px, Int py, int i, int j) {
+// Whether there may be a jump, or another object or material, between pixel (0, 0) and (i, j), the right or the lower
+// one.
+FN Bool may_part(int i, int j) {
   Real depth1 = near_depth(0, 0);
   Real depth2 = near_depth(i, j);
-  Real id1 = near_object_id(0, 0);
-  Real id2 = near_object_id(i, j);
-  Bool inside = near_inside(i, j);
-  Bool some_surface = inside && (is_finite(depth1) || is_finite(depth2));
-
   // The nearness of a plane is affine: where the pixel, the one before and the neighbour are of one object and on one
   // line, there is no jump. That is compared after multiplication by the three depths, to spare divisions; a depth that
   // is none makes it false.
@@ -211,14 +214,26 @@ FN Real edge(Int px, Int py, int i, int j) {
     bend = mad(depth0, depth1 - depth2 - depth2, depth1 * depth2);
     bound = bound * depth0 * min(depth1, depth2);
   }
-  Bool parted = !(abs(bend) < bound && near_object_id(-i, -j) == id1 && id1 == id2);
+  Real id = near_object_id(0, 0);
+  Bool parted = !(abs(bend) < bound && near_object_id(-i, -j) == id && id == near_object_id(i, j));
   if (C.materials > 0) parted = parted || !(near_material_id(0, 0) == near_material_id(i, j));
-  parted = parted && some_surface;
-  // Beyond a crease the surface has turned, or else it is a strip of one pixel.
+  return parted && near_inside(i, j) && (is_finite(depth1) || is_finite(depth2));
+}
+
+// Whether there may be a crease: beyond one the surface has turned, or else it is a strip of one pixel.
+FN Bool may_turn(int i, int j) {
   Real turn = max(square(near_normal(2 * i, 2 * j) - near_normal(-i, -j)),
                   square(near_normal(3 * i, 3 * j) - near_normal(-2 * i, -2 * j)) * kSoft);
-  Bool turned = turn > Real(C.crease_chord * kFaintTurn) && some_surface;
+  return turn > Real(C.crease_chord * kFaintTurn) && near_inside(i, j) &&
+         (is_finite(near_depth(0, 0)) || is_finite(near_depth(i, j)));
+}
 
+// The edge between pixel (0, 0) and (i, j), of which is known whether it may be a jump or a crease.
+FN Real edge(Int px, Int py, int i, int j, Bool parted, Bool turned) {
+  Real depth1 = near_depth(0, 0);
+  Real depth2 = near_depth(i, j);
+  Real id1 = near_object_id(0, 0);
+  Real id2 = near_object_id(i, j);
   Real code = Real(0.0f);
   Real clear = Real(0.0f);
   if (some(turned)) {
@@ -234,7 +249,8 @@ FN Real edge(Int px, Int py, int i, int j) {
     Bool both = surface1 && surface2;
     Bool other = !(id1 == id2) && Int(C.objects) > Int(0);
     if (C.materials > 0) other = other || !(near_material_id(0, 0) == near_material_id(i, j));
-    Real gap = jump_between(px, py, i, j) * Real(1.0f / C.depth);
+    Real gap = Real(0.0f);
+    if (some(both && parted)) gap = jump_between(px, py, i, j) * Real(1.0f / C.depth);
     Real side = clamp(gap, Real(-1.0f), Real(1.0f));
     side = select(both, side, select(surface1, Real(1.0f), Real(-1.0f)));
     side = select(abs(side) < kLeastSide, select(side < 0.0f, Real(-kLeastSide), Real(kLeastSide)), side);
@@ -257,12 +273,12 @@ FN void outline_find_pixel(Int px, Int py) {
   Real right = Real(0.0f);
   Real below = Real(0.0f);
   if (some(beside)) {
-    // A loop, so that there is one copy of all this.
-    for (int down = 0; down < 2; ++down) {
-      Real found = edge(px, py, 1 - down, down);
-      if (down == 0) right = found;
-      if (down == 1) below = found;
-    }
+    Bool parted_right = may_part(1, 0);
+    Bool turned_right = may_turn(1, 0);
+    Bool parted_below = may_part(0, 1);
+    Bool turned_below = may_turn(0, 1);
+    if (some(parted_right || turned_right)) right = edge(px, py, 1, 0, parted_right, turned_right);
+    if (some(parted_below || turned_below)) below = edge(px, py, 0, 1, parted_below, turned_below);
   }
   store_outline_right(right);
   store_outline_below(below);

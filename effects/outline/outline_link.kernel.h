@@ -6,11 +6,13 @@
 // line has there. A rim that leans little, whose place steps once in many rows, is straightened by the same way.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them; how sure they are is now 0 for nothing to kSure for what
-// is to be drawn whole.
+// is to be drawn whole. outline_around is what lies along the row as far as lines may reach, before this pass: 0 for no
+// line, below 0 where one ends.
 IN_REAL(outline_steep)
 IN_REAL(outline_flat)
 OUT_REAL(outline_steep_linked)
 OUT_REAL(outline_flat_linked)
+OUT_REAL(outline_around)
 #include "effects/outline/outline_piece.kernel.h"
 
 CONST int kHop = 7;                 // rows: a piece of outline_refine knows three to either side; the first is three
@@ -125,11 +127,20 @@ FN Real looked_along(int lying, Int px, Int py, Real piece) {
   return select(look, linked(lying, px, py, select(look, piece, Real(0.0f))), piece);
 }
 
+// All bits of the pieces along this row as far as lines may reach.
+FN Real pieces_around(int sight) {
+  Uint any = Uint(0u);
+  for (int i = -sight; i <= sight; ++i)
+    any = any | bits_of(near_outline_steep(i, 0)) | bits_of(near_outline_flat(i, 0));
+  return real_of_bits(any);
+}
+
 FN void outline_link_pixel(Int px, Int py) {
   Real steep = near_outline_steep(0, 0);
-  if (some(is_piece(steep))) steep = looked_along(0, px, py, steep);
-  store_outline_steep_linked(steep);
   Real lower = near_outline_flat(0, 0);
+  store_outline_around(C.sight == kUsualSight ? pieces_around(kUsualSight) : pieces_around(C.sight));
+  if (some(is_piece(steep))) steep = looked_along(0, px, py, steep);
   if (some(is_piece(lower))) lower = looked_along(1, px, py, lower);
+  store_outline_steep_linked(steep);
   store_outline_flat_linked(lower);
 }

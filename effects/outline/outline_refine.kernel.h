@@ -46,16 +46,16 @@ FN Bool same_line(Real v, Real side, Bool clear) {
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
 // else 0: its code; how far beside. Straight on comes before aside.
 FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear) {
+  int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
   Real after = Real(0.0f);
   Real before = Real(0.0f);
-  int most = row < 0 ? -row : row;
-  for (int k = -most; k <= most; ++k) {
-    Real v = lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k);
-    Real beside = Real(float(k)) - offset;
-    straight = select(beside == Real(0.0f), v, straight);
-    after = select(beside == Real(1.0f), v, after);
-    before = select(beside == Real(-1.0f), v, before);
+  // The row before was at most one pixel less aside.
+  for (int k = 1 - most; k < most; ++k) {
+    Bool here = offset == Real(float(k));
+    straight = select(here, lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k), straight);
+    after = select(here, lying == 0 ? near_outline_right(k + 1, row) : near_outline_below(row, k + 1), after);
+    before = select(here, lying == 0 ? near_outline_right(k - 1, row) : near_outline_below(row, k - 1), before);
   }
   alive = alive && (lying == 0 ? near_inside(0, row) : near_inside(row, 0));
   Bool back = same_line(before, side, clear);
