@@ -53,14 +53,17 @@ glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const 
   const glm::vec3 p0 = mesh.positions[i[0]];
   const glm::vec3 e1 = (mesh.positions[i[1]] - p0) * traced.scale, e2 = (mesh.positions[i[2]] - p0) * traced.scale;
   const glm::vec3 ng = glm::cross(e1, e2);
-  const float inverse = 1.0f / glm::dot(ng, ng);
   const glm::vec2 t0 = mesh.uvs[i[0]], t1 = mesh.uvs[i[1]] - t0, t2 = mesh.uvs[i[2]] - t0;
+  // How texture coordinates change along the triangle: the barycentric weights' gradients, times the edges' changes.
+  const float inverse = 1.0f / glm::dot(ng, ng);
+  const glm::vec3 gradient1 = glm::cross(e2, ng) * inverse, gradient2 = glm::cross(ng, e1) * inverse;
+  const glm::vec3 gradient_u = gradient1 * t1.x + gradient2 * t2.x, gradient_v = gradient1 * t1.y + gradient2 * t2.y;
   // Where the neighbouring pixels' rays meet this triangle's plane, and how far texture coordinates moved.
   const auto change = [&](float x, float y) {
     const glm::vec3 origin = rays.origin_at(x, y), direction = rays.direction_at(x, y);
     const float t = glm::dot(ng, surface.position - origin) / glm::dot(ng, direction);
     const glm::vec3 moved = origin + direction * t - surface.position;
-    return t1 * (glm::dot(glm::cross(moved, e2), ng) * inverse) + t2 * (glm::dot(glm::cross(e1, moved), ng) * inverse);
+    return glm::vec2(glm::dot(moved, gradient_u), glm::dot(moved, gradient_v));
   };
   const glm::vec4 texel = sample_filtered(traced.textures[material.texture], t0 + t1 * surface.u + t2 * surface.v,
                                           change(px + 1.0f, py), change(px, py + 1.0f));

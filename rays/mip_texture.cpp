@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -73,11 +74,21 @@ Bilinear bilinear_at(const MipLevel& level, glm::vec2 share) {
   return b;
 }
 
-glm::vec4 sample_level(const MipLevel& level, glm::vec2 share) {
+/// Adds what a level shows at a place, times a weight. Inlined where it is called once: a vec4 that a function returns
+/// goes through memory in halves, and reading it whole has to wait.
+inline void add_level(const MipLevel& level, glm::vec2 share, float weight, glm::vec4& sum) {
   const Bilinear b = bilinear_at(level, share);
-  const glm::vec4 top = texel(level, b.x0, b.y0) * (1.0f - b.fx) + texel(level, b.x1, b.y0) * b.fx;
-  const glm::vec4 bottom = texel(level, b.x0, b.y1) * (1.0f - b.fx) + texel(level, b.x1, b.y1) * b.fx;
-  return top * (1.0f - b.fy) + bottom * b.fy;
+  const float lower = b.fy * weight, upper = weight - lower;
+  sum += texel(level, b.x0, b.y0) * (upper - upper * b.fx) + texel(level, b.x1, b.y0) * (upper * b.fx) +
+         texel(level, b.x0, b.y1) * (lower - lower * b.fx) + texel(level, b.x1, b.y1) * (lower * b.fx);
+}
+
+/// log2(x) of a finite x >= 1, within 5e-5: exact at powers of two, a polynomial between.
+float log2_of(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  const float t = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u) - 1.0f;
+  const float bow = 0.442419f + t * (-0.269578f + t * (0.150533f - t * 0.044874f));
+  return float(int(bits >> 23) - 127) + (t + t * (1.0f - t) * bow);
 }
 
 MipLevel half_of(const MipLevel& level) {
@@ -124,23 +135,27 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
     std::swap(longer, shorter);
     axis = down;
   }
-  if (!std::isfinite(longer)) return sample_level(texture.levels.back(), within(uv));
-  // Rounded to the nearest number of taps: a footprint that is square but for rounding takes one.
-  const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMostTaps) : 1.0f);
-  const int taps = int(ratio + 0.5f);
-  const float width = std::max(longer / float(taps), 1.0f);
-  const float lod = width > 1.0f ? std::clamp(std::log2(width), 0.0f, float(texture.levels.size() - 1)) : 0.0f;
-  const int fine = int(lod);
-  const int coarse = std::min(fine + 1, int(texture.levels.size()) - 1);
-  const float blend = lod - float(fine);
+  const int last = int(texture.levels.size()) - 1;
+  int taps = 1, fine = last, used = 1;
+  float blend = 0.0f;
+  if (std::isfinite(longer)) {
+    // Rounded to the nearest number of taps: a footprint that is square but for rounding takes one.
+    const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMostTaps) : 1.0f);
+    taps = int(ratio + 0.5f);
+    const float width = std::max(longer / float(taps), 1.0f);
+    const float lod = width > 1.0f ? std::clamp(log2_of(width), 0.0f, float(last)) : 0.0f;
+    fine = int(lod);
+    blend = lod - float(fine);
+    used = blend > 0.0f ? 2 : 1;
+  }
+  const float each = 1.0f / float(taps);
   glm::vec4 sum(0.0f);
   for (int i = 0; i < taps; ++i) {
-    const glm::vec2 at = within(uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f));
-    glm::vec4 value = sample_level(texture.levels[fine], at);
-    if (blend > 0.0f) value += (sample_level(texture.levels[coarse], at) - value) * blend;
-    sum += value;
+    const glm::vec2 at = within(taps > 1 ? uv + axis * ((float(i) + 0.5f) * each - 0.5f) : uv);
+    for (int level = 0; level < used; ++level)
+      add_level(texture.levels[fine + level], at, level == 0 ? each - each * blend : each * blend, sum);
   }
-  return sum / float(taps);
+  return sum;
 }
 
 float sample_alpha(const MipTexture& texture, glm::vec2 uv) {

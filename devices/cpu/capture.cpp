@@ -14,6 +14,7 @@
 #include <glm/matrix.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
+#include <new>
 
 #include "devices/cpu/soften.h"
 #include "rays/camera_rays.h"
@@ -281,11 +282,11 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, 
   surfaces.there = {};
   for (int k = 0; k < kPacket; ++k) {
     if (!valid[k] || rh.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
-    Surface& surface = surfaces.at[k];
-    surface = surface_at(drawing.traced, rh.hit.geomID[k], rh.hit.primID[k], rh.hit.u[k], rh.hit.v[k],
-                         {rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]},
-                         {rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]},
-                         {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]);
+    // Made in its place: a copy of what has just been written in parts has to wait for them.
+    const Surface& surface = *new (&surfaces.at[k]) Surface(surface_at(
+        drawing.traced, rh.hit.geomID[k], rh.hit.primID[k], rh.hit.u[k], rh.hit.v[k],
+        {rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]}, {rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]},
+        {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]));
     surfaces.there[k] = true;
     const glm::vec3 n = view * surface.normal;
     const glm::vec3 albedo = pixel_albedo(drawing.traced, drawing.rays, surface, float(x0 + k % kBlock) + 0.5f,
