@@ -6,12 +6,12 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <limits>
 #include <map>
-#include <optional>
 
 #include "core/check.h"
 #include "devices/cpu/capture.h"
+#include "devices/shared/neutral.h"
+#include "devices/shared/passes.h"
 #include "machine/cpu_target.h"
 #include "machine/kernel_frame.h"
 
@@ -29,45 +29,6 @@ struct Planes {
 };
 
 Planes& planes_of(const Frame& frame) { return *static_cast<Planes*>(frame.storage.get()); }
-
-FrameConstants frame_constants(const PictureInfo& info, int stride, int round) {
-  const Camera& camera = info.camera;
-  return {.width = info.width,
-          .height = info.height,
-          .stride = stride,
-          .orthographic = camera.projection == Projection::kOrthographic ? 1 : 0,
-          .round = round,
-          .ray_scale_x = (camera.right - camera.left) / float(info.width),
-          .ray_offset_x = camera.left,
-          .ray_scale_y = -(camera.top - camera.bottom) / float(info.height),
-          .ray_offset_y = camera.top};
-}
-
-/// What a plane of a bare G-buffer is when it does not have it, or nothing where no value would do.
-std::optional<float> neutral_value(std::string_view plane) {
-  bool of_layer = false;
-  if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
-  // A layer that is not there has no surface.
-  if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
-  if (plane.starts_with("layer")) {
-    const std::size_t dot = plane.find('.');
-    plane = plane.substr(dot == std::string_view::npos ? plane.size() : dot + 1);
-    if (plane.starts_with("normal.")) return 0.0f;
-    of_layer = true;
-  }
-  if (plane.starts_with("albedo.")) return 0.8f;
-  if (plane == "specular") return 0.0f;
-  if (plane == "shininess") return 1.0f;
-  if (plane.starts_with("shadow")) return 1.0f;
-  if (plane == "ao") return 1.0f;
-  if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" || plane == "material_id")
-    return 0.0f;
-  if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
-      plane.starts_with("emission."))
-    return 0.0f;
-  if (of_layer) return 0.0f;  // what an effect makes of every layer, of one that is not there
-  return std::nullopt;
-}
 
 /// The plane of that name, made or neutral, or null.
 const Plane* find_plane(const Planes& planes, std::string_view name) {
@@ -109,13 +70,7 @@ class CpuDevice final : public Device {
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
     if (!traced_) fail_check("capture before prepare");
-    check_less(0, settings.layers, "layers of a capture");
-    check_less(settings.layers, kMostLayers + 1, "layers of a capture");
-    check_less(-1, settings.guard, "guard band of a capture");
-    check_less(-1, settings.extra_views, "extra views of a capture");
-    check_less(settings.extra_views, kMostExtraViews + 1, "extra views of a capture");
-    static_assert(kMostMixedLayers == kLayersRead);
-    if (const auto count = layer_count(settings); !count) return count.error();
+    if (auto fine = check_capture(settings); !fine) return fine.error();
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
     add_layers(*traced_, settings, frame.info);
@@ -150,18 +105,8 @@ class CpuDevice final : public Device {
   }
 
   Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer) override {
-    check_equal(params.size(), effect.params_size, effect.name);
-    if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
-    std::vector<std::byte> constants(effect.constants_size);
-    const PictureInfo info = layer_info(frame.info, layer);
-    effect.constants(params, info, constants.data());
-    const int rounds = effect.rounds ? effect.rounds(params) : 1;
-    for (int round = 0; round < rounds; ++round)
-      for (const Pass& pass : effect.passes) {
-        if (pass.needed && !pass.needed(params)) continue;
-        if (auto done = run_pass(effect, pass, constants, info, planes_of(frame), layer, round); !done) return done;
-      }
-    return {};
+    return run_passes(effect, params, frame, layer,
+                      [&](const PassRun& pass) { return run_pass(pass, planes_of(frame)); });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -249,30 +194,27 @@ class CpuDevice final : public Device {
     });
   }
 
-  Result<void> run_pass(const Effect& effect, const Pass& pass, const std::vector<std::byte>& constants,
-                        const PictureInfo& info, Planes& planes, int layer, int round) {
+  Result<void> run_pass(const PassRun& run, Planes& planes) {
+    const Pass& pass = run.pass;
+    const PictureInfo& info = run.info;
     for (std::string_view input : pass.inputs) {
-      const std::string name = layer_plane(layer, input);
+      const std::string name = run.plane(input);
       if (find_plane(planes, name)) continue;
       const auto value = neutral_value(name);
-      if (!value) return usage_error("{} needs the plane '{}', which this picture does not have", effect.name, name);
+      if (!value) return missing_plane(run, name);
       if (!planes.constants.count(*value)) planes.constants.emplace(*value, Plane(info.width, info.height, *value));
       planes.neutral.push_back(name);
     }
-    // Of the layers that the picture has; a kernel does not store to others.
-    const auto is_there = [&](std::string_view output) {
-      return layer_of_plane(output) <= int(info.more_layers.size());
-    };
     for (std::string_view output : pass.outputs)
-      if (is_there(output)) planes.image.add(layer_plane(layer, output));
+      if (run.is_there(output)) planes.image.add(run.plane(output));
     std::vector<KernelPlane> kernel_planes;
     // A kernel stores to its outputs alone, which are nobody else's.
     for (std::string_view name : pass.inputs)
-      kernel_planes.push_back({name, const_cast<float*>(find_plane(planes, layer_plane(layer, name))->data())});
+      kernel_planes.push_back({name, const_cast<float*>(find_plane(planes, run.plane(name))->data())});
     for (std::string_view name : pass.outputs)
-      kernel_planes.push_back({name, is_there(name) ? planes.image.plane(layer_plane(layer, name)).data() : nullptr});
-    const int stride = planes.image.plane(layer_plane(layer, pass.outputs[0])).stride;
-    const KernelFrame kernel_frame{frame_constants(info, stride, round), constants.data(), kernel_planes};
+      kernel_planes.push_back({name, run.is_there(name) ? planes.image.plane(run.plane(name)).data() : nullptr});
+    const int stride = planes.image.plane(run.plane(pass.outputs[0])).stride;
+    const KernelFrame kernel_frame{frame_constants(info, stride, run.round), run.constants.data(), kernel_planes};
     const CpuKernel kernel = settings_.scalar ? pass.scalar : settings_.tuned && pass.tuned ? pass.tuned : pass.lanes;
 
     const int tile_width = std::min(pass.tile_width, stride);

@@ -1,0 +1,35 @@
+#include "devices/shared/neutral.h"
+
+#include <limits>
+#include <string>
+
+#include "core/gbuffer.h"
+
+namespace umbrage {
+
+std::optional<float> neutral_value(std::string_view plane) {
+  bool of_layer = false;
+  if (const std::string start = reduced_plane(""); plane.starts_with(start)) plane.remove_prefix(start.size());
+  // A layer that is not there has no surface.
+  if (plane.starts_with("layer") && plane.ends_with(".depth")) return std::numeric_limits<float>::infinity();
+  if (plane.starts_with("layer")) {
+    const std::size_t dot = plane.find('.');
+    plane = plane.substr(dot == std::string_view::npos ? plane.size() : dot + 1);
+    if (plane.starts_with("normal.")) return 0.0f;
+    of_layer = true;
+  }
+  if (plane.starts_with("albedo.")) return 0.8f;
+  if (plane == "specular") return 0.0f;
+  if (plane == "shininess") return 1.0f;
+  if (plane.starts_with("shadow")) return 1.0f;
+  if (plane == "ao") return 1.0f;
+  if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" || plane == "material_id")
+    return 0.0f;
+  if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
+      plane.starts_with("emission."))
+    return 0.0f;
+  if (of_layer) return 0.0f;  // what an effect makes of every layer, of one that is not there
+  return std::nullopt;
+}
+
+}  // namespace umbrage

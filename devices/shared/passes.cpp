@@ -1,0 +1,57 @@
+#include "devices/shared/passes.h"
+
+#include <vector>
+
+#include "core/check.h"
+
+namespace umbrage {
+
+FrameConstants frame_constants(const PictureInfo& info, int stride, int round) {
+  const Camera& camera = info.camera;
+  return {.width = info.width,
+          .height = info.height,
+          .stride = stride,
+          .orthographic = camera.projection == Projection::kOrthographic ? 1 : 0,
+          .round = round,
+          .ray_scale_x = (camera.right - camera.left) / float(info.width),
+          .ray_offset_x = camera.left,
+          .ray_scale_y = -(camera.top - camera.bottom) / float(info.height),
+          .ray_offset_y = camera.top};
+}
+
+std::string PassRun::plane(std::string_view name) const { return layer_plane(layer, name); }
+
+bool PassRun::is_there(std::string_view output) const { return layer_of_plane(output) <= int(info.more_layers.size()); }
+
+Result<void> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
+                        const std::function<Result<void>(const PassRun&)>& run) {
+  check_equal(params.size(), effect.params_size, effect.name);
+  if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
+  std::vector<std::byte> constants(effect.constants_size);
+  const PictureInfo info = layer_info(frame.info, layer);
+  effect.constants(params, info, constants.data());
+  const int rounds = effect.rounds ? effect.rounds(params) : 1;
+  for (int round = 0; round < rounds; ++round)
+    for (const Pass& pass : effect.passes) {
+      if (pass.needed && !pass.needed(params)) continue;
+      if (auto done = run({effect, pass, constants, info, layer, round}); !done) return done;
+    }
+  return {};
+}
+
+Error missing_plane(const PassRun& run, std::string_view plane) {
+  return usage_error("{} needs the plane '{}', which this picture does not have", run.effect.name, plane);
+}
+
+Result<void> check_capture(const CaptureSettings& settings) {
+  check_less(0, settings.layers, "layers of a capture");
+  check_less(settings.layers, kMostLayers + 1, "layers of a capture");
+  check_less(-1, settings.guard, "guard band of a capture");
+  check_less(-1, settings.extra_views, "extra views of a capture");
+  check_less(settings.extra_views, kMostExtraViews + 1, "extra views of a capture");
+  static_assert(kMostMixedLayers == kLayersRead);
+  const auto count = layer_count(settings);
+  return count ? Result<void>() : count.error();
+}
+
+}  // namespace umbrage
