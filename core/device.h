@@ -43,6 +43,12 @@ struct CaptureSettings {
 /// How many layers such a capture has. Errors: kUsage where they are too many.
 Result<int> layer_count(const CaptureSettings& settings);
 
+/// What a pass took on a device that measures it itself.
+struct PassTime {
+  std::string effect, pass;
+  double ms = 0.0;
+};
+
 class Device {
  public:
   virtual ~Device() = default;
@@ -72,6 +78,11 @@ class Device {
   /// upper left corner, since all planes of a frame have one size; the rest of them is 0. Errors: kUsage for one that
   /// is missing.
   virtual Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) = 0;
+  /// Waits until all that was asked for is done. Devices that work on their own put off what they were asked for until
+  /// then, or until a download, and report only there what went wrong with it.
+  virtual Result<void> finish() { return {}; }
+  /// What the passes took that ran since this was last asked, in order, of devices that measure it themselves.
+  virtual std::vector<PassTime> take_pass_times() { return {}; }
   /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
   /// for one that is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;

@@ -7,6 +7,8 @@
 #define UMBRAGE_MACHINE_FRAME_CONSTANTS_H
 // Layers of a G-buffer that a kernel can read, the first included.
 const int kLayersRead = 8;
+// The most planes, inputs and outputs, of one pass.
+const int kMostPlanes = 128;
 
 struct FrameConstants {
   int width, height;

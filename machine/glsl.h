@@ -3,8 +3,14 @@
 //   #include "machine/common.kernel.h"
 //   #include "effects/NAME/NAME.kernel.h"
 //   UMBRAGE_MAIN(NAME)
-// Bindings are given out by the compiler (glslc -fauto-bind-uniforms) and found by name: NAME_block.
+//
+// A pass reads up to a hundred planes, more than drivers bind at once. It reaches them by their addresses, which stand
+// in the table `planes`; where in it a plane stands, the device says through the specialization constant NAME_slot. Its
+// number is made of the line that declares the plane, so that nothing is numbered by hand: two planes must not be
+// declared on lines of the same number, which the compiler refuses ("id already used").
 #extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
 #define Real float
 #define Int int
 #define Uint uint
@@ -39,38 +45,48 @@ float pow_of(float a, float b) { return a > 0.0f ? exp2(b * log2(a)) : 0.0f; }
 uint ones_from(int b) { return b < 32 ? 0xffffffffu << b : 0u; }
 bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
 
+layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer InPlane { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer InOutPlane { float at[]; };
+layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPlanes]; };
+
+// The plane NAME becomes name_plane; `n` tells apart those that one line declares.
+#define PLANE(type, name, n)                                         \
+  layout(constant_id = __LINE__ * 32 + n) const int name##_slot = 0; \
+  type name##_plane() { return type(planes[name##_slot]); }
+
 #define UMBRAGE_CONSTANTS(Constants)                                                                     \
-  layout(scalar) readonly buffer constants_block {                                                       \
+  layout(set = 0, binding = 0, scalar) uniform constants_block {                                         \
     FrameConstants F;                                                                                    \
     Constants C;                                                                                         \
   };                                                                                                     \
   int index_of(int X, int Y) { return clamp(Y, 0, F.height - 1) * F.stride + clamp(X, 0, F.width - 1); } \
+  int index_of_own() { return here.y * F.stride + here.x; }                                              \
   int place_of(float X, float Y) { return int(Y) * F.stride + int(X); }                                  \
   bool near_inside(int i, int j) {                                                                       \
     return here.x + i >= 0 && here.x + i < F.width && here.y + j >= 0 && here.y + j < F.height;          \
   }
 
-#define IN_REAL(name)                                                                                          \
-  layout(scalar) readonly buffer name##_block { float name##_plane[]; };                                       \
-  float load_##name(int X, int Y) { return name##_plane[index_of(X, Y)]; }                                     \
-  float read_##name(int place) { return name##_plane[place]; }                                                 \
-  float near_##name(int i, int j) { return name##_plane[index_of(here.x + i, here.y + j)]; }                   \
-  float corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
-  float block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
-#define IN_TRIPLE(name, a, b, c)                                                                                    \
-  layout(scalar) readonly buffer name##_##a##_block { float name##_plane_0[]; };                                    \
-  layout(scalar) readonly buffer name##_##b##_block { float name##_plane_1[]; };                                    \
-  layout(scalar) readonly buffer name##_##c##_block { float name##_plane_2[]; };                                    \
-  vec3 load_##name(int X, int Y) {                                                                                  \
-    int k = index_of(X, Y);                                                                                         \
-    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]);                                           \
-  }                                                                                                                 \
-  vec3 read_##name(int place) { return vec3(name##_plane_0[place], name##_plane_1[place], name##_plane_2[place]); } \
-  vec3 near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                                    \
-  vec3 corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); }       \
-  vec3 block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
-#define IN_VECTOR(name) IN_TRIPLE(name, x, y, z)
-#define IN_COLOR(name) IN_TRIPLE(name, r, g, b)
+#define IN_LOADS(type, name)                                                                                  \
+  type load_##name(int X, int Y) { return read_##name(index_of(X, Y)); }                                      \
+  type near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                              \
+  type corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
+  type block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
+#define IN_REAL_AT(name, n)                                         \
+  PLANE(InPlane, name, n)                                           \
+  float read_##name(int place) { return name##_plane().at[place]; } \
+  IN_LOADS(float, name)
+#define IN_TRIPLE_AT(name, n, a, b, c)                                                                           \
+  PLANE(InPlane, name##_##a, n)                                                                                  \
+  PLANE(InPlane, name##_##b, n + 1)                                                                              \
+  PLANE(InPlane, name##_##c, n + 2)                                                                              \
+  vec3 read_##name(int place) {                                                                                  \
+    return vec3(name##_##a##_plane().at[place], name##_##b##_plane().at[place], name##_##c##_plane().at[place]); \
+  }                                                                                                              \
+  IN_LOADS(vec3, name)
+#define IN_REAL(name) IN_REAL_AT(name, 0)
+#define IN_VECTOR(name) IN_TRIPLE_AT(name, 0, x, y, z)
+#define IN_COLOR(name) IN_TRIPLE_AT(name, 0, r, g, b)
 // A plane of every layer: read_NAME_of(layer, place), layer the same for all pixels.
 #define OF_LAYERS(type, name)                   \
   type read_##name##_of(int layer, int place) { \
@@ -92,42 +108,30 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
       default:                                  \
         return read_layer7_##name(place);       \
     }                                           \
-  }
-#define NEAR_LAYERS(type, name) \
+  }                                             \
   type near_##name##_of(int layer, int i, int j) { return read_##name##_of(layer, index_of(here.x + i, here.y + j)); }
-#define IN_LAYERS_REAL(name) \
-  IN_REAL(name)              \
-  IN_REAL(layer1_##name)     \
-  IN_REAL(layer2_##name)     \
-  IN_REAL(layer3_##name)     \
-  IN_REAL(layer4_##name)     \
-  IN_REAL(layer5_##name)     \
-  IN_REAL(layer6_##name)     \
-  IN_REAL(layer7_##name)     \
-  OF_LAYERS(float, name)     \
-  NEAR_LAYERS(float, name)
-#define IN_LAYERS_VECTOR(name) \
-  IN_VECTOR(name)              \
-  IN_VECTOR(layer1_##name)     \
-  IN_VECTOR(layer2_##name)     \
-  IN_VECTOR(layer3_##name)     \
-  IN_VECTOR(layer4_##name)     \
-  IN_VECTOR(layer5_##name)     \
-  IN_VECTOR(layer6_##name)     \
-  IN_VECTOR(layer7_##name)     \
-  OF_LAYERS(vec3, name)        \
-  NEAR_LAYERS(vec3, name)
-#define IN_LAYERS_COLOR(name) \
-  IN_COLOR(name)              \
-  IN_COLOR(layer1_##name)     \
-  IN_COLOR(layer2_##name)     \
-  IN_COLOR(layer3_##name)     \
-  IN_COLOR(layer4_##name)     \
-  IN_COLOR(layer5_##name)     \
-  IN_COLOR(layer6_##name)     \
-  IN_COLOR(layer7_##name)     \
-  OF_LAYERS(vec3, name)       \
-  NEAR_LAYERS(vec3, name)
+#define IN_LAYERS_REAL(name)   \
+  IN_REAL_AT(name, 0)          \
+  IN_REAL_AT(layer1_##name, 1) \
+  IN_REAL_AT(layer2_##name, 2) \
+  IN_REAL_AT(layer3_##name, 3) \
+  IN_REAL_AT(layer4_##name, 4) \
+  IN_REAL_AT(layer5_##name, 5) \
+  IN_REAL_AT(layer6_##name, 6) \
+  IN_REAL_AT(layer7_##name, 7) \
+  OF_LAYERS(float, name)
+#define IN_LAYERS_TRIPLE(name, a, b, c)    \
+  IN_TRIPLE_AT(name, 0, a, b, c)           \
+  IN_TRIPLE_AT(layer1_##name, 3, a, b, c)  \
+  IN_TRIPLE_AT(layer2_##name, 6, a, b, c)  \
+  IN_TRIPLE_AT(layer3_##name, 9, a, b, c)  \
+  IN_TRIPLE_AT(layer4_##name, 12, a, b, c) \
+  IN_TRIPLE_AT(layer5_##name, 15, a, b, c) \
+  IN_TRIPLE_AT(layer6_##name, 18, a, b, c) \
+  IN_TRIPLE_AT(layer7_##name, 21, a, b, c) \
+  OF_LAYERS(vec3, name)
+#define IN_LAYERS_VECTOR(name) IN_LAYERS_TRIPLE(name, x, y, z)
+#define IN_LAYERS_COLOR(name) IN_LAYERS_TRIPLE(name, r, g, b)
 #define LIST(type, name, length)                                \
   type name##_list[length];                                     \
   void keep_##name(int slot, type v) { name##_list[slot] = v; } \
@@ -143,18 +147,19 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
   vec3 sum_of_##name() { return name##_sum; }
 #define LIST_REAL(name, length) LIST(float, name, length)
 #define LIST_UINT(name, length) LIST(uint, name, length)
-#define OUT_REAL(name)                                                    \
-  layout(scalar) writeonly buffer name##_block { float name##_plane[]; }; \
-  void store_##name(float v) { name##_plane[here.y * F.stride + here.x] = v; }
+#define OUT_REAL_AT(type, name, n) \
+  PLANE(type, name, n)             \
+  void store_##name(float v) { name##_plane().at[index_of_own()] = v; }
+#define OUT_REAL(name) OUT_REAL_AT(OutPlane, name, 0)
 #define OUT_LAYERS_REAL(name)                  \
-  OUT_REAL(name)                               \
-  OUT_REAL(layer1_##name)                      \
-  OUT_REAL(layer2_##name)                      \
-  OUT_REAL(layer3_##name)                      \
-  OUT_REAL(layer4_##name)                      \
-  OUT_REAL(layer5_##name)                      \
-  OUT_REAL(layer6_##name)                      \
-  OUT_REAL(layer7_##name)                      \
+  OUT_REAL_AT(OutPlane, name, 0)               \
+  OUT_REAL_AT(OutPlane, layer1_##name, 1)      \
+  OUT_REAL_AT(OutPlane, layer2_##name, 2)      \
+  OUT_REAL_AT(OutPlane, layer3_##name, 3)      \
+  OUT_REAL_AT(OutPlane, layer4_##name, 4)      \
+  OUT_REAL_AT(OutPlane, layer5_##name, 5)      \
+  OUT_REAL_AT(OutPlane, layer6_##name, 6)      \
+  OUT_REAL_AT(OutPlane, layer7_##name, 7)      \
   void store_##name##_of(int layer, float v) { \
     if (layer == 0) store_##name(v);           \
     if (layer == 1) store_layer1_##name(v);    \
@@ -165,39 +170,30 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
     if (layer == 6) store_layer6_##name(v);    \
     if (layer == 7) store_layer7_##name(v);    \
   }
-#define OUT_ALPHA(name)                                                       \
-  layout(scalar) writeonly buffer name##_a_block { float name##_plane_3[]; }; \
-  void store_##name##_alpha(float v) { name##_plane_3[here.y * F.stride + here.x] = v; }
-#define OUT_TRIPLE(name, a, b, c)                                                 \
-  layout(scalar) writeonly buffer name##_##a##_block { float name##_plane_0[]; }; \
-  layout(scalar) writeonly buffer name##_##b##_block { float name##_plane_1[]; }; \
-  layout(scalar) writeonly buffer name##_##c##_block { float name##_plane_2[]; }; \
-  void store_##name(vec3 v) {                                                     \
-    int k = here.y * F.stride + here.x;                                           \
-    name##_plane_0[k] = v.x;                                                      \
-    name##_plane_1[k] = v.y;                                                      \
-    name##_plane_2[k] = v.z;                                                      \
+#define OUT_ALPHA(name)        \
+  PLANE(OutPlane, name##_a, 0) \
+  void store_##name##_alpha(float v) { name##_a_plane().at[index_of_own()] = v; }
+#define OUT_TRIPLE(type, name, a, b, c) \
+  PLANE(type, name##_##a, 0)            \
+  PLANE(type, name##_##b, 1)            \
+  PLANE(type, name##_##c, 2)            \
+  void store_##name(vec3 v) {           \
+    int k = index_of_own();             \
+    name##_##a##_plane().at[k] = v.x;   \
+    name##_##b##_plane().at[k] = v.y;   \
+    name##_##c##_plane().at[k] = v.z;   \
   }
-#define INOUT_REAL(name)                                                  \
-  layout(scalar) buffer name##_block { float name##_plane[]; };           \
-  float own_##name() { return name##_plane[here.y * F.stride + here.x]; } \
-  void store_##name(float v) { name##_plane[here.y * F.stride + here.x] = v; }
-#define INOUT_COLOR(name)                                                 \
-  layout(scalar) buffer name##_r_block { float name##_plane_0[]; };       \
-  layout(scalar) buffer name##_g_block { float name##_plane_1[]; };       \
-  layout(scalar) buffer name##_b_block { float name##_plane_2[]; };       \
-  vec3 own_##name() {                                                     \
-    int k = here.y * F.stride + here.x;                                   \
-    return vec3(name##_plane_0[k], name##_plane_1[k], name##_plane_2[k]); \
-  }                                                                       \
-  void store_##name(vec3 v) {                                             \
-    int k = here.y * F.stride + here.x;                                   \
-    name##_plane_0[k] = v.x;                                              \
-    name##_plane_1[k] = v.y;                                              \
-    name##_plane_2[k] = v.z;                                              \
+#define INOUT_REAL(name)           \
+  OUT_REAL_AT(InOutPlane, name, 0) \
+  float own_##name() { return name##_plane().at[index_of_own()]; }
+#define INOUT_COLOR(name)                                                                \
+  OUT_TRIPLE(InOutPlane, name, r, g, b)                                                  \
+  vec3 own_##name() {                                                                    \
+    int k = index_of_own();                                                              \
+    return vec3(name##_r_plane().at[k], name##_g_plane().at[k], name##_b_plane().at[k]); \
   }
-#define OUT_VECTOR(name) OUT_TRIPLE(name, x, y, z)
-#define OUT_COLOR(name) OUT_TRIPLE(name, r, g, b)
+#define OUT_VECTOR(name) OUT_TRIPLE(OutPlane, name, x, y, z)
+#define OUT_COLOR(name) OUT_TRIPLE(OutPlane, name, r, g, b)
 
 #define UMBRAGE_MAIN(name)                               \
   void main() {                                          \

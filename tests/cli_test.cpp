@@ -456,7 +456,6 @@ TEST_F(Cli, RefusesPlacesBeyondReach) {
   bad_option("--passes depth,depth", {"'depth'", "twice"});
   bad_option("--half", {"--half", ".exr"});
   bad("tri.obj -o out.exr --bits 16", 2, {"--bits", ".png"});
-  bad("tri.obj -o out.png --device vulkan", 4, {"'vulkan'"});
 }
 
 TEST_F(Cli, PassColorKeepsItsChannels) {

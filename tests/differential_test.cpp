@@ -1,4 +1,5 @@
-// Rung 3: every effect on every SIMD target, at any number of threads and through its tuned kernels, against scalar.
+// Rung 3: every effect on every SIMD target, at any number of threads, through its tuned kernels, and on a Vulkan
+// device, against scalar.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "machine/cpu_target.h"
 #include "run_effect.h"
 #include "support.h"
+#include "vulkan_support.h"
 
 namespace umbrage {
 namespace {
@@ -53,16 +55,30 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
 }
 
 /// All planes that the effect makes of a G-buffer.
-Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer& gbuffer, const CpuSettings& settings) {
-  const auto device = make_cpu_device(settings);
-  auto frame = device->upload(gbuffer);
-  const auto done = device->run(effect, params, *frame);
+Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer& gbuffer, Device& device) {
+  const Image none(gbuffer.info.inner_width(), gbuffer.info.inner_height());
+  auto frame = device.upload(gbuffer);
+  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  if (!frame) return none;
+  const auto done = device.run(effect, params, *frame);
   EXPECT_TRUE(done) << (done ? "" : done.error().message);
   const auto names = test::made_planes(effect, params);
-  if (names.empty()) return Image(gbuffer.info.inner_width(), gbuffer.info.inner_height());
-  auto image = device->download(*frame, names);
-  EXPECT_TRUE(image);
-  return *image;
+  if (names.empty()) return none;
+  auto image = device.download(*frame, names);
+  EXPECT_TRUE(image) << (image ? "" : image.error().message);
+  return image ? *image : none;
+}
+Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer& gbuffer, const CpuSettings& settings) {
+  return outputs(effect, params, gbuffer, *make_cpu_device(settings));
+}
+
+/// The brightest value of a plane, or 1: light of many lights and strong factors exceeds 1, and bounds hold relative to
+/// it.
+double scale_of(const Plane& plane) {
+  double scale = 1.0;
+  for (int y = 0; y < plane.height; ++y)
+    for (int x = 0; x < plane.width; ++x) scale = std::max(scale, double(std::fabs(plane.at(x, y))));
+  return scale;
 }
 
 /// Inputs of an effect that other effects make: what no pass before the reader writes.
@@ -78,6 +94,18 @@ void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
         for (int x = 0; x < plane.width; ++x)
           plane.at(x, y) = float(test::hash(x + 4099u * y + unsigned(input.size())) >> 8) * 0x1.4p-24f;
     }
+}
+
+/// Pixels of a plane that are no number, apart from the depth of what is no surface.
+long undefined_pixels(const Image& image, std::size_t p) {
+  long count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const float v = image.planes[p].at(x, y);
+      const bool no_surface = image.names[p] == "depth" && v == std::numeric_limits<float>::infinity();
+      count += !std::isfinite(v) && !no_surface;
+    }
+  return count;
 }
 
 class Differential : public testing::TestWithParam<const Effect*> {
@@ -98,10 +126,7 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
         ASSERT_TRUE(choose_simd_target(target));
         const Image lanes = outputs(effect, params, gbuffer, {.tuned = false});
         for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-          // Light of many lights and strong factors exceeds 1: the bounds hold relative to the brightest value there.
-          double scale = 1.0;
-          for (int y = 0; y < size.height; ++y)
-            for (int x = 0; x < size.width; ++x) scale = std::max(scale, double(std::fabs(oracle.planes[p].at(x, y))));
+          const double scale = scale_of(oracle.planes[p]);
           const auto d = test::difference(oracle.planes[p], lanes.planes[p], 1e-4 * scale);
           const std::string what = fmt::format("{} {} {} variant {} at {}x{}", effect.name, oracle.names[p], target,
                                                variant, size.width, size.height);
@@ -158,16 +183,53 @@ TEST_P(Differential, HostileInputGivesDefinedOutput) {
       for (const bool scalar : {true, false}) {
         const Image image = outputs(effect, variant_of(effect, variant), gbuffer, {.scalar = scalar});
         for (std::size_t p = 0; p < image.planes.size(); ++p) {
-          long bad = 0;
-          for (int y = 0; y < size.height; ++y)
-            for (int x = 0; x < size.width; ++x) {
-              const float v = image.planes[p].at(x, y);
-              const bool no_surface = image.names[p] == "depth" && v == std::numeric_limits<float>::infinity();
-              bad += !std::isfinite(v) && !no_surface;
-            }
-          EXPECT_EQ(bad, 0) << effect.name << ' ' << image.names[p] << (scalar ? " scalar" : " lanes") << " variant "
-                            << variant;
+          EXPECT_EQ(undefined_pixels(image, p), 0)
+              << effect.name << ' ' << image.names[p] << (scalar ? " scalar" : " lanes") << " variant " << variant;
         }
+      }
+    }
+}
+
+// A GPU rounds some functions otherwise: all but a thousandth of the pixels are within what the eye sees, or one
+// quantum.
+TEST_P(Differential, VulkanAgreesWithScalar) {
+  constexpr double kSeen = 2.0 / 255.0, kMostOver = 1e-3;
+  const Effect& effect = *GetParam();
+  Device* const device = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(device);
+  const test::NoMessages no_messages;
+  for (const Size size : kSizes)
+    for (unsigned variant = 0; variant < 6; ++variant) {
+      GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7 + variant);
+      if (variant % 2) gbuffer.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
+      add_made_inputs(effect, gbuffer);
+      const ParameterBytes params = variant_of(effect, variant);
+      const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
+      const Image image = outputs(effect, params, gbuffer, *device);
+      ASSERT_EQ(image.names, oracle.names);
+      for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
+        const double bound = std::max(kSeen, effect.quantum) * scale_of(oracle.planes[p]);
+        const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
+        EXPECT_LE(d.share_over, kMostOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
+                                           << size.width << 'x' << size.height << ", most " << d.most;
+      }
+    }
+}
+
+TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
+  const Effect& effect = *GetParam();
+  Device* const device = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(device);
+  const test::NoMessages no_messages;
+  for (const Size size : kSizes)
+    for (unsigned variant = 0; variant < 4; ++variant) {
+      GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
+      add_made_inputs(effect, gbuffer);
+      const Image once = outputs(effect, variant_of(effect, variant), gbuffer, *device);
+      const Image again = outputs(effect, variant_of(effect, variant), gbuffer, *device);
+      for (std::size_t p = 0; p < once.planes.size(); ++p) {
+        EXPECT_EQ(undefined_pixels(once, p), 0) << effect.name << ' ' << once.names[p] << " variant " << variant;
+        EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).most, 0.0) << effect.name << once.names[p];
       }
     }
 }

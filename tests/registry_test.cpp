@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 
+#include "devices/vulkan/slots.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
 
@@ -51,28 +52,19 @@ TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
     }
 }
 
-TEST(Registry, ShadersBindExactlyTheirPlanes) {
-  // Bindings are found by name: OpName (5) of a variable's block is `constants_block` or the plane's name.
+TEST(Registry, ShadersReachExactlyTheirPlanes) {
   for (const Effect* effect : effects())
     for (const Pass& pass : effect->passes) {
-      std::set<std::string> blocks;
-      for (std::size_t at = 5; at < pass.spirv.size();) {
-        const std::uint32_t op = pass.spirv[at] & 0xffff, words = pass.spirv[at] >> 16;
-        ASSERT_GT(words, 0u);
-        if (op == 5) {
-          const std::string name(reinterpret_cast<const char*>(&pass.spirv[at + 2]));
-          if (name.ends_with("_block") && name != "constants_block") blocks.insert(name);
-        }
-        at += words;
+      std::set<std::string> slots;
+      std::set<std::uint32_t> constants;
+      for (const Slot& slot : slots_of(pass.spirv)) {
+        slots.insert(slot.plane);
+        EXPECT_TRUE(constants.insert(slot.constant).second) << slot.plane << " shares its number";
       }
       std::set<std::string> expected;
       for (const auto* names : {&pass.inputs, &pass.outputs})
-        for (std::string_view name : *names) {
-          std::string block(name);
-          std::replace(block.begin(), block.end(), '.', '_');
-          expected.insert(block + "_block");
-        }
-      EXPECT_EQ(blocks, expected) << effect->name << ", pass " << pass.name;
+        for (std::string_view name : *names) expected.insert(slot_name(name));
+      EXPECT_EQ(slots, expected) << effect->name << ", pass " << pass.name;
     }
 }
 

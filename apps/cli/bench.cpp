@@ -1,6 +1,7 @@
 // umbrage bench: time of every effect, device and size.
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
@@ -20,22 +21,33 @@ struct BenchOptions : CommonOptions {
 
 struct Times {
   double median = 0.0, least = 0.0;
+  std::optional<double> gpu_median;  ///< of the passes alone, where the device measures them
 };
 
 /// Runs something again and again. The first run, which is not counted, warms caches and pays for fresh memory; the
 /// others take it over, as frames do that are drawn one after the other.
 template <class Run>
-Result<Times> time_of(int runs, const Run& run) {
+Result<Times> time_of(int runs, Device& device, const Run& run) {
   const KeptPlanes kept;
-  std::vector<double> ms;
+  std::vector<double> ms, gpu_ms;
+  if (auto done = device.finish(); !done) return done.error();
   for (int i = 0; i <= runs; ++i) {
+    device.take_pass_times();
     StageTimes times;
     if (Result<void> done = run(); !done) return done.error();
+    if (Result<void> done = device.finish(); !done) return done.error();
     times.done("run");
-    if (i > 0) ms.push_back(times.total());
+    const auto passes = device.take_pass_times();
+    if (i == 0) continue;
+    ms.push_back(times.total());
+    if (!passes.empty()) gpu_ms.push_back(0.0);
+    for (const PassTime& pass : passes) gpu_ms.back() += pass.ms;
   }
   std::sort(ms.begin(), ms.end());
-  return Times{ms[ms.size() / 2], ms[0]};
+  std::sort(gpu_ms.begin(), gpu_ms.end());
+  Times times{ms[ms.size() / 2], ms[0], {}};
+  if (!gpu_ms.empty()) times.gpu_median = gpu_ms[gpu_ms.size() / 2];
+  return times;
 }
 
 /// What --ao-scale holds for.
@@ -95,9 +107,10 @@ Result<void> bench(const BenchOptions& o) {
                          {"ms", t.median},
                          {"ms_min", t.least}});
       if (*every > 1) records.back()["scale"] = scale;
+      if (t.gpu_median) records.back()["gpu_ms"] = *t.gpu_median;
       if (!o.json)
-        fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}\n", effect, setting, fmt::format("{}x{}", width, height),
-                   t.median, t.least);
+        fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}{}\n", effect, setting, fmt::format("{}x{}", width, height),
+                   t.median, t.least, t.gpu_median ? fmt::format(" {:9.3f} on the GPU", *t.gpu_median) : "");
     };
     DrawSettings draw_with;
     draw_with.width = width;
@@ -113,7 +126,7 @@ Result<void> bench(const BenchOptions& o) {
     }
     if (*every == 1 && (o.effect.empty() || o.effect == "capture"))
       for (const bool shadow : {false, true}) {
-        const auto times = time_of(o.runs, [&, width = width, height = height]() -> Result<void> {
+        const auto times = time_of(o.runs, device, [&, width = width, height = height]() -> Result<void> {
           const auto drawn =
               device.capture(frame->info.camera, {.width = width, .height = height, .shadows = shadow ? 1 : 0});
           return drawn ? Result<void>() : drawn.error();
@@ -129,7 +142,7 @@ Result<void> bench(const BenchOptions& o) {
         EffectSettings settings = look_settings(*find_look("unsharp"));
         if (auto set = apply_variant(settings, *effect, variant); !set) return set;
         const auto times =
-            time_of(o.runs, [&] { return device.run(*effect, settings.find(effect->name)->second, *frame); });
+            time_of(o.runs, device, [&] { return device.run(*effect, settings.find(effect->name)->second, *frame); });
         if (!times) return times.error();
         report(effect->name, std::string(variant), *times);
         if (effect->kind != EffectKind::kOcclusion || *every > 1) continue;
@@ -137,7 +150,7 @@ Result<void> bench(const BenchOptions& o) {
         Look alone;
         alone.effects = {"occlusion"};
         const LookRun half = {.look = &alone, .occlusion = effect->name, .occlusion_every = 2, .settings = &settings};
-        const auto half_times = time_of(o.runs, [&]() -> Result<void> {
+        const auto half_times = time_of(o.runs, device, [&]() -> Result<void> {
           const auto done = run_look(half, device, *frame);
           return done ? Result<void>() : done.error();
         });

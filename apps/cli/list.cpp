@@ -4,6 +4,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
 #include "core/suggest.h"
+#include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
 #include "scene/builtin.h"
@@ -49,7 +50,16 @@ nlohmann::json list_scenes() {
 Result<nlohmann::json> list_devices() {
   auto device = make_device("cpu", 0);
   if (!device) return device.error();
-  return nlohmann::json::array({{{"name", (*device)->name()}, {"summary", (*device)->description()}}});
+  std::string summary = (*device)->description();
+  if (const std::string name = "cpu: "; summary.starts_with(name)) summary.erase(0, name.size());
+  nlohmann::json records = nlohmann::json::array({{{"name", "cpu"}, {"summary", summary}}});
+  const auto gpus = vulkan_gpus();
+  if (!gpus) {
+    records.push_back({{"name", "vulkan"}, {"summary", "not to be had: " + gpus.error().message}});
+    return records;
+  }
+  for (const VulkanGpu& gpu : *gpus) records.push_back({{"name", gpu.name}, {"summary", gpu.summary}});
+  return records;
 }
 
 nlohmann::json list_formats() {

@@ -126,7 +126,11 @@ void add_picture_options(CLI::App& command, CommonOptions& o) {
 
 void add_device_options(CLI::App& command, CommonOptions& o) {
   const auto device = "Device";
-  command.add_option("--device", o.device, "cpu or auto [auto]")->envname("UMBRAGE_DEVICE")->group(device);
+  command
+      .add_option("--device", o.device,
+                  "cpu, vulkan, vulkan:N (of umbrage list devices) or auto: a GPU if there is one [auto]")
+      ->envname("UMBRAGE_DEVICE")
+      ->group(device);
   command.add_option("--threads", o.threads, "number of threads; 0: all [0]")
       ->envname("UMBRAGE_NUM_THREADS")
       ->group(device);

@@ -195,14 +195,18 @@ bool shows_surface(Device& device, const Frame& frame) {
   return false;
 }
 
-void print_times(const StageTimes& times, bool json) {
+void print_times(const StageTimes& times, const std::vector<PassTime>& passes, bool json) {
   if (!json) {
     for (const auto& stage : times.stages) fmt::print(stderr, "{:<12}{:9.1f} ms\n", stage.name, stage.ms);
     fmt::print(stderr, "{:<12}{:9.1f} ms\n", "total", times.total());
+    for (const PassTime& pass : passes)
+      fmt::print(stderr, "{:<34}{:9.3f} ms on the GPU\n", fmt::format("{} / {}", pass.effect, pass.pass), pass.ms);
     return;
   }
   nlohmann::json records = nlohmann::json::array();
   for (const auto& stage : times.stages) records.push_back({{"stage", stage.name}, {"ms", stage.ms}});
+  for (const PassTime& pass : passes)
+    records.push_back({{"stage", pass.effect}, {"pass", pass.pass}, {"gpu_ms", pass.ms}});
   records.push_back({{"stage", "total"}, {"ms", times.total()}});
   fmt::print("{}\n", records.dump(2));
 }
@@ -263,7 +267,7 @@ Result<void> render(const RenderOptions& o) {
   times.done("write");
   if (o.verbose)
     fmt::print(stderr, "{}: {} triangles in {} meshes\n{}\n", scene->name, triangles, meshes, (*device)->description());
-  if (o.verbose || o.json) print_times(times, o.json);
+  if (o.verbose || o.json) print_times(times, (*device)->take_pass_times(), o.json);
   return {};
 }
 

@@ -9,6 +9,7 @@
 #include "core/check.h"
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
+#include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "effects/output/output.h"
 #include "looks/frames.h"
@@ -74,13 +75,22 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 }
 
 Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads) {
-  if (name == "vulkan" || name.starts_with("vulkan:"))
-    return device_error("the device '{}' is not there: this version runs on the CPU alone", name);
-  if (name != "cpu" && name != "auto") {
-    constexpr std::string_view kNames[] = {"cpu", "auto"};
-    return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));
+  const auto cpu = [&] { return make_cpu_device({.threads = threads}); };
+  if (name == "cpu") return cpu();
+  if (name == "auto") {
+    auto gpu = make_vulkan_device({.real = true}, cpu());
+    return gpu ? std::move(gpu) : cpu();
   }
-  return make_cpu_device({.threads = threads});
+  if (name == "vulkan") return make_vulkan_device({}, cpu());
+  if (const std::string prefix = "vulkan:"; name.starts_with(prefix)) {
+    const char* end = name.data() + name.size();
+    int index = -1;
+    const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, index);
+    if (failed == std::errc() && stop == end && index >= 0) return make_vulkan_device({.index = index}, cpu());
+    return usage_error("there is no device '{}': a number follows vulkan:, such as vulkan:0", name);
+  }
+  constexpr std::string_view kNames[] = {"cpu", "vulkan", "auto"};
+  return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));
 }
 
 std::span<const Effect* const> handed_in() {

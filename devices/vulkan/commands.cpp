@@ -1,0 +1,145 @@
+#include "devices/vulkan/commands.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/check.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of passes
+constexpr std::uint32_t kTimedPasses = 1024;                 // two times of each
+constexpr std::size_t kMostTimes = 65536;                    // that are kept for somebody who asks
+constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
+constexpr VkAccessFlags kReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
+constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+
+}  // namespace
+
+Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_ptr<Memory>& memory) {
+  auto commands = std::unique_ptr<Commands>(new Commands(std::move(gpu)));
+  const Gpu& on = *commands->gpu_;
+  const auto failed = [](VkResult result) -> Error { return vulkan_error(result, "was opened"); };
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT;
+  pool.queueFamilyIndex = on.family;
+  if (const auto r = on.vk.CreateCommandPool(on.device, &pool, nullptr, &commands->pool_); r != VK_SUCCESS)
+    return failed(r);
+  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  allocate.commandPool = commands->pool_;
+  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  allocate.commandBufferCount = 1;
+  if (const auto r = on.vk.AllocateCommandBuffers(on.device, &allocate, &commands->buffer_); r != VK_SUCCESS)
+    return failed(r);
+  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  if (const auto r = on.vk.CreateFence(on.device, &fence, nullptr, &commands->fence_); r != VK_SUCCESS)
+    return failed(r);
+  if (on.ns_of_tick > 0.0) {
+    VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    queries.queryCount = 2 * kTimedPasses;
+    if (const auto r = on.vk.CreateQueryPool(on.device, &queries, nullptr, &commands->queries_); r != VK_SUCCESS)
+      return failed(r);
+  }
+  auto uniforms = memory->host(kUniformBytes + kMostUniforms, true);
+  if (!uniforms) return uniforms.error();
+  commands->uniforms_ = *uniforms;
+  return commands;
+}
+
+Commands::~Commands() {
+  if (recording_) gpu_->vk.EndCommandBuffer(buffer_);
+  kept_.clear();
+  if (queries_) gpu_->vk.DestroyQueryPool(gpu_->device, queries_, nullptr);
+  if (fence_) gpu_->vk.DestroyFence(gpu_->device, fence_, nullptr);
+  if (pool_) gpu_->vk.DestroyCommandPool(gpu_->device, pool_, nullptr);
+}
+
+Result<VkCommandBuffer> Commands::buffer() {
+  if (lost_) return *lost_;
+  if (recording_) return buffer_;
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  if (const auto r = gpu_->vk.BeginCommandBuffer(buffer_, &begin); r != VK_SUCCESS)
+    return vulkan_error(r, "was given work");
+  recording_ = true;
+  if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kTimedPasses);
+  return buffer_;
+}
+
+void Commands::barrier() {
+  const VkMemoryBarrier all{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, kWrites, kReads | kWrites};
+  gpu_->vk.CmdPipelineBarrier(buffer_, kStages, kStages, 0, 1, &all, 0, nullptr, 0, nullptr);
+}
+
+Result<void> Commands::finish() {
+  if (lost_) return *lost_;
+  if (!recording_) return {};
+  const Result<void> done = submit();
+  recording_ = false;
+  uniforms_used_ = 0;
+  timed_.clear();
+  kept_.clear();
+  gpu_->vk.ResetCommandPool(gpu_->device, pool_, 0);
+  return done;
+}
+
+Result<void> Commands::submit() {
+  const auto& vk = gpu_->vk;
+  const auto failed = [&](VkResult result) {
+    const Error error = vulkan_error(result, "worked");
+    if (result == VK_ERROR_DEVICE_LOST) lost_ = error;
+    return error;
+  };
+  const VkMemoryBarrier to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT,
+                                VK_ACCESS_HOST_READ_BIT};
+  vk.CmdPipelineBarrier(buffer_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0, nullptr,
+                        0, nullptr);
+  if (const auto r = vk.EndCommandBuffer(buffer_); r != VK_SUCCESS) return failed(r);
+  VkSubmitInfo work{VK_STRUCTURE_TYPE_SUBMIT_INFO};
+  work.commandBufferCount = 1;
+  work.pCommandBuffers = &buffer_;
+  if (const auto r = vk.QueueSubmit(gpu_->queue, 1, &work, fence_); r != VK_SUCCESS) return failed(r);
+  const VkResult waited =
+      vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
+  if (waited != VK_SUCCESS) return failed(waited);
+  vk.ResetFences(gpu_->device, 1, &fence_);
+  if (timed_.empty() || !queries_) return {};
+  std::vector<std::uint64_t> ticks(2 * timed_.size());
+  const VkResult read = vk.GetQueryPoolResults(gpu_->device, queries_, 0, std::uint32_t(ticks.size()),
+                                               ticks.size() * sizeof(std::uint64_t), ticks.data(),
+                                               sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
+  if (read != VK_SUCCESS) return vulkan_error(read, "told what its passes took");
+  if (times_.size() > kMostTimes) times_.clear();
+  for (std::size_t k = 0; k < timed_.size(); ++k) {
+    timed_[k].ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;
+    times_.push_back(std::move(timed_[k]));
+  }
+  return {};
+}
+
+Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
+  check_less(bytes, kMostUniforms + 1, "bytes of constants");
+  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kTimedPasses)
+    if (auto done = finish(); !done) return done.error();
+  const Uniforms given{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
+  const std::size_t step = gpu_->properties.limits.minUniformBufferOffsetAlignment;
+  uniforms_used_ = (uniforms_used_ + bytes + step - 1) / step * step;
+  return given;
+}
+
+void Commands::begin_pass(std::string_view effect, std::string_view pass) {
+  timed_.push_back({std::string(effect), std::string(pass), 0.0});
+  if (queries_)
+    gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
+                               2 * (std::uint32_t(timed_.size()) - 1));
+}
+
+void Commands::end_pass() {
+  if (queries_)
+    gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
+                               2 * std::uint32_t(timed_.size()) - 1);
+}
+
+}  // namespace umbrage

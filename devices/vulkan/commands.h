@@ -1,0 +1,66 @@
+// What a Vulkan device is asked for, noted down until somebody needs the result; then it is all handed over at once.
+#pragma once
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/device.h"
+#include "devices/vulkan/memory.h"
+
+namespace umbrage {
+
+class Commands {
+ public:
+  static Result<std::unique_ptr<Commands>> make(GpuPtr gpu, const std::shared_ptr<Memory>& memory);
+  ~Commands();
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+
+  /// Where to note down; begins where nothing is noted yet. Errors: kDevice.
+  Result<VkCommandBuffer> buffer();
+  /// What follows sees all that was written before, and writes only after all that was read before.
+  void barrier();
+  /// Hands over what is noted and waits for it. Errors: kDevice; what was noted is then gone.
+  Result<void> finish();
+  /// Keeps something alive until that has happened.
+  void keep(std::shared_ptr<const void> what) { kept_.push_back(std::move(what)); }
+
+  /// Bytes for constants of the commands noted down next; `offset` is where they lie in uniform_buffer(). Hands over
+  /// what is noted where there is no more room, so it comes before buffer(). Errors: kDevice.
+  struct Uniforms {
+    std::byte* bytes = nullptr;
+    std::uint32_t offset = 0;
+  };
+  Result<Uniforms> uniforms(std::size_t bytes);
+  VkBuffer uniform_buffer() const { return uniforms_->buffer; }
+
+  /// Between these the pass is noted down whose time is taken.
+  void begin_pass(std::string_view effect, std::string_view pass);
+  void end_pass();
+  std::vector<PassTime> take_pass_times() { return std::exchange(times_, {}); }
+
+ private:
+  explicit Commands(GpuPtr gpu) : gpu_(std::move(gpu)) {}
+  Result<void> submit();
+
+  GpuPtr gpu_;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer buffer_ = VK_NULL_HANDLE;
+  VkFence fence_ = VK_NULL_HANDLE;
+  VkQueryPool queries_ = VK_NULL_HANDLE;
+  HostBufferPtr uniforms_;
+  std::size_t uniforms_used_ = 0;
+  bool recording_ = false;
+  std::optional<Error> lost_;  // what there is to say of a device that is gone: it is asked for nothing more
+  std::vector<std::shared_ptr<const void>> kept_;
+  std::vector<PassTime> timed_;  // of the commands noted down, still without times
+  std::vector<PassTime> times_;
+};
+
+/// The most bytes of constants that one pass may have: what every device reads at once.
+inline constexpr std::size_t kMostUniforms = 16384;
+
+}  // namespace umbrage

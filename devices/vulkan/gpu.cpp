@@ -1,0 +1,47 @@
+#include "devices/vulkan/gpu.h"
+
+namespace umbrage {
+
+Gpu::~Gpu() {
+  if (!device) return;
+  vk.DeviceWaitIdle(device);
+  vk.DestroyDevice(device, nullptr);
+}
+
+Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& from) {
+  auto gpu = std::make_shared<Gpu>();
+  gpu->vk = instance->vk;
+  gpu->instance = std::move(instance);
+  gpu->physical = from.handle;
+  gpu->family = std::uint32_t(queue_family(*gpu->instance, from.handle));
+
+  const float priority = 1.0f;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = gpu->family;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  VkPhysicalDeviceVulkan12Features features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  features.bufferDeviceAddress = VK_TRUE;
+  features.scalarBlockLayout = VK_TRUE;
+  VkDeviceCreateInfo create{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features};
+  create.queueCreateInfoCount = 1;
+  create.pQueueCreateInfos = &queue;
+  if (const VkResult made = gpu->vk.CreateDevice(from.handle, &create, nullptr, &gpu->device); made != VK_SUCCESS)
+    return vulkan_error(made, "was opened");
+  gpu->vk.GetDeviceQueue(gpu->device, gpu->family, 0, &gpu->queue);
+
+  VkPhysicalDeviceMaintenance3Properties most{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &most};
+  gpu->vk.GetPhysicalDeviceProperties2(from.handle, &properties);
+  gpu->properties = properties.properties;
+  gpu->largest_allocation = most.maxMemoryAllocationSize;
+  gpu->vk.GetPhysicalDeviceMemoryProperties(from.handle, &gpu->memory);
+  std::uint32_t count = 0;
+  gpu->vk.GetPhysicalDeviceQueueFamilyProperties(from.handle, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  gpu->vk.GetPhysicalDeviceQueueFamilyProperties(from.handle, &count, families.data());
+  if (families[gpu->family].timestampValidBits > 0) gpu->ns_of_tick = gpu->properties.limits.timestampPeriod;
+  return GpuPtr(std::move(gpu));
+}
+
+}  // namespace umbrage

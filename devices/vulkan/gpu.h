@@ -1,0 +1,31 @@
+// An opened Vulkan device with the queue that all work goes through.
+#pragma once
+#include <memory>
+
+#include "devices/vulkan/instance.h"
+
+namespace umbrage {
+
+struct Gpu {
+  InstancePtr instance;
+  VulkanFunctions vk;  ///< the instance's
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  std::uint32_t family = 0;
+  VkPhysicalDeviceProperties properties{};
+  VkPhysicalDeviceMemoryProperties memory{};
+  VkDeviceSize largest_allocation = 0;
+  double ns_of_tick = 0.0;  ///< of timestamps; 0: there are none
+
+  Gpu() = default;
+  Gpu(const Gpu&) = delete;
+  Gpu& operator=(const Gpu&) = delete;
+  ~Gpu();
+};
+using GpuPtr = std::shared_ptr<const Gpu>;
+
+/// Opens a device that lacks nothing. Errors: kDevice.
+Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& gpu);
+
+}  // namespace umbrage

@@ -1,0 +1,55 @@
+// Vulkan's functions, found at run time: the program is linked with no Vulkan library and starts where there is none.
+#pragma once
+#define VK_NO_PROTOTYPES
+#include <vulkan/vulkan_core.h>
+
+#include <string>
+
+#include "core/result.h"
+
+// Functions that take no instance, and the others. The only list of them.
+#define UMBRAGE_VULKAN_GLOBAL(X) X(EnumerateInstanceVersion) X(EnumerateInstanceLayerProperties) X(CreateInstance)
+#define UMBRAGE_VULKAN_FUNCTIONS(X)                                                                                   \
+  X(DestroyInstance)                                                                                                  \
+  X(EnumeratePhysicalDevices)                                                                                         \
+  X(GetPhysicalDeviceProperties)                                                                                      \
+  X(GetPhysicalDeviceProperties2) X(GetPhysicalDeviceFeatures2) X(GetPhysicalDeviceMemoryProperties)                  \
+      X(GetPhysicalDeviceQueueFamilyProperties) X(CreateDevice) X(DestroyDevice) X(GetDeviceQueue) X(QueueSubmit)     \
+          X(DeviceWaitIdle) X(CreateBuffer) X(DestroyBuffer) X(GetBufferMemoryRequirements) X(GetBufferDeviceAddress) \
+              X(AllocateMemory) X(FreeMemory) X(BindBufferMemory) X(MapMemory) X(CreateCommandPool)                   \
+                  X(DestroyCommandPool) X(AllocateCommandBuffers) X(BeginCommandBuffer) X(EndCommandBuffer)           \
+                      X(ResetCommandPool) X(CreateFence) X(DestroyFence) X(WaitForFences) X(ResetFences)              \
+                          X(CreateQueryPool) X(DestroyQueryPool) X(GetQueryPoolResults) X(CmdResetQueryPool)          \
+                              X(CmdWriteTimestamp) X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout)         \
+                                  X(CreateDescriptorPool) X(DestroyDescriptorPool) X(AllocateDescriptorSets)          \
+                                      X(UpdateDescriptorSets) X(CreatePipelineLayout) X(DestroyPipelineLayout)        \
+                                          X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines)      \
+                                              X(DestroyPipeline) X(CreatePipelineCache) X(DestroyPipelineCache)       \
+                                                  X(GetPipelineCacheData) X(CmdBindPipeline) X(CmdBindDescriptorSets) \
+                                                      X(CmdPushConstants) X(CmdDispatch) X(CmdPipelineBarrier)        \
+                                                          X(CmdCopyBuffer) X(CmdFillBuffer)
+
+namespace umbrage {
+
+struct VulkanFunctions {
+  PFN_vkGetInstanceProcAddr GetInstanceProcAddr = nullptr;
+#define UMBRAGE_MEMBER(name) PFN_vk##name name = nullptr;
+  UMBRAGE_VULKAN_GLOBAL(UMBRAGE_MEMBER)
+  UMBRAGE_VULKAN_FUNCTIONS(UMBRAGE_MEMBER)
+#undef UMBRAGE_MEMBER
+};
+
+/// What finds all other functions, of the system's Vulkan loader, which stays loaded. Errors: kDevice where there is
+/// none of that name.
+Result<PFN_vkGetInstanceProcAddr> load_vulkan(const std::string& library = "libvulkan.so.1");
+
+/// The functions that take no instance. Errors: kDevice.
+Result<VulkanFunctions> global_functions(PFN_vkGetInstanceProcAddr get);
+
+/// Adds the others. Errors: kDevice where one is missing.
+Result<void> add_functions(VkInstance instance, VulkanFunctions& vk);
+
+/// What a function returned that failed, as a sentence: "the Vulkan device ran out of memory while it ...".
+Error vulkan_error(VkResult result, std::string_view doing);
+
+}  // namespace umbrage

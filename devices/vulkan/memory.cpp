@@ -1,0 +1,190 @@
+#include "devices/vulkan/memory.h"
+
+#include <algorithm>
+
+namespace umbrage {
+namespace {
+
+constexpr VkDeviceSize kAlignment = 256;                      // of planes in a slab
+constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;        // few allocations, and little that stays unused
+constexpr VkDeviceSize kMostOfSlab = 16;                      // planes
+constexpr VkDeviceSize kKeptEmpty = VkDeviceSize(256) << 20;  // of slabs of other sizes, while new ones are made
+constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;
+constexpr VkDeviceSize kKeptHost = VkDeviceSize(256) << 20;
+
+VkDeviceSize rounded_up(VkDeviceSize v, VkDeviceSize step) { return (v + step - 1) / step * step; }
+
+double mebibytes(VkDeviceSize bytes) { return double(bytes) / double(1 << 20); }
+
+}  // namespace
+
+Memory::~Memory() {
+  for (auto& slab : slabs_) destroy(slab->block);
+  for (Block& block : free_host_) destroy(block);
+}
+
+Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags wanted,
+                                 VkMemoryPropertyFlags liked) {
+  const auto& vk = gpu_->vk;
+  Block block;
+  block.size = bytes;
+  VkBufferCreateInfo create{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
+  create.size = bytes;
+  create.usage = usage;
+  create.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+  if (const VkResult made = vk.CreateBuffer(gpu_->device, &create, nullptr, &block.buffer); made != VK_SUCCESS)
+    return vulkan_error(made, "made room for a picture");
+  VkMemoryRequirements needs{};
+  vk.GetBufferMemoryRequirements(gpu_->device, block.buffer, &needs);
+  int type = -1, best = -1;
+  for (std::uint32_t k = 0; k < gpu_->memory.memoryTypeCount; ++k) {
+    const VkMemoryPropertyFlags has = gpu_->memory.memoryTypes[k].propertyFlags;
+    if (!(needs.memoryTypeBits >> k & 1u) || (has & wanted) != wanted) continue;
+    const int score = __builtin_popcount(has & liked);
+    if (score > best) best = score, type = int(k);
+  }
+  if (type < 0) {
+    destroy(block);
+    return device_error("the Vulkan device has no memory for buffers of {:.0f} MiB", mebibytes(bytes));
+  }
+  // Some drivers promise more than there is.
+  const bool on_device = (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
+  const VkDeviceSize heap = gpu_->memory.memoryHeaps[gpu_->memory.memoryTypes[type].heapIndex].size;
+  VkResult done = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  if (needs.size <= gpu_->largest_allocation && (on_device ? device_bytes_ : host_bytes_) + needs.size <= heap) {
+    VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+    flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    if (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) allocate.pNext = &flags;
+    allocate.allocationSize = needs.size;
+    allocate.memoryTypeIndex = std::uint32_t(type);
+    done = vk.AllocateMemory(gpu_->device, &allocate, nullptr, &block.memory);
+  }
+  if (done == VK_SUCCESS) done = vk.BindBufferMemory(gpu_->device, block.buffer, block.memory, 0);
+  if (done == VK_SUCCESS && (wanted & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
+    void* mapped = nullptr;
+    done = vk.MapMemory(gpu_->device, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped);
+    block.mapped = static_cast<std::byte*>(mapped);
+  }
+  if (done != VK_SUCCESS) {
+    destroy(block);
+    return vulkan_error(done, "made room for a picture");
+  }
+  (on_device ? device_bytes_ : host_bytes_) += block.size;
+  block.counted = true;
+  if (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) {
+    const VkBufferDeviceAddressInfo of{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, block.buffer};
+    block.address = vk.GetBufferDeviceAddress(gpu_->device, &of);
+  }
+  return block;
+}
+
+Result<void> Memory::free_empty_slabs() {
+  if (empty_bytes() == 0) return {};
+  if (auto idle = wait(); !idle) return idle;
+  for (auto& slab : slabs_)
+    if (int(slab->free.size()) == slab->count) {
+      destroy(slab->block);
+      slab.reset();
+    }
+  std::erase(slabs_, nullptr);
+  return {};
+}
+
+std::uint64_t Memory::empty_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& slab : slabs_)
+    if (int(slab->free.size()) == slab->count) bytes += slab->block.size;
+  return bytes;
+}
+
+Result<void> Memory::add_slab(VkDeviceSize plane_bytes) {
+  if (plane_bytes > gpu_->largest_allocation)
+    return device_error(
+        "the picture is too large for the Vulkan device: a plane of it takes {:.0f} MiB, and {:.0f} MiB "
+        "are the most in one piece; use --device cpu or a smaller --resolution",
+        mebibytes(plane_bytes), mebibytes(gpu_->largest_allocation));
+  if (empty_bytes() > kKeptEmpty)
+    if (auto freed = free_empty_slabs(); !freed) return freed;
+  int count = int(std::clamp(std::min(kSlab, gpu_->largest_allocation) / plane_bytes, VkDeviceSize(1), kMostOfSlab));
+  const auto make = [&] {
+    return make_block(plane_bytes * VkDeviceSize(count),
+                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                          VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                      VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0);
+  };
+  auto block = make();
+  if (!block) {
+    if (auto freed = free_empty_slabs(); !freed) return freed;
+    count = 1;
+    block = make();
+  }
+  if (!block) return block.error();
+  auto slab = std::make_unique<Slab>(Slab{*block, plane_bytes, count, {}});
+  for (int k = count - 1; k >= 0; --k) slab->free.push_back(k);
+  slabs_.push_back(std::move(slab));
+  return {};
+}
+
+Result<DevicePlanePtr> Memory::plane(VkDeviceSize bytes) {
+  const VkDeviceSize size = rounded_up(std::max(bytes, VkDeviceSize(1)), kAlignment);
+  const auto with_room = [&] {
+    return std::find_if(slabs_.begin(), slabs_.end(),
+                        [&](const auto& slab) { return slab->plane_bytes == size && !slab->free.empty(); });
+  };
+  auto found = with_room();
+  if (found == slabs_.end()) {
+    if (auto added = add_slab(size); !added) return added.error();
+    found = with_room();
+  }
+  Slab& slab = **found;
+  const int index = slab.free.back();
+  slab.free.pop_back();
+  const VkDeviceSize offset = VkDeviceSize(index) * size;
+  return DevicePlanePtr(new DevicePlane{slab.block.buffer, offset, slab.block.address + offset},
+                        [self = shared_from_this(), &slab, index](const DevicePlane* plane) {
+                          slab.free.push_back(index);
+                          delete plane;
+                        });
+}
+
+Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
+  const VkDeviceSize size = rounded_up(std::max(bytes, VkDeviceSize(1)), kHostStep);
+  Block block;
+  const auto fits = [&](const Block& free) { return free.size >= size && free.size <= 2 * size; };
+  const auto found = uniform ? free_host_.end() : std::find_if(free_host_.begin(), free_host_.end(), fits);
+  if (found != free_host_.end()) {
+    block = *found;
+    free_host_.erase(found);
+  } else {
+    VkDeviceSize kept = 0;
+    for (const Block& free : free_host_) kept += free.size;
+    if (kept > kKeptHost) {
+      for (Block& free : free_host_) destroy(free);
+      free_host_.clear();
+    }
+    const VkBufferUsageFlags usage = uniform ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT
+                                             : VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+    auto made = make_block(size, usage, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                           uniform ? VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT : VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
+    if (!made) return made.error();
+    block = *made;
+  }
+  return HostBufferPtr(new Block(block), [self = shared_from_this(), uniform](const Block* buffer) {
+    Block copy = *buffer;
+    if (uniform)
+      self->destroy(copy);
+    else
+      self->free_host_.push_back(copy);
+    delete buffer;
+  });
+}
+
+void Memory::destroy(Block& block) {
+  if (block.counted) (block.mapped ? host_bytes_ : device_bytes_) -= block.size;
+  if (block.buffer) gpu_->vk.DestroyBuffer(gpu_->device, block.buffer, nullptr);
+  if (block.memory) gpu_->vk.FreeMemory(gpu_->device, block.memory, nullptr);
+  block = {};
+}
+
+}  // namespace umbrage

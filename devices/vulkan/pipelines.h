@@ -1,0 +1,57 @@
+// Kernels compiled by the driver, and how they get their constants and planes.
+#pragma once
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "core/effect.h"
+#include "devices/vulkan/gpu.h"
+
+namespace umbrage {
+
+/// What pick.comp reads.
+struct PickConstants {
+  VkDeviceAddress from = 0, to = 0;
+  int from_width = 0, from_height = 0, from_stride = 0;
+  int to_width = 0, to_height = 0, to_stride = 0;
+  int factor = 1;
+};
+
+/// The names of a pass's planes, inputs first, each once: the order of their addresses in the table of machine/glsl.h.
+std::vector<std::string_view> plane_table(const Pass& pass);
+
+class Pipelines {
+ public:
+  /// `uniforms` is where constants and tables lie: see Commands. Compiled pipelines are kept in `file`, if that is not
+  /// empty. Errors: kDevice.
+  static Result<std::unique_ptr<Pipelines>> make(GpuPtr gpu, VkBuffer uniforms, std::filesystem::path file);
+  ~Pipelines();
+  Pipelines(const Pipelines&) = delete;
+  Pipelines& operator=(const Pipelines&) = delete;
+
+  /// The pass's pipeline, compiled when it is first asked for. Errors: kDevice.
+  Result<VkPipeline> of(const Pass& pass);
+  Result<VkPipeline> pick();
+
+  VkPipelineLayout pass_layout() const { return pass_layout_; }
+  VkPipelineLayout pick_layout() const { return pick_layout_; }
+  VkDescriptorSet constants() const { return set_; }  ///< takes two offsets: of the constants, of the table
+
+ private:
+  explicit Pipelines(GpuPtr gpu) : gpu_(std::move(gpu)) {}
+  Result<void> make_layouts(VkBuffer uniforms);
+  Result<VkPipeline> compile(std::span<const std::uint32_t> spirv, VkPipelineLayout layout,
+                             const VkSpecializationInfo* values);
+
+  GpuPtr gpu_;
+  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+  VkDescriptorPool pool_ = VK_NULL_HANDLE;
+  VkDescriptorSet set_ = VK_NULL_HANDLE;
+  VkPipelineLayout pass_layout_ = VK_NULL_HANDLE, pick_layout_ = VK_NULL_HANDLE;
+  VkPipelineCache cache_ = VK_NULL_HANDLE;
+  std::map<const std::uint32_t*, VkPipeline> pipelines_;  // by their SPIR-V
+  std::filesystem::path file_;
+  std::size_t read_ = 0;  // bytes of the file
+};
+
+}  // namespace umbrage

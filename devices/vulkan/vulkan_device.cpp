@@ -1,0 +1,420 @@
+#include "devices/vulkan/vulkan_device.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <map>
+
+#include "core/check.h"
+#include "devices/shared/neutral.h"
+#include "devices/shared/passes.h"
+#include "devices/vulkan/commands.h"
+#include "devices/vulkan/memory.h"
+#include "devices/vulkan/pipeline_file.h"
+#include "devices/vulkan/pipelines.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::uint32_t kGroup = 8;                            // pixels of a workgroup, across and down: machine/glsl.h
+constexpr VkDeviceSize kMostStaged = VkDeviceSize(256) << 20;  // bytes copied to or from the host at once
+
+/// What a frame stores. A plane that a pass asked for and nobody made has one value everywhere; all such names of one
+/// value share a plane.
+struct Planes {
+  int stride = 0;  // floats from one row to the next
+  VkDeviceSize bytes = 0;
+  std::vector<std::string> names;  // made, in that order
+  std::map<std::string, DevicePlanePtr, std::less<>> made;
+  std::vector<std::string> neutral;  // asked for, in that order; `made` may have got one since
+  std::map<float, DevicePlanePtr> constants;
+
+  bool is_neutral(std::string_view name) const {
+    return !made.contains(name) && std::find(neutral.begin(), neutral.end(), name) != neutral.end();
+  }
+  const DevicePlane* find(std::string_view name) const {
+    if (const auto found = made.find(name); found != made.end()) return found->second.get();
+    return is_neutral(name) ? constants.at(*neutral_value(name)).get() : nullptr;
+  }
+};
+
+Planes& planes_of(const Frame& frame) { return *static_cast<Planes*>(frame.storage.get()); }
+
+std::shared_ptr<Planes> empty_planes(const PictureInfo& info) {
+  auto planes = std::make_shared<Planes>();
+  planes->stride = (info.width + kRowAlignment - 1) / kRowAlignment * kRowAlignment;
+  planes->bytes = VkDeviceSize(planes->stride) * VkDeviceSize(info.height) * sizeof(float);
+  return planes;
+}
+
+/// A plane of the host on its way to a frame.
+struct HostPlane {
+  std::string name;
+  const Plane* plane;
+};
+
+class VulkanDevice final : public Device {
+ public:
+  VulkanDevice(GpuPtr gpu, std::string name, std::string description, std::unique_ptr<Device> capture)
+      : gpu_(std::move(gpu)),
+        memory_(std::make_shared<Memory>(gpu_)),
+        name_(std::move(name)),
+        description_(std::move(description)),
+        capture_(std::move(capture)) {}
+
+  ~VulkanDevice() override {
+    memory_->wait = [] { return Result<void>(); };
+    gpu_->vk.DeviceWaitIdle(gpu_->device);
+  }
+
+  Result<void> start(const std::filesystem::path& pipelines) {
+    auto commands = Commands::make(gpu_, memory_);
+    if (!commands) return commands.error();
+    commands_ = std::move(*commands);
+    memory_->wait = [this] { return commands_->finish(); };
+    auto made = Pipelines::make(gpu_, commands_->uniform_buffer(), pipelines);
+    if (!made) return made.error();
+    pipelines_ = std::move(*made);
+    return {};
+  }
+
+  std::string_view name() const override { return name_; }
+  std::string description() const override { return description_; }
+  int threads() const override { return capture_->threads(); }
+
+  VulkanMemory memory() const { return {memory_->device_bytes(), memory_->host_bytes()}; }
+
+  Result<void> prepare(const Scene& scene) override { return capture_->prepare(scene); }
+
+  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
+    auto drawn = capture_->capture(camera, settings);
+    if (!drawn) return drawn;
+    Frame whole = *drawn;
+    whole.info.guard = 0;  // all of it
+    const auto planes = capture_->download(whole, {});
+    if (!planes) return planes.error();
+    Frame frame{drawn->info, empty_planes(drawn->info)};
+    if (auto done = add(*planes, frame); !done) return done.error();
+    return frame;
+  }
+
+  Result<Frame> upload(const GBuffer& gbuffer) override {
+    Frame frame{gbuffer.info, empty_planes(gbuffer.info)};
+    std::vector<HostPlane> planes;
+    for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
+      for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p)
+        planes.push_back({layer_plane(int(layer), gbuffer.layers[layer].names[p]), &gbuffer.layers[layer].planes[p]});
+    if (auto done = copy_to(planes, frame); !done) return done.error();
+    return frame;
+  }
+
+  Result<void> add(const Image& image, Frame& frame) override {
+    std::vector<HostPlane> planes;
+    for (std::size_t p = 0; p < image.planes.size(); ++p) planes.push_back({image.names[p], &image.planes[p]});
+    return copy_to(planes, frame);
+  }
+
+  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer) override {
+    return run_passes(effect, params, frame, layer,
+                      [&](const PassRun& pass) { return run_pass(pass, planes_of(frame)); });
+  }
+
+  Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
+    check_less(0, factor, "factor of a reduced frame");
+    Frame small{reduced_info(frame.info, factor), nullptr};
+    auto planes = empty_planes(small.info);
+    small.storage = planes;
+    for (const std::string& name : names)
+      for (int layer = 0; layer < kMostLayers; ++layer) {
+        const std::string of_layer = layer_plane(layer, name);
+        const auto in = planes_of(frame).made.find(of_layer);
+        if (in == planes_of(frame).made.end()) continue;
+        const auto out = writable(*planes, of_layer);
+        if (!out) return out.error();
+        if (auto done = pick(frame, *in->second, factor, small, **out); !done) return done.error();
+      }
+    return small;
+  }
+
+  Result<void> place(const Frame& small, const std::vector<std::string>& names, Frame& full) override {
+    const int factor = small.info.reduced / full.info.reduced;
+    check_equal(small.info.width, reduced_side(full.info.width, factor), "width of a reduced frame");
+    check_equal(small.info.height, reduced_side(full.info.height, factor), "height of a reduced frame");
+    for (const std::string& name : names) {
+      const DevicePlane* in = planes_of(small).find(name);
+      if (!in) return usage_error("the picture has no plane '{}'", name);
+      const auto out = writable(planes_of(full), reduced_plane(name));
+      if (!out) return out.error();
+      if (auto done = pick(small, *in, 1, full, **out); !done) return done;
+    }
+    return {};
+  }
+
+  Result<void> finish() override { return commands_->finish(); }
+
+  std::vector<PassTime> take_pass_times() override { return commands_->take_pass_times(); }
+
+  Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
+    const Planes& planes = planes_of(frame);
+    std::vector<std::string> wanted = names;
+    if (names.empty()) {
+      wanted = planes.names;
+      for (const std::string& name : planes.neutral)
+        if (!planes.made.contains(name)) wanted.push_back(name);
+    }
+    Image out(frame.info.inner_width(), frame.info.inner_height());
+    const std::size_t at_once = staged_at_once(planes);
+    for (std::size_t first = 0; first < wanted.size(); first += at_once)
+      if (auto done = copy_from(planes, wanted, first, std::min(first + at_once, wanted.size()), frame.info.guard, out);
+          !done)
+        return done.error();
+    // Also where nothing had to be copied: errors of what came before show here.
+    if (auto done = commands_->finish(); !done) return done.error();
+    return out;
+  }
+
+ private:
+  /// How many planes are copied to or from the host at once.
+  std::size_t staged_at_once(const Planes& planes) const {
+    return std::max<std::size_t>(
+        1, std::min(kMostStaged, gpu_->largest_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
+  }
+
+  /// The frame's plane of that name, made where there is none.
+  Result<DevicePlanePtr> writable(Planes& planes, const std::string& name) {
+    if (const auto found = planes.made.find(name); found != planes.made.end()) return found->second;
+    auto plane = memory_->plane(planes.bytes);
+    if (!plane) return plane;
+    planes.names.push_back(name);
+    planes.made.emplace(name, *plane);
+    return plane;
+  }
+
+  /// Copies planes of the host into a frame.
+  Result<void> copy_to(const std::vector<HostPlane>& from, Frame& frame) {
+    Planes& planes = planes_of(frame);
+    const std::size_t row_bytes = std::size_t(frame.info.width) * sizeof(float);
+    const std::size_t at_once = staged_at_once(planes);
+    for (std::size_t first = 0; first < from.size(); first += at_once) {
+      const std::size_t end = std::min(first + at_once, from.size());
+      if (first > 0)  // what is staged stays until it is copied
+        if (auto done = commands_->finish(); !done) return done;
+      for (std::size_t p = first; p < end; ++p)  // now: new memory may hand over what is noted down
+        if (const auto out = writable(planes, from[p].name); !out) return out.error();
+      const auto staged = memory_->host(planes.bytes * (end - first));
+      if (!staged) return staged.error();
+      commands_->keep(*staged);
+      for (std::size_t p = first; p < end; ++p) {
+        check_equal(from[p].plane->width, frame.info.width, from[p].name);
+        check_equal(from[p].plane->height, frame.info.height, from[p].name);
+        std::byte* to = (*staged)->mapped + planes.bytes * (p - first);
+        if (from[p].plane->stride == planes.stride)
+          std::memcpy(to, from[p].plane->data(), planes.bytes);
+        else
+          for (int y = 0; y < frame.info.height; ++y)
+            std::memcpy(to + std::size_t(y) * planes.stride * sizeof(float), from[p].plane->row(y), row_bytes);
+        const DevicePlanePtr& out = planes.made.find(from[p].name)->second;
+        const auto buffer = commands_->buffer();
+        if (!buffer) return buffer.error();
+        if (p == first) commands_->barrier();
+        const VkBufferCopy region{planes.bytes * (p - first), out->offset, planes.bytes};
+        gpu_->vk.CmdCopyBuffer(*buffer, (*staged)->buffer, out->buffer, 1, &region);
+      }
+    }
+    return {};
+  }
+
+  /// Copies the planes [first, end) of those wanted to the host, without the guard band.
+  Result<void> copy_from(const Planes& planes, const std::vector<std::string>& wanted, std::size_t first,
+                         std::size_t end, int guard, Image& out) {
+    const auto staged = memory_->host(planes.bytes * (end - first));
+    if (!staged) return staged.error();
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    commands_->barrier();
+    for (std::size_t p = first; p < end; ++p) {
+      const DevicePlane* plane = planes.find(wanted[p]);
+      if (!plane) return usage_error("the picture has no plane '{}'", wanted[p]);
+      const VkBufferCopy region{plane->offset, planes.bytes * (p - first), planes.bytes};
+      gpu_->vk.CmdCopyBuffer(*buffer, plane->buffer, (*staged)->buffer, 1, &region);
+    }
+    if (auto done = commands_->finish(); !done) return done;
+    for (std::size_t p = first; p < end; ++p) {
+      const auto* from = reinterpret_cast<const float*>((*staged)->mapped + planes.bytes * (p - first));
+      Plane to(out.width, out.height);
+      for (int y = 0; y < out.height; ++y)
+        std::memcpy(to.row(y), from + std::size_t(y + guard) * planes.stride + guard,
+                    std::size_t(out.width) * sizeof(float));
+      out.names.push_back(wanted[p]);
+      out.planes.push_back(std::move(to));
+    }
+    return {};
+  }
+
+  /// Notes down that the plane of one value everywhere is filled, unless it is there.
+  Result<void> add_constant(Planes& planes, float value) {
+    if (planes.constants.contains(value)) return {};
+    const auto plane = memory_->plane(planes.bytes);
+    if (!plane) return plane.error();
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    commands_->barrier();
+    gpu_->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, planes.bytes,
+                           std::bit_cast<std::uint32_t>(value));
+    planes.constants.emplace(value, *plane);
+    return {};
+  }
+
+  Result<void> run_pass(const PassRun& run, Planes& planes) {
+    const Pass& pass = run.pass;
+    for (std::string_view input : pass.inputs) {
+      const std::string name = run.plane(input);
+      if (planes.find(name)) continue;
+      const auto value = neutral_value(name);
+      if (!value) return missing_plane(run, name);
+      if (auto done = add_constant(planes, *value); !done) return done;
+      planes.neutral.push_back(name);
+    }
+    for (std::string_view output : pass.outputs)
+      if (run.is_there(output))
+        if (auto made = writable(planes, run.plane(output)); !made) return made.error();
+    const auto pipeline = pipelines_->of(pass);
+    if (!pipeline) return pipeline.error();
+
+    const FrameConstants frame = frame_constants(run.info, planes.stride, run.round);
+    const auto uniforms = commands_->uniforms(sizeof frame + run.constants.size() + kTableBytes);
+    if (!uniforms) return uniforms.error();
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    // The table comes first: it is as large for all passes, and so the constants lie as aligned as it does.
+    const std::vector<std::string_view> names = plane_table(pass);
+    std::byte* to = uniforms->bytes;
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const std::string plane_name = run.plane(names[k]);
+      const DevicePlane* plane = planes.find(plane_name);
+      const VkDeviceAddress address = plane ? plane->address : 0;  // a layer that is not there: nobody stores to it
+      std::memcpy(to + k * sizeof address, &address, sizeof address);
+    }
+    std::memcpy(to + kTableBytes, &frame, sizeof frame);
+    std::memcpy(to + kTableBytes + sizeof frame, run.constants.data(), run.constants.size());
+
+    commands_->barrier();
+    commands_->begin_pass(run.effect.name, pass.name);
+    gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pipeline);
+    const VkDescriptorSet set = pipelines_->constants();
+    const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
+    gpu_->vk.CmdBindDescriptorSets(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_->pass_layout(), 0, 1, &set, 2,
+                                   offsets);
+    dispatch(*buffer, run.info);
+    commands_->end_pass();
+    return {};
+  }
+
+  /// Notes down pick.comp.
+  Result<void> pick(const Frame& from, const DevicePlane& in, int factor, const Frame& to, const DevicePlane& out) {
+    const auto pipeline = pipelines_->pick();
+    if (!pipeline) return pipeline.error();
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    const PickConstants constants{
+        in.address,     out.address,          from.info.width, from.info.height, planes_of(from).stride, to.info.width,
+        to.info.height, planes_of(to).stride, factor};
+    commands_->barrier();
+    gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pipeline);
+    gpu_->vk.CmdPushConstants(*buffer, pipelines_->pick_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                              offsetof(PickConstants, factor) + sizeof(int), &constants);
+    dispatch(*buffer, to.info);
+    return {};
+  }
+
+  void dispatch(VkCommandBuffer buffer, const PictureInfo& info) {
+    gpu_->vk.CmdDispatch(buffer, (std::uint32_t(info.width) + kGroup - 1) / kGroup,
+                         (std::uint32_t(info.height) + kGroup - 1) / kGroup, 1);
+  }
+
+  /// Of the table of planes, on each device a multiple of what constants must be aligned to.
+  static constexpr std::size_t kTableBytes = kMostPlanes * sizeof(VkDeviceAddress);
+
+  GpuPtr gpu_;
+  std::shared_ptr<Memory> memory_;
+  std::unique_ptr<Commands> commands_;
+  std::unique_ptr<Pipelines> pipelines_;
+  std::string name_, description_;
+  std::unique_ptr<Device> capture_;
+};
+
+std::string summary_of(const PhysicalGpu& gpu) {
+  std::string text =
+      fmt::format("{}, driver {}, {:.1f} GiB", gpu.name, gpu.driver, double(gpu.memory_bytes) / (1 << 30));
+  if (gpu.software) text += ", in software on the CPU";
+  if (!gpu.lacks.empty()) text += fmt::format("; cannot be used: it lacks {}", gpu.lacks);
+  return text;
+}
+
+std::string cache_name(const Gpu& gpu) {
+  std::string name = "vulkan-";
+  for (const std::uint8_t byte : gpu.properties.pipelineCacheUUID) name += fmt::format("{:02x}", byte);
+  return fmt::format("{}-{:x}-{:x}.pipelines", name, gpu.properties.vendorID, gpu.properties.deviceID);
+}
+
+}  // namespace
+
+Result<std::vector<VulkanGpu>> vulkan_gpus(const VulkanSettings& settings) {
+  const auto instance = make_instance(settings.get, settings.on_message);
+  if (!instance) return instance.error();
+  const auto gpus = physical_gpus(**instance);
+  if (!gpus) return gpus.error();
+  std::vector<VulkanGpu> found;
+  for (std::size_t k = 0; k < gpus->size(); ++k)
+    found.push_back(
+        {fmt::format("vulkan:{}", k), summary_of((*gpus)[k]), (*gpus)[k].software, (*gpus)[k].lacks.empty()});
+  return found;
+}
+
+Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& settings, std::unique_ptr<Device> capture) {
+  const Error no_gpu = device_error("there is no GPU here: use --device cpu, or --device vulkan for one in software");
+  if (settings.real && !may_have_gpu()) return no_gpu;
+  auto instance = make_instance(settings.get, settings.on_message);
+  if (!instance) return instance.error();
+  const auto gpus = physical_gpus(**instance);
+  if (!gpus) return gpus.error();
+  int index = settings.index;
+  if (index >= int(gpus->size()))
+    return device_error("there is no device 'vulkan:{}': there {} (see umbrage list devices)", index,
+                        gpus->size() == 1 ? std::string("is vulkan:0 alone")
+                                          : fmt::format("are vulkan:0 to vulkan:{}", gpus->size() - 1));
+  if (index < 0) {
+    const auto best = std::max_element(gpus->begin(), gpus->end(), [](const PhysicalGpu& a, const PhysicalGpu& b) {
+      const auto worth = [](const PhysicalGpu& gpu) { return 2 * int(gpu.lacks.empty()) + int(!gpu.software); };
+      return worth(a) < worth(b);
+    });
+    index = int(best - gpus->begin());
+  }
+  const PhysicalGpu& chosen = (*gpus)[std::size_t(index)];
+  if (settings.real && (chosen.software || !chosen.lacks.empty())) return no_gpu;
+  if (!chosen.lacks.empty())
+    return device_error(
+        "the device 'vulkan:{}' ({}) cannot be used: it lacks {}; a newer driver may have it, or use "
+        "--device cpu",
+        index, chosen.name, chosen.lacks);
+  auto gpu = open_gpu(*instance, chosen);
+  if (!gpu) return gpu.error();
+  const std::string file = cache_name(**gpu);
+  const std::filesystem::path pipelines = settings.pipeline_folder == "none" ? std::filesystem::path()
+                                          : settings.pipeline_folder.empty()
+                                              ? pipeline_file(file)
+                                              : std::filesystem::path(settings.pipeline_folder) / file;
+  auto device = std::make_unique<VulkanDevice>(
+      *gpu, fmt::format("vulkan:{}", index),
+      fmt::format("vulkan:{}: {}; scenes are captured by {}", index, summary_of(chosen), capture->description()),
+      std::move(capture));
+  if (auto started = device->start(pipelines); !started) return started.error();
+  return std::unique_ptr<Device>(std::move(device));
+}
+
+VulkanMemory vulkan_memory(const Device& device) {
+  const auto* vulkan = dynamic_cast<const VulkanDevice*>(&device);
+  return vulkan ? vulkan->memory() : VulkanMemory();
+}
+
+}  // namespace umbrage

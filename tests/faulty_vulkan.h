@@ -1,0 +1,107 @@
+// The system's Vulkan with faults put in: functions that fail when a test wants it, or say that there is less than
+// there is. Plain functions have nowhere to keep what they need, hence the one global state.
+#pragma once
+#include <cstring>
+
+#include "devices/vulkan/loader.h"
+
+namespace umbrage::test {
+
+struct Faults {
+  int submits = 0;                                       ///< counted
+  VkResult submit = VK_SUCCESS;                          ///< what submissions return instead of being done
+  VkResult wait = VK_SUCCESS;                            ///< what waiting for them returns instead
+  std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, of all allocations from now on
+  std::uint32_t loader_version = 0, device_version = 0;  ///< 0: what they are
+  VkDeviceSize largest_allocation = 0;                   ///< 0: what it is
+  bool has_addresses = true;
+};
+
+struct FaultyVulkan {
+  Faults faults;
+  PFN_vkGetInstanceProcAddr get = nullptr;
+  PFN_vkQueueSubmit submit = nullptr;
+  PFN_vkWaitForFences wait = nullptr;
+  PFN_vkAllocateMemory allocate = nullptr;
+  PFN_vkGetPhysicalDeviceProperties properties = nullptr;
+  PFN_vkGetPhysicalDeviceProperties2 properties2 = nullptr;
+  PFN_vkGetPhysicalDeviceFeatures2 features = nullptr;
+  PFN_vkEnumerateInstanceVersion version = nullptr;
+};
+
+inline FaultyVulkan& faulty() {
+  static FaultyVulkan state;
+  return state;
+}
+
+inline VKAPI_ATTR VkResult VKAPI_CALL faulty_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* work,
+                                                    VkFence fence) {
+  ++faulty().faults.submits;
+  return faulty().faults.submit != VK_SUCCESS ? faulty().faults.submit : faulty().submit(queue, count, work, fence);
+}
+inline VKAPI_ATTR VkResult VKAPI_CALL faulty_wait(VkDevice device, std::uint32_t count, const VkFence* fences,
+                                                  VkBool32 all, std::uint64_t timeout) {
+  const VkResult done = faulty().wait(device, count, fences, all, timeout);
+  return faulty().faults.wait != VK_SUCCESS ? faulty().faults.wait : done;
+}
+inline VKAPI_ATTR VkResult VKAPI_CALL faulty_allocate(VkDevice device, const VkMemoryAllocateInfo* info,
+                                                      const VkAllocationCallbacks* how, VkDeviceMemory* memory) {
+  std::uint64_t& left = faulty().faults.memory_left;
+  if (info->allocationSize > left) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  left -= info->allocationSize;
+  return faulty().allocate(device, info, how, memory);
+}
+inline VKAPI_ATTR void VKAPI_CALL faulty_properties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* out) {
+  faulty().properties(gpu, out);
+  if (faulty().faults.device_version) out->apiVersion = faulty().faults.device_version;
+}
+inline VKAPI_ATTR void VKAPI_CALL faulty_properties2(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* out) {
+  faulty().properties2(gpu, out);
+  for (auto* next = static_cast<VkBaseOutStructure*>(out->pNext); next; next = next->pNext)
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES && faulty().faults.largest_allocation)
+      reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize =
+          faulty().faults.largest_allocation;
+}
+inline VKAPI_ATTR void VKAPI_CALL faulty_features(VkPhysicalDevice gpu, VkPhysicalDeviceFeatures2* out) {
+  faulty().features(gpu, out);
+  for (auto* next = static_cast<VkBaseOutStructure*>(out->pNext); next; next = next->pNext)
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES && !faulty().faults.has_addresses)
+      reinterpret_cast<VkPhysicalDeviceVulkan12Features*>(next)->bufferDeviceAddress = VK_FALSE;
+}
+inline VKAPI_ATTR VkResult VKAPI_CALL faulty_version(std::uint32_t* out) {
+  const VkResult done = faulty().version(out);
+  if (faulty().faults.loader_version) *out = faulty().faults.loader_version;
+  return done;
+}
+
+/// What to hand to VulkanSettings::get.
+inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, const char* name) {
+  const auto real = faulty().get(instance, name);
+  if (!real) return nullptr;
+  const auto put_in = [&](const char* what, auto& kept, auto* instead) {
+    if (std::strcmp(name, what) != 0) return PFN_vkVoidFunction(nullptr);
+    kept = reinterpret_cast<std::remove_reference_t<decltype(kept)>>(real);
+    return reinterpret_cast<PFN_vkVoidFunction>(instead);
+  };
+  FaultyVulkan& f = faulty();
+  for (const PFN_vkVoidFunction instead :
+       {put_in("vkQueueSubmit", f.submit, faulty_submit), put_in("vkWaitForFences", f.wait, faulty_wait),
+        put_in("vkAllocateMemory", f.allocate, faulty_allocate),
+        put_in("vkGetPhysicalDeviceProperties", f.properties, faulty_properties),
+        put_in("vkGetPhysicalDeviceProperties2", f.properties2, faulty_properties2),
+        put_in("vkGetPhysicalDeviceFeatures2", f.features, faulty_features),
+        put_in("vkEnumerateInstanceVersion", f.version, faulty_version)})
+    if (instead) return instead;
+  return real;
+}
+
+/// Starts without faults. False where there is no Vulkan.
+inline bool start_faulty() {
+  const auto get = load_vulkan();
+  if (!get) return false;
+  faulty() = {};
+  faulty().get = *get;
+  return true;
+}
+
+}  // namespace umbrage::test

@@ -1,0 +1,58 @@
+// The Vulkan devices that tests run on, validation layers looking on.
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "devices/cpu/cpu_device.h"
+#include "devices/vulkan/vulkan_device.h"
+
+namespace umbrage::test {
+
+/// What validation layers said so far, of all devices below.
+inline std::vector<std::string>& validation_messages() {
+  static std::vector<std::string> all;
+  return all;
+}
+
+inline ValidationMessage note_message() {
+  return [](std::string_view message) {
+    static std::mutex mutex;
+    const std::lock_guard lock(mutex);
+    validation_messages().emplace_back(message);
+  };
+}
+
+/// A new device, with validation; null, and a failure where CI is set, if there is none.
+inline std::unique_ptr<Device> new_vulkan_device(VulkanSettings settings = {}) {
+  settings.on_message = note_message();
+  auto device = make_vulkan_device(settings, make_cpu_device());
+  if (device) return std::move(*device);
+  if (std::getenv("CI")) ADD_FAILURE() << device.error().message;
+  return nullptr;
+}
+
+/// One device for all tests that only use it; null where there is none. It is never ended: the driver's own statics may
+/// be gone by then.
+inline Device* vulkan_device() {
+  static Device* const device = new_vulkan_device().release();
+  return device;
+}
+
+/// Fails for each message since it was made.
+struct NoMessages {
+  std::size_t before = validation_messages().size();
+  ~NoMessages() {
+    for (std::size_t k = before; k < validation_messages().size(); ++k) ADD_FAILURE() << validation_messages()[k];
+  }
+};
+
+}  // namespace umbrage::test
+
+/// Ends a test where there is no Vulkan device; where CI is set that is a failure.
+#define UMBRAGE_NEEDS_VULKAN(device) \
+  if (!(device)) GTEST_SKIP() << "no Vulkan device here"
