@@ -17,8 +17,10 @@
 #include <new>
 
 #include "devices/cpu/soften.h"
+#include "devices/shared/capture_info.h"
 #include "rays/camera_rays.h"
 #include "rays/extra_cameras.h"
+#include "rays/shadow_lights.h"
 #include "rays/traced_scene.h"
 
 namespace umbrage {
@@ -53,18 +55,6 @@ struct DrawnPlane {
   }
 };
 
-/// A light whose shadow is traced.
-struct ShadowLight {
-  int index = 0;
-  bool point = false;
-  glm::vec3 where{0.0f};            ///< in unit space: where it stands, or the direction to it
-  glm::vec3 right{0.0f}, up{0.0f};  ///< (parallel) the axes of its disc
-  int rays = 0;                     ///< of a pixel that it reaches in part; 0: it is a point
-  float size = 0.0f;                ///< in unit space: radius of its ball; or half its disc's angle, as a tangent
-};
-
-constexpr int kDiscPoints = 256;  // rays to a light after which their places repeat
-
 /// What all blocks of a view share.
 struct Drawing {
   const TracedScene& traced;
@@ -75,70 +65,29 @@ struct Drawing {
   std::vector<DrawnPlane> planes;  ///< of each layer, in this order
 };
 
-/// The size of a light: of its ball's radius, or of half its disc's angle, as a tangent; 0: it is a point.
-float light_size(const Light& light) {
-  return light.kind == LightKind::kPoint ? light.radius : std::tan(glm::radians(0.5f * light.angle_deg));
-}
-
-bool casts_from_afar(const Light& light) {
-  return light.casts_shadow && light.kind != LightKind::kHead;  // a head light shines from the eye: what is seen is lit
-}
-
-/// The planes of a layer. That of the key light's shadow is always there.
+/// The planes of a layer, and where a block has them.
 std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, int shadows) {
-  std::vector<DrawnPlane> planes = {{"depth", offsetof(Block, depth), std::numeric_limits<float>::infinity()},
-                                    {"normal.x", offsetof(Block, nx)},
-                                    {"normal.y", offsetof(Block, ny)},
-                                    {"normal.z", offsetof(Block, nz)},
-                                    {"albedo.r", offsetof(Block, ar)},
-                                    {"albedo.g", offsetof(Block, ag)},
-                                    {"albedo.b", offsetof(Block, ab)},
-                                    {"specular", offsetof(Block, specular)},
-                                    {"shininess", offsetof(Block, shininess)},
-                                    {"shadow", offsetof(Block, shadow), 1.0f},
-                                    {"object_id", offsetof(Block, object), -1.0f},
-                                    {"material_id", offsetof(Block, material), -1.0f}};
-  for (int k = 1; k < std::min({int(info.lights.size()), shadows, kMostShadows}); ++k)
-    if (casts_from_afar(info.lights[k]))
-      planes.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
-  const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
-                                 [](const Material& material) { return material.emission != glm::vec3(0.0f); });
-  if (emits)
-    planes.insert(planes.end(), {{"emission.r", offsetof(Block, er)},
+  std::vector<DrawnPlane> all = {{"depth", offsetof(Block, depth), std::numeric_limits<float>::infinity()},
+                                 {"normal.x", offsetof(Block, nx)},
+                                 {"normal.y", offsetof(Block, ny)},
+                                 {"normal.z", offsetof(Block, nz)},
+                                 {"albedo.r", offsetof(Block, ar)},
+                                 {"albedo.g", offsetof(Block, ag)},
+                                 {"albedo.b", offsetof(Block, ab)},
+                                 {"specular", offsetof(Block, specular)},
+                                 {"shininess", offsetof(Block, shininess)},
+                                 {"object_id", offsetof(Block, object), -1.0f},
+                                 {"material_id", offsetof(Block, material), -1.0f},
+                                 {"emission.r", offsetof(Block, er)},
                                  {"emission.g", offsetof(Block, eg)},
-                                 {"emission.b", offsetof(Block, eb)}});
+                                 {"emission.b", offsetof(Block, eb)}};
+  for (int k = 0; k < kMostShadows; ++k)
+    all.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
+  std::vector<DrawnPlane> planes;
+  for (const std::string& name : captured_planes(scene, info, shadows))
+    planes.push_back(
+        *std::find_if(all.begin(), all.end(), [&](const DrawnPlane& plane) { return plane.name == name; }));
   return planes;
-}
-
-/// Two directions across a third.
-std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
-  const glm::vec3 axis = glm::normalize(direction);
-  const glm::vec3 other = std::fabs(axis.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-  const glm::vec3 right = glm::normalize(glm::cross(axis, other));
-  return {right, glm::cross(right, axis)};
-}
-
-/// The lights are in view space; shadow rays run along world axes.
-std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
-                                       const CaptureSettings& settings) {
-  const auto brightness = [](const Light& light) { return std::max({light.color.r, light.color.g, light.color.b}); };
-  float brightest = 0.0f;
-  for (const Light& light : info.lights) brightest = std::max(brightest, brightness(light));
-  std::vector<ShadowLight> lights;
-  for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k) {
-    const Light& light = info.lights[k];
-    if (!casts_from_afar(light)) continue;
-    const bool point = light.kind == LightKind::kPoint;
-    const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
-    const float size = light_size(light) * (point ? traced.scale : 1.0f);
-    const auto [right, up] = disc_axes(where);
-    // The noise of a faint light shows less.
-    const float share = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
-    const bool soft = size > 0.0f && settings.shadow_rays > 0;
-    const int rays_of = soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * share)), 1, kDiscPoints) : 0;
-    lights.push_back({k, point, point ? where + rays.eye : where, right, up, rays_of, size});
-  }
-  return lights;
 }
 
 void clear(const Drawing& drawing, Block& block) {
@@ -160,49 +109,6 @@ struct Surfaces {
   std::array<Surface, kPacket> at;
   std::array<bool, kPacket> there{};
 };
-
-/// Points of the unit disc for the rays of a packet's pixels, by ray and pixel. Together they are a digital
-/// (0, 2)-sequence [Sobol 1967], mapped to the disc [Shirley and Chiu 1997]: each ray's sixteen points are spread
-/// evenly, those of several rays more finely, and any four that a pixel has in a row lie in four quarters.
-using DiscPoints = std::array<std::array<glm::vec2, kPacket>, kDiscPoints>;
-
-DiscPoints disc_points() {
-  const auto first = [](std::uint32_t n) {  // the bits of n in reverse
-    std::uint32_t v = 0;
-    for (int bit = 0; bit < 32; ++bit) v |= (n >> bit & 1u) << (31 - bit);
-    return v;
-  };
-  const auto second = [](std::uint32_t n) {
-    std::uint32_t v = 0, direction = 1u << 31;
-    for (; n != 0; n >>= 1, direction ^= direction >> 1)
-      if (n & 1u) v ^= direction;
-    return v;
-  };
-  constexpr double kScale = 1.0 / 4294967296.0;
-  // Where a pixel's point lies among a ray's sixteen: turned from ray to ray.
-  constexpr std::array<std::uint32_t, 4> kTurned = {0, 3, 1, 2};
-  DiscPoints points;
-  for (std::uint32_t n = 0; n < kDiscPoints; ++n)
-    for (std::uint32_t k = 0; k < std::uint32_t(kPacket); ++k) {
-      const std::uint32_t m = n * kPacket + (k ^ kTurned[n % 4] ^ (kTurned[n / 4 % 4] << 2));
-      const double x = 2.0 * (double(first(m)) * kScale) - 1.0, y = 2.0 * (double(second(m)) * kScale) - 1.0;
-      const bool wide = std::fabs(x) > std::fabs(y);
-      const double radius = wide ? x : y, quarter = glm::pi<double>() / 4.0;
-      const double angle = wide ? quarter * (y / x) : 2.0 * quarter - (y == 0.0 ? 0.0 : quarter * (x / y));
-      points[n][k] = {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
-    }
-  return points;
-}
-
-/// Points around the rim of the disc, one for each pixel of a packet.
-std::array<glm::vec2, kPacket> rim_points() {
-  std::array<glm::vec2, kPacket> points;
-  for (int k = 0; k < kPacket; ++k) {
-    const double angle = 2.0 * glm::pi<double>() * k / kPacket;
-    points[k] = {float(std::cos(angle)), float(std::sin(angle))};
-  }
-  return points;
-}
 
 /// Traces one ray of each pixel to a place on a light's disc; adds 1 to `lit` where it arrives.
 void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, bool soft,
@@ -421,40 +327,6 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const std::ve
 
 }  // namespace
 
-PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings) {
-  PictureInfo info = with_guard({.width = settings.width, .height = settings.height, .camera = camera}, settings.guard);
-  info.ambient = scene.ambient;
-  info.scene_radius = scene.radius();
-  info.ground_object = scene.ground_object;
-  float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0f;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec3 p(corner & 1 ? scene.bounds_max.x : scene.bounds_min.x,
-                      corner & 2 ? scene.bounds_max.y : scene.bounds_min.y,
-                      corner & 4 ? scene.bounds_max.z : scene.bounds_min.z);
-    const float depth = -(camera.view_from_world * glm::vec4(p, 1.0f)).z;
-    nearest = std::min(nearest, depth);
-    farthest = std::max(farthest, depth);
-  }
-  constexpr float kNearestShare = 1e-3f;  // of the farthest depth, for a camera inside the scene
-  info.depth_max = farthest > 0.0f ? farthest : 1.0f;
-  info.depth_min = std::clamp(nearest, kNearestShare * info.depth_max, info.depth_max);
-  const glm::mat3 rotation(camera.view_from_world);
-  for (Light light : scene.lights) {
-    light.direction = rotation * light.direction;
-    light.position = glm::vec3(camera.view_from_world * glm::vec4(light.position, 1.0f));
-    info.lights.push_back(light);
-  }
-  return info;
-}
-
-void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info) {
-  for (int layer = 1; layer < settings.layers; ++layer) info.more_layers.push_back({LayerKind::kBehind, layer - 1, {}});
-  for (int layer = 0; settings.back_sides && layer < settings.layers; ++layer)
-    info.more_layers.push_back({LayerKind::kBack, layer, {}});
-  for (const Camera& camera : extra_cameras(traced, info, settings.extra_views))
-    info.more_layers.push_back({LayerKind::kOther, 0, camera});
-}
-
 Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings.shadows);
   const int all = 1 + int(info.more_layers.size());
@@ -472,12 +344,7 @@ Image capture_planes(const TracedScene& traced, const PictureInfo& info, const C
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
       draw_view(traced, info, planes, settings, layer, {.first = layer}, image);
-  if (settings.shadow_rays > 0) {
-    std::vector<std::string> soft;
-    for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
-      if (casts_from_afar(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(shadow_plane(k));
-    soften_shadows(info, soft, image);
-  }
+  if (const auto soft = softened_planes(info, settings); !soft.empty()) soften_shadows(info, soft, image);
   return image;
 }
 

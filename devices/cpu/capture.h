@@ -2,16 +2,10 @@
 #pragma once
 #include "core/device.h"
 #include "core/image.h"
+#include "devices/shared/capture_info.h"
 #include "rays/traced_scene.h"
 
 namespace umbrage {
-
-/// What shading needs to know of a scene seen by a camera: lights in view space, depths. The camera sees the picture
-/// without its guard band.
-PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings);
-
-/// Says in `info` which layers a capture with these settings has: see CaptureSettings.
-void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info);
 
 /// The planes of core/gbuffer.h for each pixel centre's ray, one set per layer that `info` names: first the surfaces
 /// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a hundred-

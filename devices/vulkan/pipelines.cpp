@@ -15,6 +15,12 @@ namespace {
 constexpr std::uint32_t kPickSpirv[] = {
 #include "spirv/pick.inc"
 };
+constexpr std::uint32_t kCaptureSpirv[] = {
+#include "spirv/capture.inc"
+};
+constexpr std::uint32_t kSoftenSpirv[] = {
+#include "spirv/soften.inc"
+};
 
 }  // namespace
 
@@ -132,13 +138,13 @@ Result<VkPipeline> Pipelines::of(const Pass& pass) {
   return compile(pass.spirv, pass_layout_, &specialization);
 }
 
-Result<VkPipeline> Pipelines::pick() {
-  if (const auto found = pipelines_.find(kPickSpirv); found != pipelines_.end()) return found->second;
-  return compile(kPickSpirv, pick_layout_, nullptr);
-}
+Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, pick_layout_, nullptr); }
+Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::soften() { return compile(kSoftenSpirv, pass_layout_, nullptr); }
 
 Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, VkPipelineLayout layout,
                                       const VkSpecializationInfo* values) {
+  if (const auto found = pipelines_.find(spirv.data()); found != pipelines_.end()) return found->second;
   const auto& vk = gpu_->vk;
   VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
   code.codeSize = spirv.size_bytes();

@@ -4,14 +4,19 @@
 #include <bit>
 #include <cstring>
 #include <map>
+#include <span>
 
 #include "core/check.h"
+#include "devices/shared/capture_info.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
 #include "devices/vulkan/commands.h"
+#include "devices/vulkan/device_scene.h"
+#include "devices/vulkan/gpu_capture.h"
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/pipeline_file.h"
 #include "devices/vulkan/pipelines.h"
+#include "rays/traced_scene.h"
 
 namespace umbrage {
 namespace {
@@ -55,11 +60,13 @@ struct HostPlane {
 
 class VulkanDevice final : public Device {
  public:
-  VulkanDevice(GpuPtr gpu, std::string name, std::string description, std::unique_ptr<Device> capture)
+  /// `capture` is what draws scenes; null: this device itself.
+  VulkanDevice(GpuPtr gpu, std::string name, std::string description, int threads, std::unique_ptr<Device> capture)
       : gpu_(std::move(gpu)),
         memory_(std::make_shared<Memory>(gpu_)),
         name_(std::move(name)),
         description_(std::move(description)),
+        threads_(threads),
         capture_(std::move(capture)) {}
 
   ~VulkanDevice() override {
@@ -80,13 +87,22 @@ class VulkanDevice final : public Device {
 
   std::string_view name() const override { return name_; }
   std::string description() const override { return description_; }
-  int threads() const override { return capture_->threads(); }
+  int threads() const override { return threads_; }
 
   VulkanMemory memory() const { return {memory_->device_bytes(), memory_->host_bytes()}; }
 
-  Result<void> prepare(const Scene& scene) override { return capture_->prepare(scene); }
+  Result<void> prepare(const Scene& scene) override {
+    if (capture_) return capture_->prepare(scene);
+    scene_ = {};
+    traced_.reset();
+    auto ready = upload_scene(scene, *memory_, *commands_, *gpu_);
+    if (!ready) return ready.error();
+    scene_ = std::move(*ready);
+    return {};
+  }
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
+    if (!capture_) return capture_here(camera, settings);
     auto drawn = capture_->capture(camera, settings);
     if (!drawn) return drawn;
     Frame whole = *drawn;
@@ -281,32 +297,116 @@ class VulkanDevice final : public Device {
     const auto pipeline = pipelines_->of(pass);
     if (!pipeline) return pipeline.error();
 
+    std::vector<VkDeviceAddress> table;
+    for (std::string_view name : plane_table(pass)) {
+      const DevicePlane* plane = planes.find(run.plane(name));
+      table.push_back(plane ? plane->address : 0);  // a layer that is not there: nobody stores to it
+    }
     const FrameConstants frame = frame_constants(run.info, planes.stride, run.round);
-    const auto uniforms = commands_->uniforms(sizeof frame + run.constants.size() + kTableBytes);
+    return dispatch(*pipeline, {run.effect.name, pass.name}, run.info,
+                    {std::as_bytes(std::span(&frame, 1)), run.constants}, table);
+  }
+
+  /// Notes down a shader over all pixels that reads constants, one part after the other, and a table of addresses.
+  Result<void> dispatch(VkPipeline pipeline, std::pair<std::string_view, std::string_view> name,
+                        const PictureInfo& info, std::initializer_list<std::span<const std::byte>> constants,
+                        std::span<const VkDeviceAddress> table) {
+    std::size_t bytes = kTableBytes;
+    for (const auto& part : constants) bytes += part.size();
+    const auto uniforms = commands_->uniforms(bytes);
     if (!uniforms) return uniforms.error();
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
-    // The table comes first: it is as large for all passes, and so the constants lie as aligned as it does.
-    const std::vector<std::string_view> names = plane_table(pass);
-    std::byte* to = uniforms->bytes;
-    for (std::size_t k = 0; k < names.size(); ++k) {
-      const std::string plane_name = run.plane(names[k]);
-      const DevicePlane* plane = planes.find(plane_name);
-      const VkDeviceAddress address = plane ? plane->address : 0;  // a layer that is not there: nobody stores to it
-      std::memcpy(to + k * sizeof address, &address, sizeof address);
+    // The table comes first: it is as large for all shaders, and so the constants lie as aligned as it does.
+    std::memcpy(uniforms->bytes, table.data(), table.size_bytes());
+    std::byte* to = uniforms->bytes + kTableBytes;
+    for (const auto& part : constants) {
+      std::memcpy(to, part.data(), part.size());
+      to += part.size();
     }
-    std::memcpy(to + kTableBytes, &frame, sizeof frame);
-    std::memcpy(to + kTableBytes + sizeof frame, run.constants.data(), run.constants.size());
-
     commands_->barrier();
-    commands_->begin_pass(run.effect.name, pass.name);
-    gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pipeline);
+    commands_->begin_pass(name.first, name.second);
+    gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     const VkDescriptorSet set = pipelines_->constants();
     const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
     gpu_->vk.CmdBindDescriptorSets(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_->pass_layout(), 0, 1, &set, 2,
                                    offsets);
-    dispatch(*buffer, run.info);
+    over_pixels(*buffer, info);
     commands_->end_pass();
+    return {};
+  }
+
+  /// Draws the prepared scene with capture.comp.
+  Result<Frame> capture_here(const Camera& camera, const CaptureSettings& settings) {
+    if (!scene_.scene) fail_check("capture before prepare");
+    if (auto fine = check_capture(settings); !fine) return fine.error();
+    Frame frame;
+    frame.info = picture_info(*scene_.scene, camera, settings);
+    if (settings.extra_views > 0 && !traced_) {  // where they stand is found out by rays
+      auto traced = trace_ready(*scene_.scene, threads_);
+      if (!traced) return traced.error();
+      traced_ = std::move(*traced);
+    }
+    add_layers(traced_ ? *traced_ : TracedScene(), settings, frame.info);
+    auto planes = empty_planes(frame.info);
+    frame.storage = planes;
+    const int all = 1 + int(frame.info.more_layers.size());
+    const std::vector<std::string> names = captured_planes(*scene_.scene, frame.info, settings.shadows);
+    for (int layer = 0; layer < all; ++layer)
+      for (const std::string& name : names)
+        if (const auto made = writable(*planes, layer_plane(layer, name)); !made) return made.error();
+    const auto kind_of = [&](int layer) {
+      return layer == 0 ? LayerKind::kBehind : frame.info.more_layers[std::size_t(layer) - 1].kind;
+    };
+    for (int layer = 0; layer < all; ++layer) {
+      if (kind_of(layer) == LayerKind::kBack) continue;  // drawn with its front
+      int back = -1;
+      for (int k = 1; k < all; ++k)
+        if (kind_of(k) == LayerKind::kBack && frame.info.more_layers[std::size_t(k) - 1].of == layer) back = k;
+      if (auto done = draw_layer(frame, names, settings, layer, back); !done) return done.error();
+    }
+    if (auto done = soften(frame, settings); !done) return done.error();
+    return frame;
+  }
+
+  Result<void> draw_layer(const Frame& frame, const std::vector<std::string>& names, const CaptureSettings& settings,
+                          int layer, int back) {
+    const Planes& planes = planes_of(frame);
+    const auto pipeline = pipelines_->capture();
+    if (!pipeline) return pipeline.error();
+    std::vector<VkDeviceAddress> table(kPointsSlot + 1);
+    for (const std::string& name : names) {
+      table[std::size_t(capture_slot(name))] = planes.find(layer_plane(layer, name))->address;
+      if (back > 0) table[std::size_t(kBackSlots + capture_slot(name))] = planes.find(layer_plane(back, name))->address;
+    }
+    const bool other = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
+    if (layer > 0 && !other) table[kBeforeSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
+    for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
+    const PictureInfo info = layer_info(frame.info, layer);
+    const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
+    return dispatch(*pipeline, {"capture", layer_plane(layer, "planes")}, info,
+                    {std::as_bytes(std::span(&constants, 1))}, table);
+  }
+
+  Result<void> soften(const Frame& frame, const CaptureSettings& settings) {
+    const Planes& planes = planes_of(frame);
+    for (const std::string& name : softened_planes(frame.info, settings)) {
+      const auto pipeline = pipelines_->soften();
+      if (!pipeline) return pipeline.error();
+      const auto across = memory_->plane(planes.bytes);
+      if (!across) return across.error();
+      const VkDeviceAddress shadow = planes.find(name)->address, between = (*across)->address;
+      for (const bool down : {false, true}) {
+        const SoftenConstants constants = soften_constants(frame.info, planes.stride, down);
+        const VkDeviceAddress table[] = {down ? between : shadow,          down ? shadow : between,
+                                         planes.find("depth")->address,    planes.find("normal.x")->address,
+                                         planes.find("normal.y")->address, planes.find("normal.z")->address};
+        if (auto done = dispatch(*pipeline, {"capture", down ? "soften down" : "soften across"}, frame.info,
+                                 {std::as_bytes(std::span(&constants, 1))}, table);
+            !done)
+          return done;
+      }
+    }
     return {};
   }
 
@@ -323,11 +423,11 @@ class VulkanDevice final : public Device {
     gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pipeline);
     gpu_->vk.CmdPushConstants(*buffer, pipelines_->pick_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                               offsetof(PickConstants, factor) + sizeof(int), &constants);
-    dispatch(*buffer, to.info);
+    over_pixels(*buffer, to.info);
     return {};
   }
 
-  void dispatch(VkCommandBuffer buffer, const PictureInfo& info) {
+  void over_pixels(VkCommandBuffer buffer, const PictureInfo& info) {
     gpu_->vk.CmdDispatch(buffer, (std::uint32_t(info.width) + kGroup - 1) / kGroup,
                          (std::uint32_t(info.height) + kGroup - 1) / kGroup, 1);
   }
@@ -340,7 +440,10 @@ class VulkanDevice final : public Device {
   std::unique_ptr<Commands> commands_;
   std::unique_ptr<Pipelines> pipelines_;
   std::string name_, description_;
+  int threads_ = 1;
   std::unique_ptr<Device> capture_;
+  DeviceScene scene_;
+  TracedScenePtr traced_;  // only where somebody wanted further cameras
 };
 
 std::string summary_of(const PhysicalGpu& gpu) {
@@ -404,10 +507,13 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
                                           : settings.pipeline_folder.empty()
                                               ? pipeline_file(file)
                                               : std::filesystem::path(settings.pipeline_folder) / file;
-  auto device = std::make_unique<VulkanDevice>(
-      *gpu, fmt::format("vulkan:{}", index),
-      fmt::format("vulkan:{}: {}; scenes are captured by {}", index, summary_of(chosen), capture->description()),
-      std::move(capture));
+  const bool here =
+      settings.capture == VulkanCapture::kGpu || (settings.capture == VulkanCapture::kAuto && !chosen.software);
+  const int threads = capture->threads();
+  std::string description = fmt::format("vulkan:{}: {}", index, summary_of(chosen));
+  if (!here) description += fmt::format("; scenes are captured by {}", capture->description());
+  auto device = std::make_unique<VulkanDevice>(*gpu, fmt::format("vulkan:{}", index), std::move(description), threads,
+                                               here ? nullptr : std::move(capture));
   if (auto started = device->start(pipelines); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }

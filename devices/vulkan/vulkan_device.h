@@ -10,11 +10,19 @@
 
 namespace umbrage {
 
+/// What draws scenes.
+enum class VulkanCapture {
+  kAuto,  ///< the GPU, unless it is the CPU in disguise, which draws many times slower than Embree
+  kCpu,   ///< another device, whose planes are copied
+  kGpu,
+};
+
 struct VulkanSettings {
   int index = -1;     ///< in the driver's order; -1: a real GPU where there is one, else what there is
   bool real = false;  ///< with index -1: fails where the best one is the CPU in disguise
   /// Where set, validation layers look at every call, synchronization included, and what they say comes here.
   ValidationMessage on_message;
+  VulkanCapture capture = VulkanCapture::kAuto;
   PFN_vkGetInstanceProcAddr get = nullptr;  ///< null: that of the system's loader
   std::string pipeline_folder;              ///< of compiled pipelines; empty: in the user's cache; "none": nowhere
 };
@@ -29,7 +37,7 @@ struct VulkanGpu {
 /// All of them. Errors: kDevice: no loader, no driver, one that is too old.
 Result<std::vector<VulkanGpu>> vulkan_gpus(const VulkanSettings& settings = {});
 
-/// The device. `capture` draws scenes: what it draws is copied to the GPU. Errors: kDevice: see vulkan_gpus; an index
+/// The device. `capture` is what draws scenes where the GPU does not. Errors: kDevice: see vulkan_gpus; an index
 /// that does not exist, or a device that lacks what effects need.
 Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& settings, std::unique_ptr<Device> capture);
 

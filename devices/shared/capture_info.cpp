@@ -1,0 +1,66 @@
+#include "devices/shared/capture_info.h"
+
+#include <algorithm>
+#include <glm/mat3x3.hpp>
+#include <limits>
+
+#include "rays/extra_cameras.h"
+#include "rays/shadow_lights.h"
+
+namespace umbrage {
+
+PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings) {
+  PictureInfo info = with_guard({.width = settings.width, .height = settings.height, .camera = camera}, settings.guard);
+  info.ambient = scene.ambient;
+  info.scene_radius = scene.radius();
+  info.ground_object = scene.ground_object;
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0f;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3 p(corner & 1 ? scene.bounds_max.x : scene.bounds_min.x,
+                      corner & 2 ? scene.bounds_max.y : scene.bounds_min.y,
+                      corner & 4 ? scene.bounds_max.z : scene.bounds_min.z);
+    const float depth = -(camera.view_from_world * glm::vec4(p, 1.0f)).z;
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+  }
+  constexpr float kNearestShare = 1e-3f;  // of the farthest depth, for a camera inside the scene
+  info.depth_max = farthest > 0.0f ? farthest : 1.0f;
+  info.depth_min = std::clamp(nearest, kNearestShare * info.depth_max, info.depth_max);
+  const glm::mat3 rotation(camera.view_from_world);
+  for (Light light : scene.lights) {
+    light.direction = rotation * light.direction;
+    light.position = glm::vec3(camera.view_from_world * glm::vec4(light.position, 1.0f));
+    info.lights.push_back(light);
+  }
+  return info;
+}
+
+void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info) {
+  for (int layer = 1; layer < settings.layers; ++layer) info.more_layers.push_back({LayerKind::kBehind, layer - 1, {}});
+  for (int layer = 0; settings.back_sides && layer < settings.layers; ++layer)
+    info.more_layers.push_back({LayerKind::kBack, layer, {}});
+  if (settings.extra_views == 0) return;  // without a look at the scene
+  for (const Camera& camera : extra_cameras(traced, info, settings.extra_views))
+    info.more_layers.push_back({LayerKind::kOther, 0, camera});
+}
+
+std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, int shadows) {
+  std::vector<std::string> planes = {"depth",    "normal.x", "normal.y",  "normal.z", "albedo.r",  "albedo.g",
+                                     "albedo.b", "specular", "shininess", "shadow",   "object_id", "material_id"};
+  for (int k = 1; k < std::min({int(info.lights.size()), shadows, kMostShadows}); ++k)
+    if (casts_from_afar(info.lights[k])) planes.push_back(shadow_plane(k));
+  const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
+                                 [](const Material& material) { return material.emission != glm::vec3(0.0f); });
+  if (emits) planes.insert(planes.end(), {"emission.r", "emission.g", "emission.b"});
+  return planes;
+}
+
+std::vector<std::string> softened_planes(const PictureInfo& info, const CaptureSettings& settings) {
+  std::vector<std::string> soft;
+  if (settings.shadow_rays > 0)
+    for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
+      if (casts_from_afar(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(shadow_plane(k));
+  return soft;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,62 @@
+// What capture.comp and soften.comp read, shared by C++ and GLSL: 4-byte scalars only.
+#ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_H
+#define UMBRAGE_DEVICES_VULKAN_CAPTURE_H
+
+// Where things stand in the table of addresses: the planes of a layer, as many again of its other side, the depth of
+// the layer before, and what a scene is made of. Address 0: it is not there, or nobody wants it.
+const int kDepthSlot = 0, kNormalSlot = 1, kAlbedoSlot = 4, kSpecularSlot = 7, kShininessSlot = 8, kShadowSlot = 9;
+const int kEmissionSlot = 17, kObjectSlot = 20, kMaterialSlot = 21;
+const int kBackSlots = 22;
+const int kBeforeSlot = 44;
+const int kNodesSlot = 45, kTrianglesSlot = 46, kNormalsSlot = 47, kUvsSlot = 48, kMeshesSlot = 49;
+const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53;
+// soften.comp
+const int kSoftFromSlot = 0, kSoftToSlot = 1, kSoftDepthSlot = 2, kSoftNormalSlot = 3;
+
+const int kCaptureLights = 8;
+// Sets of 16 points; the set after the last one lies on the disc's rim. The 256 linear values of sRGB bytes follow.
+const int kCaptureDiscPoints = 256;
+const int kHierarchyDepth = 64;
+
+struct CaptureConstants {
+  int width, height, stride;
+  int root;          // of the hierarchy: a node, or ~(8 first + count) for triangles
+  int nothing;       // 1: nothing can be seen, whatever the rays
+  int back;          // 1: the other sides are drawn too
+  int sample_index;  // of pictures that are averaged
+  int light_count;
+  float to_view[9];  // rows
+  float eye[3];      // what follows is in unit space: rays/camera_rays.h
+  float origin[3], origin_x[3], origin_y[3];
+  float direction[3], direction_x[3], direction_y[3];
+  // Lights: rays/shadow_lights.h.
+  int light_index[kCaptureLights], light_point[kCaptureLights], light_rays[kCaptureLights];
+  float light_size[kCaptureLights];
+  float light_where[3 * kCaptureLights], light_right[3 * kCaptureLights], light_up[3 * kCaptureLights];
+};
+
+// A mesh with its material.
+struct CaptureMesh {
+  float albedo[3], specular, shininess, emission[3];
+  int texture_index;  // below 0: none
+  int masked;         // 1: cut away where the texture's alpha is below the cutoff
+  float cutoff;
+  float object_id, material_id;
+};
+
+struct CaptureTexture {
+  int first_level, levels;
+};
+
+struct CaptureLevel {
+  int first_texel, width, height;
+};
+
+struct SoftenConstants {
+  int width, height, stride;
+  int orthographic;
+  int dx, dy;  // along a row or a column
+  float left, top, per_x, per_y;
+};
+
+#endif

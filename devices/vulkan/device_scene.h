@@ -1,0 +1,25 @@
+// A scene on a Vulkan device: its hierarchy, vertices, materials and textures, uploaded once.
+#pragma once
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "devices/vulkan/commands.h"
+#include "devices/vulkan/memory.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+struct DeviceScene {
+  const Scene* scene = nullptr;  ///< must live as long
+  glm::vec3 center{0.0f};        ///< see TracedScene
+  float scale = 1.0f;
+  int root = 0;
+  bool empty = false;
+  /// By their place in the table of addresses, from kNodesSlot on.
+  std::vector<DevicePlanePtr> buffers;
+};
+
+/// Errors: kDevice.
+Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& commands, const Gpu& gpu);
+
+}  // namespace umbrage

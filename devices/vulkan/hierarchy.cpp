@@ -1,0 +1,141 @@
+#include "devices/vulkan/hierarchy.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <bit>
+#include <glm/common.hpp>
+#include <memory>
+#include <new>
+
+#include "core/check.h"
+#include "devices/vulkan/capture.h"
+
+namespace umbrage {
+namespace {
+
+constexpr unsigned kMostInLeaf = 4;  // capture.comp has three bits for it
+constexpr unsigned kDepth = 40;      // beyond it Embree splits by halves: at most kHierarchyDepth
+
+/// What Embree's builder makes: either two children or triangles.
+struct BuiltNode {
+  const BuiltNode* children[2] = {nullptr, nullptr};
+  RTCBounds bounds[2];
+  unsigned count = 0;
+  unsigned meshes[kMostInLeaf], triangles[kMostInLeaf];
+};
+
+// Share of a box's place and size by which it is wider than what it holds: a ray along its side must not miss it.
+constexpr float kWider = 5e-7f;
+
+float bits(int v) { return std::bit_cast<float>(v); }
+
+/// Writes nodes and triangles down in the order of the tree.
+struct Flattener {
+  const Scene& scene;
+  const std::vector<glm::vec3>& positions;
+  const std::vector<int>& first_vertex;
+  Hierarchy& out;
+
+  int add(const BuiltNode& node, int depth) {
+    check_less(depth, kHierarchyDepth + 1, "depth of a hierarchy");
+    if (node.count > 0) {
+      const int first = int(out.triangles.size());
+      for (unsigned k = 0; k < node.count; ++k) {
+        const Mesh& mesh = scene.meshes[node.meshes[k]];
+        int corner[3];
+        for (int c = 0; c < 3; ++c)
+          corner[c] = first_vertex[node.meshes[k]] + int(mesh.indices[std::size_t(node.triangles[k]) * 3 + c]);
+        out.triangles.push_back({glm::vec4(positions[corner[0]], bits(int(node.meshes[k]))),
+                                 glm::vec4(positions[corner[1]], bits(corner[0])),
+                                 glm::vec4(positions[corner[2]], bits(corner[1])),
+                                 glm::vec4(bits(corner[2]), 0.0f, 0.0f, 0.0f)});
+      }
+      return ~(first * 8 + int(node.count));
+    }
+    const std::size_t at = out.nodes.size();
+    out.nodes.emplace_back();
+    for (int side = 0; side < 2; ++side) {
+      const int child = add(*node.children[side], depth + 1);
+      const RTCBounds& b = node.bounds[side];
+      const glm::vec3 low(b.lower_x, b.lower_y, b.lower_z), high(b.upper_x, b.upper_y, b.upper_z);
+      const glm::vec3 wider = kWider * (glm::max(glm::abs(low), glm::abs(high)) + (high - low));
+      out.nodes[at][2 * side] = glm::vec4(low - wider, bits(child));
+      out.nodes[at][2 * side + 1] = glm::vec4(high + wider, 0.0f);
+    }
+    return int(at);
+  }
+};
+
+std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, const std::vector<glm::vec3>& positions,
+                                             const std::vector<int>& first_vertex) {
+  std::vector<RTCBuildPrimitive> primitives;
+  primitives.reserve(scene.triangle_count());
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+    for (std::size_t t = 0; t < scene.meshes[m].indices.size() / 3; ++t) {
+      glm::vec3 low(0.0f), high(0.0f);
+      for (int c = 0; c < 3; ++c) {
+        const glm::vec3 p = positions[std::size_t(first_vertex[m]) + scene.meshes[m].indices[3 * t + c]];
+        low = c == 0 ? p : glm::min(low, p);
+        high = c == 0 ? p : glm::max(high, p);
+      }
+      primitives.push_back({low.x, low.y, low.z, unsigned(m), high.x, high.y, high.z, unsigned(t)});
+    }
+  return primitives;
+}
+
+}  // namespace
+
+Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float scale) {
+  Hierarchy out;
+  std::vector<glm::vec3> positions;
+  std::vector<int> first_vertex;
+  for (const Mesh& mesh : scene.meshes) {
+    first_vertex.push_back(int(positions.size()));
+    for (const glm::vec3& p : mesh.positions) positions.push_back((p - center) * scale);
+  }
+  std::vector<RTCBuildPrimitive> primitives = primitives_of(scene, positions, first_vertex);
+  if (primitives.empty()) return out;
+
+  struct Release {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+    void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
+  };
+  const std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device(rtcNewDevice(nullptr));
+  if (!device) return device_error("Embree cannot start on this machine (error {})", int(rtcGetDeviceError(nullptr)));
+  const std::unique_ptr<std::remove_pointer_t<RTCBVH>, Release> bvh(rtcNewBVH(device.get()));
+  RTCBuildArguments how = rtcDefaultBuildArguments();
+  how.maxLeafSize = kMostInLeaf;
+  how.maxDepth = kDepth;
+  how.bvh = bvh.get();
+  how.primitives = primitives.data();
+  how.primitiveCount = how.primitiveArrayCapacity = primitives.size();
+  how.createNode = [](RTCThreadLocalAllocator memory, unsigned, void*) -> void* {
+    return new (rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16)) BuiltNode;
+  };
+  how.setNodeChildren = [](void* node, void** children, unsigned, void*) {
+    for (int k = 0; k < 2; ++k) static_cast<BuiltNode*>(node)->children[k] = static_cast<const BuiltNode*>(children[k]);
+  };
+  how.setNodeBounds = [](void* node, const RTCBounds** bounds, unsigned, void*) {
+    for (int k = 0; k < 2; ++k) static_cast<BuiltNode*>(node)->bounds[k] = *bounds[k];
+  };
+  how.createLeaf = [](RTCThreadLocalAllocator memory, const RTCBuildPrimitive* primitives, std::size_t count,
+                      void*) -> void* {
+    auto* node = new (rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16)) BuiltNode;
+    node->count = unsigned(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      node->meshes[k] = primitives[k].geomID;
+      node->triangles[k] = primitives[k].primID;
+    }
+    return node;
+  };
+  const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&how));
+  if (!root)
+    return device_error("{}: Embree cannot build a hierarchy of {} triangles (error {})", scene.name,
+                        scene.triangle_count(), int(rtcGetDeviceError(device.get())));
+  out.triangles.reserve(primitives.size());
+  out.root = Flattener{scene, positions, first_vertex, out}.add(*root, 1);
+  return out;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,31 @@
+// Hierarchy: a scene's triangles in a tree of boxes, as capture.comp walks it.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "core/result.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// Floats of four vectors; whole numbers stand among them as bits.
+struct Hierarchy {
+  /// Of each inner node the boxes of both children, lower and upper corner: the fourth number of a lower corner is the
+  /// child, a node or ~(8 first + count) for triangles.
+  std::vector<std::array<glm::vec4, 4>> nodes;
+  /// In the order of the leaves: three corners, whose fourth numbers are mesh, first and second corner's index among
+  /// all vertices of the scene; then the third corner's index.
+  std::vector<std::array<glm::vec4, 4>> triangles;
+  int root = 0;  ///< as a child
+
+  bool empty() const { return triangles.empty(); }
+};
+
+/// Of a scene moved by -center and scaled. Uses Embree's builder, and all threads of the calling task arena. Errors:
+/// kDevice where it runs out of memory.
+Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float scale);
+
+}  // namespace umbrage

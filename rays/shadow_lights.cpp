@@ -1,0 +1,86 @@
+#include "rays/shadow_lights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace umbrage {
+
+float light_size(const Light& light) {
+  return light.kind == LightKind::kPoint ? light.radius : std::tan(glm::radians(0.5f * light.angle_deg));
+}
+
+bool casts_from_afar(const Light& light) {
+  return light.casts_shadow && light.kind != LightKind::kHead;  // a head light shines from the eye: what is seen is lit
+}
+
+std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
+  const glm::vec3 axis = glm::normalize(direction);
+  const glm::vec3 other = std::fabs(axis.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 right = glm::normalize(glm::cross(axis, other));
+  return {right, glm::cross(right, axis)};
+}
+
+std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
+                                       const CaptureSettings& settings) {
+  const auto brightness = [](const Light& light) { return std::max({light.color.r, light.color.g, light.color.b}); };
+  float brightest = 0.0f;
+  for (const Light& light : info.lights) brightest = std::max(brightest, brightness(light));
+  std::vector<ShadowLight> lights;
+  for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k) {
+    const Light& light = info.lights[k];
+    if (!casts_from_afar(light)) continue;
+    const bool point = light.kind == LightKind::kPoint;
+    const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
+    const float size = light_size(light) * (point ? traced.scale : 1.0f);
+    const auto [right, up] = disc_axes(where);
+    // The noise of a faint light shows less.
+    const float share = brightest > 0.0f ? std::sqrt(brightness(light) / brightest) : 1.0f;
+    const bool soft = size > 0.0f && settings.shadow_rays > 0;
+    const int rays_of = soft ? std::clamp(int(std::lround(float(settings.shadow_rays) * share)), 1, kDiscPoints) : 0;
+    lights.push_back({k, point, point ? where + rays.eye : where, right, up, rays_of, size});
+  }
+  return lights;
+}
+
+DiscPoints disc_points() {
+  const auto first = [](std::uint32_t n) {  // the bits of n in reverse
+    std::uint32_t v = 0;
+    for (int bit = 0; bit < 32; ++bit) v |= (n >> bit & 1u) << (31 - bit);
+    return v;
+  };
+  const auto second = [](std::uint32_t n) {
+    std::uint32_t v = 0, direction = 1u << 31;
+    for (; n != 0; n >>= 1, direction ^= direction >> 1)
+      if (n & 1u) v ^= direction;
+    return v;
+  };
+  constexpr double kScale = 1.0 / 4294967296.0;
+  // Where a pixel's point lies among a ray's sixteen: turned from ray to ray.
+  constexpr std::array<std::uint32_t, 4> kTurned = {0, 3, 1, 2};
+  DiscPoints points;
+  for (std::uint32_t n = 0; n < kDiscPoints; ++n)
+    for (std::uint32_t k = 0; k < std::uint32_t(kPacket); ++k) {
+      const std::uint32_t m = n * kPacket + (k ^ kTurned[n % 4] ^ (kTurned[n / 4 % 4] << 2));
+      const double x = 2.0 * (double(first(m)) * kScale) - 1.0, y = 2.0 * (double(second(m)) * kScale) - 1.0;
+      const bool wide = std::fabs(x) > std::fabs(y);
+      const double radius = wide ? x : y, quarter = glm::pi<double>() / 4.0;
+      const double angle = wide ? quarter * (y / x) : 2.0 * quarter - (y == 0.0 ? 0.0 : quarter * (x / y));
+      points[n][k] = {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
+    }
+  return points;
+}
+
+std::array<glm::vec2, kPacket> rim_points() {
+  std::array<glm::vec2, kPacket> points;
+  for (int k = 0; k < kPacket; ++k) {
+    const double angle = 2.0 * glm::pi<double>() * k / kPacket;
+    points[k] = {float(std::cos(angle)), float(std::sin(angle))};
+  }
+  return points;
+}
+
+}  // namespace umbrage

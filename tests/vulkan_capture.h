@@ -1,0 +1,90 @@
+// Captured planes of two devices, side by side.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "support.h"
+#include "vulkan_support.h"
+
+namespace umbrage::test {
+
+/// A device that draws scenes itself.
+inline Device* drawing_device() {
+  static Device* const device = new_vulkan_device({.capture = VulkanCapture::kGpu}).release();
+  return device;
+}
+
+struct Both {
+  Image gpu, cpu;
+};
+
+/// All planes that a device captures, the guard band included.
+inline Image captured(Device& device, const Scene& scene, const Camera& camera, const CaptureSettings& settings) {
+  const auto ready = device.prepare(scene);
+  EXPECT_TRUE(ready) << (ready ? "" : ready.error().message);
+  auto frame = device.capture(camera, settings);
+  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  frame->info.guard = 0;  // all of it
+  return *device.download(*frame, {});
+}
+
+/// Whether surfaces meet at a pixel of a layer: objects, depths or normals of neighbours are far apart.
+inline bool at_edge(const Image& image, int layer, int x, int y) {
+  const Plane& depth = image.plane(layer_plane(layer, "depth"));
+  const Plane& object = image.plane(layer_plane(layer, "object_id"));
+  const Plane* normal[3] = {&image.plane(layer_plane(layer, "normal.x")), &image.plane(layer_plane(layer, "normal.y")),
+                            &image.plane(layer_plane(layer, "normal.z"))};
+  for (int j = std::max(y - 1, 0); j <= std::min(y + 1, image.height - 1); ++j)
+    for (int i = std::max(x - 1, 0); i <= std::min(x + 1, image.width - 1); ++i) {
+      if (object.at(i, j) != object.at(x, y)) return true;
+      if (!(std::fabs(depth.at(i, j) - depth.at(x, y)) <= 0.02f * depth.at(x, y)) && std::isfinite(depth.at(x, y)))
+        return true;
+      float cosine = 0.0f;
+      for (const Plane* p : normal) cosine += p->at(i, j) * p->at(x, y);
+      if (std::isfinite(depth.at(x, y)) && cosine < 0.9f) return true;
+    }
+  return false;
+}
+
+struct Disagreement {
+  std::map<std::string, long> inside;  // by plane: pixels away from edges that differ
+  long anywhere = 0;                   // pixels whose surface differs
+  long pixels = 0;
+};
+
+inline Disagreement disagreement(const Both& both, int layers) {
+  Disagreement d;
+  for (int layer = 0; layer < layers; ++layer) {
+    const auto a = [&](const char* name) -> const Plane& { return both.gpu.plane(layer_plane(layer, name)); };
+    const auto b = [&](const char* name) -> const Plane& { return both.cpu.plane(layer_plane(layer, name)); };
+    for (int y = 0; y < both.cpu.height; ++y)
+      for (int x = 0; x < both.cpu.width; ++x) {
+        ++d.pixels;
+        const float depth = b("depth").at(x, y);
+        const bool there = std::isfinite(depth);
+        const bool depth_differs =
+            there ? !(std::fabs(a("depth").at(x, y) - depth) <= 1e-4f * depth) : std::isfinite(a("depth").at(x, y));
+        d.anywhere += depth_differs || a("object_id").at(x, y) != b("object_id").at(x, y);
+        if (at_edge(both.cpu, layer, x, y)) continue;
+        d.inside["depth"] += depth_differs;
+        double squared = 0.0;  // of the normals' difference: its length is the angle
+        for (const char* name : {"normal.x", "normal.y", "normal.z"})
+          squared += std::pow(double(a(name).at(x, y)) - b(name).at(x, y), 2.0);
+        d.inside["normal"] += !(std::sqrt(squared) <= 0.1 * 3.14159265 / 180.0);
+        for (std::size_t p = 0; p < both.cpu.names.size(); ++p) {
+          const std::string& name = both.cpu.names[p];
+          if (layer_of_plane(name) != layer) continue;
+          const std::string plain = layer == 0 ? name : name.substr(name.find('.') + 1);
+          if (plain == "depth" || plain.starts_with("normal.")) continue;
+          const float v = both.cpu.planes[p].at(x, y), w = both.gpu.plane(name).at(x, y);
+          const float bound = plain.starts_with("albedo.") || plain.starts_with("shadow") ? 2.0f / 255.0f : 0.0f;
+          d.inside[plain] += !(std::fabs(v - w) <= bound);
+        }
+      }
+  }
+  return d;
+}
+
+}  // namespace umbrage::test
