@@ -11,6 +11,7 @@
 namespace umbrage {
 
 UMBRAGE_DECLARE_KERNEL(outline_find)
+UMBRAGE_DECLARE_KERNEL(outline_settle)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
 UMBRAGE_DECLARE_KERNEL(outline_link)
 UMBRAGE_DECLARE_KERNEL(outline)
@@ -21,6 +22,9 @@ namespace {
 
 constexpr std::uint32_t kFindSpirv[] = {
 #include "spirv/outline_find.inc"
+};
+constexpr std::uint32_t kSettleSpirv[] = {
+#include "spirv/outline_settle.inc"
 };
 constexpr std::uint32_t kRefineSpirv[] = {
 #include "spirv/outline_refine.inc"
@@ -162,8 +166,15 @@ const Effect& effect_outline() {
                   .lanes = run_lanes_outline_find,
                   .spirv = kFindSpirv,
                   .needed = is_robust},
-                 {.name = "outline_refine",
+                 {.name = "outline_settle",
                   .inputs = {"outline_right", "outline_below"},
+                  .outputs = {"outline_right_settled", "outline_below_settled"},
+                  .scalar = run_scalar_outline_settle,
+                  .lanes = run_lanes_outline_settle,
+                  .spirv = kSettleSpirv,
+                  .needed = is_robust},
+                 {.name = "outline_refine",
+                  .inputs = {"outline_right_settled", "outline_below_settled"},
                   .outputs = {"outline_steep", "outline_flat"},
                   .scalar = run_scalar_outline_refine,
                   .lanes = run_lanes_outline_refine,

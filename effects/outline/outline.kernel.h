@@ -199,8 +199,12 @@ FN Real robust_cover(Int px, Int py, int sight) {
   for (int j = -sight; j <= sight; ++j) any = any | bits_of(near_outline_around(0, j));
   if (!some(!(to_signed(any) == Int(0)))) return Real(0.0f);
   Bool ends = to_signed(any) < Int(0);
-  Real left = seen_cover(0, -1, sight);
-  Real right = seen_cover(0, 1, sight);
+  Real left = Real(0.0f);
+  Real right = Real(0.0f);
+  if (some(!(to_signed(bits_of(near_outline_around(0, 0))) == Int(0)))) {
+    left = seen_cover(0, -1, sight);
+    right = seen_cover(0, 1, sight);
+  }
   Real up = seen_cover(1, -1, sight);
   Real down = seen_cover(1, 1, sight);
   Real covered = max(max(left, right), max(up, down));

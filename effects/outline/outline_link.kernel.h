@@ -27,6 +27,8 @@ CONST float kStraight = 1.05f;      // pixels of bend: what the steps of a strai
 CONST float kLeastClear = 0.42f;    // share of a line that is clear, below which it is not drawn,
 CONST float kWholeClear = 0.75f;    // and from which on it is drawn whole
 CONST float kWholeSide = 32.0f;     // from the middle
+CONST float kEnds = 13.0f;          // from the middle: a surface ends there, whether a line is drawn or not
+CONST float kLeastSure = 1.5f;      // of kSure: what is fainter is not seen
 CONST float kUpright = 0.14f;       // slope: seven rows to a step
 CONST float kClear = 7.0f;          // half of it
 CONST float kSides = 128.0f;        // more than any level
@@ -108,17 +110,19 @@ FN Real linked(int lying, Int px, Int py, Real piece) {
   Real support = clamp((pieces - 1.0f) * Real(1.0f / (kLeastPieces - 1.0f)), Real(0.0f), Real(1.0f));
   share = select(maybe_speck(piece) && abs(slope) < kDiagonal, share * support, share);
   Real sure = floor(share * kSure + 0.5f);
-  Bool keep = drawn && sure > 0.5f;
+  Bool keep = drawn && sure > kLeastSure;
   Real found = packed_piece(mean, slope, floor(sides / pieces + 0.5f), sure);
-  return select(keep, select(piece < 0.0f, -found, found), Real(kOnlyEnds));
+  Real instead = select(abs(side - kMiddle) > kEnds, Real(kOnlyEnds), Real(0.0f));
+  return select(keep, select(piece < 0.0f, -found, found), instead);
 }
 
 // Whether a piece of line cannot be told from itself: it is not wholly clear, or lies partly on either side, or is so
 // nearly upright that its steps are far apart; where a crease passes is known.
 FN Bool unsure(Real piece) {
   Bool aside = abs(abs(level_of(piece) - kMiddle) - kWholeSide * 0.5f) < kWholeSide * 0.5f - 0.5f;
-  return is_piece(piece) && (aside || !(bits_at(piece, 23, Uint(31u)) == Real(kSure)) ||
-                             (abs(slope_of(piece)) < kUpright && !(level_of(piece) == Real(kMiddle))));
+  return is_piece(piece) &&
+         (aside || level_of(piece) == Real(kMiddle) || !(bits_at(piece, 23, Uint(31u)) == Real(kSure)) ||
+          (abs(slope_of(piece)) < kUpright && !(level_of(piece) == Real(kMiddle))));
 }
 
 FN Real looked_along(int lying, Int px, Int py, Real piece) {

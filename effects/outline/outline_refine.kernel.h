@@ -8,8 +8,8 @@
 // dropped where that line is there.
 //
 // Planes, for crossings to the right and below: pieces of line as outline_piece.kernel.h has them.
-IN_REAL(outline_right)
-IN_REAL(outline_below)
+IN_REAL(outline_right_settled)
+IN_REAL(outline_below_settled)
 OUT_REAL(outline_steep)
 OUT_REAL(outline_flat)
 #include "effects/outline/outline_piece.kernel.h"
@@ -21,7 +21,11 @@ CONST float kLeastLength = 2.5f;  // rows that a crease goes on
 CONST float kOneSided = 25.0f;    // from the middle: a surface ends there
 CONST int kAround = 6;            // pixels within which a line has
 CONST float kLeastAround = 6.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
-CONST int kShadow = 4;            // pixels beside a clear crossing
+CONST int kBeside = 4;            // pixels from a clear crossing within which a faint one may run along with it,
+CONST int kShadow = 2;            // and within which it is but that one's shadow
+CONST float kPart = 1.25f;        // pixels from something else within which a crease is a part of that, and
+CONST float kPartShort = 2.25f;   // if it is short: as far as that one's line covers it,
+CONST float kCovers = 0.5f;       // which is its width less this
 CONST float kStep = 256.0f;       // as in outline_find
 CONST float kClearest = 7.0f;
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
@@ -33,6 +37,7 @@ FN Real code_of(Real v) { return mad(clear_of(v), Real(-kStep), abs(v)); }
 
 // t from its code.
 FN Real crossed_at(Real fraction) { return fraction + fraction - 0.5f; }
+FN Real place_in(Real v) { return crossed_at(code_of(v) - floor(code_of(v))); }
 
 // Whether a crossing can go on from one of side `side`: a line does not change from one surface's side to the other's
 // from one row to the next, and a faint crease is not the rim that it runs beside.
@@ -45,7 +50,7 @@ FN Bool same_line(Real v, Real side, Bool clear) {
 
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
 // else 0: its code; how far beside. Straight on comes before aside.
-FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear) {
+FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool lone) {
   int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
   Real after = Real(0.0f);
@@ -53,14 +58,21 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   // The row before was at most one pixel less aside.
   for (int k = 1 - most; k < most; ++k) {
     Bool here = offset == Real(float(k));
-    straight = select(here, lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k), straight);
-    after = select(here, lying == 0 ? near_outline_right(k + 1, row) : near_outline_below(row, k + 1), after);
-    before = select(here, lying == 0 ? near_outline_right(k - 1, row) : near_outline_below(row, k - 1), before);
+    straight =
+        select(here, lying == 0 ? near_outline_right_settled(k, row) : near_outline_below_settled(row, k), straight);
+    after = select(here, lying == 0 ? near_outline_right_settled(k + 1, row) : near_outline_below_settled(row, k + 1),
+                   after);
+    before = select(here, lying == 0 ? near_outline_right_settled(k - 1, row) : near_outline_below_settled(row, k - 1),
+                    before);
   }
   alive = alive && (lying == 0 ? near_inside(0, row) : near_inside(row, 0));
   Bool back = same_line(before, side, clear);
   Bool on = same_line(after, side, clear);
   Bool ahead = same_line(straight, side, clear);
+  Bool none = lone && !(back || on || ahead);
+  back = back || (none && abs(before) >= kStep && abs(floor(code_of(before)) - side) < kMostTurn);
+  on = on || (none && abs(after) >= kStep && abs(floor(code_of(after)) - side) < kMostTurn);
+  ahead = ahead || (none && abs(straight) >= kStep && abs(floor(code_of(straight)) - side) < kMostTurn);
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
@@ -70,9 +82,8 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
 FN Real crossings_in(int j) {
   Real count = Real(0.0f);
   for (int i = -kAround; i <= kAround; ++i) {
-    Real right = near_outline_right(i, j);
-    Real below = near_outline_below(i, j);
-    count = count + select(mad(right, right, below * below) > 0.0f, Real(1.0f), Real(0.0f));
+    Uint any = bits_of(near_outline_right_settled(i, j)) | bits_of(near_outline_below_settled(i, j));
+    count = select(to_signed(any) == Int(0), count, count + 1.0f);
   }
   return count;
 }
@@ -91,15 +102,31 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real side = floor(v);
   Real t = crossed_at(v - side);
   Bool clear = signed_v > 0.0f;
-  // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim.
+  // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim. What
+  // runs beside one goes on in its like alone. A crease so close to a clear one of
+  // another kind is a part of it.
   Bool rim = abs(side - kMiddle) > kOneSided;
-  Bool shadow = v < 0.0f;
-  if (some(v > 0.0f && !clear)) {
-    for (int k = -kShadow; k <= kShadow; ++k) {
-      Real rival = lying == 0 ? near_outline_right(k, 0) : near_outline_below(0, k);
-      shadow = shadow || (rival > 0.0f && (abs(code_of(rival) - kMiddle) > kOneSided + 1.0f || !rim));
+  Bool crease = side == Real(kMiddle);
+  Bool beside = v < 0.0f;
+  Bool shadow = beside;
+  Real nearest = Real(kPartShort);  // clear crossing that is no crease, in pixels
+  if (some(v > 0.0f && (!clear || crease))) {
+    for (int k = 1; k <= kBeside; ++k) {
+      Real before = lying == 0 ? near_outline_right_settled(-k, 0) : near_outline_below_settled(0, -k);
+      Real after = lying == 0 ? near_outline_right_settled(k, 0) : near_outline_below_settled(0, k);
+      Real before_off = abs(code_of(before) - kMiddle);
+      Real after_off = abs(code_of(after) - kMiddle);
+      beside = beside || (before > 0.0f && (before_off > kOneSided + 1.0f || !rim));
+      beside = beside || (after > 0.0f && (after_off > kOneSided + 1.0f || !rim));
+      if (k > kShadow) continue;
+      shadow = beside;
+      Real before_away = t - place_in(before) + Real(float(k));
+      Real after_away = place_in(after) - t + Real(float(k));
+      nearest = min(nearest, select(before > 0.0f && before_off > 1.0f, before_away, nearest));
+      nearest = min(nearest, select(after > 0.0f && after_off > 1.0f, after_away, nearest));
     }
   }
+  Bool lone = clear || (!beside && abs(signed_v) >= kStep);
   shadow = shadow && !clear;
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
@@ -119,8 +146,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool ends = !up_alive;
   for (int k = 1; k <= kRows; ++k) {
     if (!some(up_alive || down_alive)) continue;
-    up = follow(lying, -k, up.y, up_alive, side, clear);
-    down = follow(lying, k, down.y, down_alive, side, clear);
+    up = follow(lying, -k, up.y, up_alive, side, clear, lone);
+    down = follow(lying, k, down.y, down_alive, side, clear, lone);
     up_alive = abs(up.x) > 0.0f;
     down_alive = abs(down.x) > 0.0f;
     Real up_code = code_of(up.x);
@@ -146,7 +173,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     squares = squares + select(both, Real(float(2 * k * k)), Real(0.0f));
   }
   // A line that goes on for all rows is no speck; outline_link asks creases.
-  Bool lonely = v > 0.0f && length < Real(float(2 * kRows)) && !(side == Real(kMiddle));
+  Bool short_line = length < Real(float(2 * kRows));
+  Bool lonely = v > 0.0f && short_line && !crease;
   if (some(lonely)) lonely = lonely && !in_line(lonely);
   v = select(lonely, Real(0.0f), v);
   Real mean = (places + t) / (pairs + pairs + 1.0f);
@@ -159,24 +187,28 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   aside = aside || abs(slope) > kSteepHere;
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
-  Bool keep = v > 0.0f && !step && !speck && !shadow;
+  Real part_within = min(select(short_line, Real(kPartShort), Real(kPart)), Real(C.width_px - kCovers));
+  Bool part = crease && nearest < part_within;
+  Bool keep = v > 0.0f && !step && !speck && !shadow && !part;
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + 0.5f);
-  Bool short_crease = level + level + 1.0f == Real(kMiddle) && length < Real(float(2 * kRows));
+  Bool short_crease = level + level + 1.0f == Real(kMiddle) && short_line;
   Real piece = packed_piece(place, slope, level, select(short_crease, sure + kSpeck, sure));
   piece = select(ends, -piece, piece);
   return select(known, select(keep, piece, Real(kOnlyEnds)), Real(0.0f));
 }
 
 FN void outline_refine_pixel(Int px, Int py) {
-  Real right = near_outline_right(0, 0);
-  Real below = near_outline_below(0, 0);
+  Real right = near_outline_right_settled(0, 0);
+  Real below = near_outline_below_settled(0, 0);
   Real steep = Real(0.0f);
   Real lower = Real(0.0f);
   if (some(abs(right) > 0.0f))
-    steep = refined(0, right, below, near_outline_below(1, 0), near_outline_below(0, -1), near_outline_below(1, -1));
+    steep = refined(0, right, below, near_outline_below_settled(1, 0), near_outline_below_settled(0, -1),
+                    near_outline_below_settled(1, -1));
   if (some(abs(below) > 0.0f))
-    lower = refined(1, below, right, near_outline_right(0, 1), near_outline_right(-1, 0), near_outline_right(-1, 1));
+    lower = refined(1, below, right, near_outline_right_settled(0, 1), near_outline_right_settled(-1, 0),
+                    near_outline_right_settled(-1, 1));
   store_outline_steep(steep);
   store_outline_flat(lower);
 }

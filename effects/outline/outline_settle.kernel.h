@@ -1,0 +1,56 @@
+// Crossings moved to the pixels that they lie between. outline_find finds a crease where normals turn most, and then
+// where its planes meet, which may lie beyond either of the two pixels: rows of one line would then be told by columns
+// that are two apart, and no longer be taken for one line.
+//
+// Planes as in outline_find; t is in [0, 1) now. Of two crossings at one place the clearer one stays.
+IN_REAL(outline_right)
+IN_REAL(outline_below)
+OUT_REAL(outline_right_settled)
+OUT_REAL(outline_below_settled)
+
+CONST float kStep = 256.0f;  // as in outline_find
+CONST float kPixel = 0.5f;   // of t in its code
+CONST float kFirst = 0.25f;  // code of t = 0
+
+FN Real clear_of(Real v) { return floor(abs(v) * Real(1.0f / kStep)); }
+
+// The crossing from one of its neighbours, if it lies here and is clearer than v; else v.
+FN Real clearer(Real v, Real before, Real after) {
+  Real a = abs(before);
+  Real b = abs(after);
+  Bool from_before = a - floor(a) >= kFirst + kPixel;
+  Bool from_after = b > 0.0f && b - floor(b) < kFirst;
+  Real moved = select(before < 0.0f, before + kPixel, before - kPixel);
+  Bool better = from_before && (v == Real(0.0f) || clear_of(before) > clear_of(v));
+  v = select(better, moved, v);
+  moved = select(after < 0.0f, after - kPixel, after + kPixel);
+  better = from_after && (v == Real(0.0f) || clear_of(after) > clear_of(v));
+  return select(better, moved, v);
+}
+
+// v, or nothing if it lies in another place.
+FN Real here_alone(Real v) {
+  Real a = abs(v);
+  Real share = a - floor(a);
+  return select(share >= kFirst && share < kFirst + kPixel, v, Real(0.0f));
+}
+
+FN void outline_settle_pixel(Int px, Int py) {
+  Real right = near_outline_right(0, 0);
+  Real below = near_outline_below(0, 0);
+  Real left1 = near_outline_right(-1, 0);
+  Real right1 = near_outline_right(1, 0);
+  Real above1 = near_outline_below(0, -1);
+  Real below1 = near_outline_below(0, 1);
+  left1 = select(near_inside(-1, 0), left1, Real(0.0f));
+  right1 = select(near_inside(1, 0), right1, Real(0.0f));
+  above1 = select(near_inside(0, -1), above1, Real(0.0f));
+  below1 = select(near_inside(0, 1), below1, Real(0.0f));
+  Uint any = bits_of(right) | bits_of(below) | bits_of(left1) | bits_of(right1) | bits_of(above1) | bits_of(below1);
+  if (some(!(to_signed(any) == Int(0)))) {
+    right = clearer(here_alone(right), left1, right1);
+    below = clearer(here_alone(below), above1, below1);
+  }
+  store_outline_right_settled(right);
+  store_outline_below_settled(below);
+}
