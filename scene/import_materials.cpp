@@ -31,6 +31,8 @@ constexpr float kDielectricReflectance = 0.04f;
 /// A texture counts as a cut-out when at least this share of its texels is nearly clear or nearly opaque, and at least
 /// the other share is nearly clear.
 constexpr double kBinaryShare = 0.9, kClearShare = 0.001;
+// Of a surface that a file blends: over which share of its texture's width alpha is averaged.
+constexpr double kBlendShare = 1.0 / 64.0;
 constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
 
 float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
@@ -186,6 +188,39 @@ struct TextureShelf {
     scene.textures.push_back(std::move(made));
     return index_of[key] = int(scene.textures.size()) - 1;
   }
+
+  /// A texture with its alpha averaged over kBlendShare of its width: where a surface is more clear than opaque on the
+  /// whole, rather than in each grain of dirt, whose edges would be speckles.
+  int find_blended(int index) {
+    const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
+    if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
+    Texture made = scene.textures[std::size_t(index)];
+    const int radius = std::max(1, int(kBlendShare * 0.5 * made.width));
+    average_alpha(made, made.width, made.height, 4, 4 * std::ptrdiff_t(made.width), radius);
+    average_alpha(made, made.height, made.width, 4 * std::ptrdiff_t(made.width), 4, radius);
+    scene.textures.push_back(std::move(made));
+    return index_of[key] = int(scene.textures.size()) - 1;
+  }
+
+ private:
+  /// Twice the mean over 2 radius + 1 texels of each of `lines` lines of `length` texels, which repeat.
+  static void average_alpha(Texture& texture, int length, int lines, std::ptrdiff_t step, std::ptrdiff_t next,
+                            int radius) {
+    constexpr int kRounds = 2;
+    std::vector<int> line(static_cast<std::size_t>(length));
+    for (int k = 0; k < lines; ++k)
+      for (int round = 0; round < kRounds; ++round) {
+        std::uint8_t* alpha = texture.rgba.data() + k * next + 3;
+        for (int i = 0; i < length; ++i) line[std::size_t(i)] = alpha[i * step];
+        const auto at = [&](int i) { return line[std::size_t(((i % length) + length) % length)]; };
+        int sum = 0;
+        for (int i = -radius; i <= radius; ++i) sum += at(i);
+        for (int i = 0; i < length; ++i) {
+          alpha[i * step] = std::uint8_t((sum + radius) / (2 * radius + 1));
+          sum += at(i + radius + 1) - at(i - radius);
+        }
+      }
+  }
 };
 
 bool is_cut_out(const Texture& texture) {
@@ -287,7 +322,11 @@ Material material_of(const aiMaterial& source, const std::string& format, Textur
     if (source.Get(AI_MATKEY_BASE_COLOR, factor) == AI_SUCCESS && factor.a > 0.0f) material.alpha_cutoff /= factor.a;
   } else if (!has_mode || std::strcmp(mode.C_Str(), "OPAQUE") != 0) {
     // Nothing is blended here: of a surface that the file blends, what is more clear than opaque is not drawn.
-    material.alpha_mask = is_cut_out(texture) || (has_mode && has_clear_texels(texture));
+    material.alpha_mask = is_cut_out(texture);
+    if (!material.alpha_mask && has_mode && has_clear_texels(texture)) {
+      material.alpha_mask = true;
+      material.texture = shelf.find_blended(material.texture);
+    }
   }
   return material;
 }

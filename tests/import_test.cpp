@@ -326,6 +326,35 @@ TEST_F(Import, ReadsAlphaMaskOfGltf) {
   EXPECT_NE(opaque.texture, kNoTexture);
 }
 
+TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
+  // Dirty glass: grains more opaque and more clear than half, on the left half opaque on the average.
+  constexpr int kWidth = 256, kHeight = 64;
+  std::string tga = two_texels_tga().substr(0, 18);
+  tga[12] = char(kWidth & 255), tga[13] = char(kWidth >> 8), tga[14] = char(kHeight), tga[15] = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const bool grain = (x * 7 + y * 13 + x * y) % 3 == 0;
+      const int alpha = x < kWidth / 2 ? (grain ? 70 : 200) : (grain ? 190 : 60);
+      tga += {char(90), char(90), char(90), char(alpha)};
+    }
+  write("dots.tga", tga);
+  const std::string base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
+  const Scene scene = read("glass.gltf", triangle_gltf("", R"({"alphaMode":"BLEND",)" + base + "}"));
+  const Material& glass = scene.materials.at(std::size_t(scene.meshes.at(0).material));
+  EXPECT_TRUE(glass.alpha_mask);
+  const Texture& texture = scene.textures.at(std::size_t(glass.texture));
+  ASSERT_EQ(texture.width, kWidth);
+  int wrong = 0;
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const int from_edge = std::min({x, kWidth - 1 - x, std::abs(x - kWidth / 2)});
+      const bool opaque = texture.rgba[4 * (std::size_t(y) * kWidth + x) + 3] >= 128;
+      wrong += from_edge > 4 && opaque != (x < kWidth / 2);
+      EXPECT_EQ(texture.rgba[4 * (std::size_t(y) * kWidth + x)], 90);
+    }
+  EXPECT_EQ(wrong, 0);
+}
+
 TEST_F(Import, ReadsEmbeddedTextures) {
   std::string text = triangle_gltf("", R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})");
   const std::string uri = "data:image/x-tga;base64," + base64(two_texels_tga());
