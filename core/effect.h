@@ -22,6 +22,7 @@ struct Pass {
   std::string_view name;
   /// An effect that reads `shadow` leaves it out where it has a parameter of that name and it is 0.
   std::vector<std::string_view> inputs, outputs;           ///< planes; a colour or vector counts as its three planes
+  std::vector<std::string_view> later_inputs;              ///< those of the inputs that the first round does not read
   CpuKernel scalar = nullptr, lanes = nullptr;             ///< the kernel text as plain C++ and as SIMD lanes
   CpuKernel tuned = nullptr;                               ///< another way to the same bits, or null
   std::span<const std::uint32_t> spirv;                    ///< the kernel text as a compute shader

@@ -16,6 +16,7 @@ struct Look {
   // What it wants captured unless the user says otherwise: see CaptureSettings.
   int layers = 1;
   bool back_sides = false;
+  int shadow_rays = 0;
   int extra_views = 0;
   /// Occlusion is computed for every so manieth pixel across and down, unless --ao-scale is given: 1, 2 or 4.
   int occlusion_every = 1;

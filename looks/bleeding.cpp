@@ -25,6 +25,7 @@ const Look& look_bleeding() {
                   {"output.background_b", "0.82"}},
       .layers = 2,
       .back_sides = true,
+      .shadow_rays = 1,
   };
   return look;
 }

@@ -141,9 +141,12 @@ Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t fir
   for (std::size_t step = first; step < last; ++step)
     for (const Pass& pass : steps[step]->passes) {
       if (pass.needed && !pass.needed(params_of(run, *steps[step]))) continue;
-      for (std::string_view input : pass.inputs)
+      const bool once = !steps[step]->rounds || steps[step]->rounds(params_of(run, *steps[step])) == 1;
+      for (std::string_view input : pass.inputs) {
+        if (once && has(pass.later_inputs, input)) continue;
         // Every layer's plane of that name is reduced with the first one's.
         if (!input.starts_with("layer") && !has(made, input) && !has(read, input)) read.emplace_back(input);
+      }
       light |= has(pass.outputs, "indirect.r");
     }
   auto small = device.reduced(frame, run.occlusion_every, read);

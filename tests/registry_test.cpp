@@ -65,6 +65,8 @@ TEST(Registry, ShadersReachExactlyTheirPlanes) {
       for (const auto* names : {&pass.inputs, &pass.outputs})
         for (std::string_view name : *names) expected.insert(slot_name(name));
       EXPECT_EQ(slots, expected) << effect->name << ", pass " << pass.name;
+      for (std::string_view name : pass.later_inputs)
+        EXPECT_NE(std::find(pass.inputs.begin(), pass.inputs.end(), name), pass.inputs.end()) << effect->name << name;
     }
 }
 

@@ -152,7 +152,7 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
                            .back_sides = look.back_sides,
                            .extra_views = draw.extra_views.value_or(look.extra_views),
                            .guard = guard,
-                           .shadow_rays = quality ? quality->shadow_rays : 0};
+                           .shadow_rays = quality ? quality->shadow_rays : look.shadow_rays};
   // A quality wants no more layers than there is room for.
   while (!draw.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
   const auto layers = layer_count(settings);

@@ -369,10 +369,15 @@ std::vector<std::string_view> packed_planes() {
   return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
 }
 
+std::vector<std::string_view> sent_later_inputs() {
+  return {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"};
+}
+
 std::vector<std::string_view> sent_inputs() {
   auto inputs = of_all_layers(
       {"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"});
-  inputs.insert(inputs.end(), {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
+  const auto later = sent_later_inputs();
+  inputs.insert(inputs.end(), later.begin(), later.end());
   return inputs;
 }
 
@@ -406,6 +411,7 @@ const Effect& effect_hemisphere() {
       .passes = {{.name = "sent",
                   .inputs = sent_inputs(),
                   .outputs = packed_planes(),
+                  .later_inputs = sent_later_inputs(),
                   .scalar = run_scalar_hemisphere_sent,
                   .lanes = run_lanes_hemisphere_sent,
                   .spirv = kSentSpirv,

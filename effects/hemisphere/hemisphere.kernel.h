@@ -49,10 +49,12 @@ FN Real window_depth(Real depth) {
 
 // By how much depths may differ at a pixel for one to occlude the other.
 FN Real range_limit(Real depth) {
-  Real fall = Real(C.depth_at_limit) / max(depth, Real(1e-30f));
   Real limit = Real(C.limit);
-  if (C.range == kHemisphereRangeLinear) limit = limit * fall;
-  if (C.range == kHemisphereRangeQuadratic) limit = limit * fall * fall;
+  if (C.range == kHemisphereRangeLinear || C.range == kHemisphereRangeQuadratic) {
+    Real fall = Real(C.depth_at_limit) / max(depth, Real(1e-30f));
+    limit = limit * fall;
+    if (C.range == kHemisphereRangeQuadratic) limit = limit * fall;
+  }
   return clamp(limit, Real(1e-30f), Real(1e30f));
 }
 

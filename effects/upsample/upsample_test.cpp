@@ -343,11 +343,13 @@ const std::vector<std::string> kHemisphere = {
     "sphere.range=smooth", "sphere.range_factor=1",   "sphere.map=linear", "sphere.threshold=0",  "sphere.border=skip"};
 
 TEST(Upsample, HalfResolutionIsCloseToFull) {
-  for (const char* name :
-       {"scene:solids?detail=4000", "scene:claw?detail=20000", "scene:room?detail=20000", "scene:pink?detail=20000",
-        "scene:tank?detail=20000", "scene:terrain?detail=20000", "scene:atrium?detail=20000"}) {
+  // At 191 x 347 some scenes have much that is thinner than the distance of computed pixels.
+  const std::pair<const char*, double> scenes_and_most[] = {
+      {"scene:solids?detail=4000", 0.02},  {"scene:claw?detail=20000", 0.0215}, {"scene:room?detail=20000", 0.02},
+      {"scene:pink?detail=20000", 0.0225}, {"scene:tank?detail=20000", 0.037},  {"scene:terrain?detail=20000", 0.02},
+      {"scene:atrium?detail=20000", 0.025}};
+  for (const auto& [name, most_small] : scenes_and_most) {
     Drawing drawing(name);
-    const bool calm = name[6] == 's' || name[7] == 'e';  // solids and terrain have nothing thinner than small pixels
     for (const Size size : {Size{1023, 767}, {191, 347}, {3, 2}, {1, 1}})
       for (const int every : {2, 4}) {
         if (every == 4 && size.width > 1000) continue;
@@ -360,13 +362,43 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
         const Deviation e = error_of(small, full, depth);
         EXPECT_LT(std::fabs(e.bias), every == 2 ? 0.003 : 0.005);
         if (every == 2) {
-          EXPECT_LT(e.rmse, calm || size.width != 191 ? 0.02 : 0.037);
+          EXPECT_LT(e.rmse, size.width == 191 ? most_small : 0.02);
         }
         if (size.width > 100) {
           EXPECT_GT(e.rmse, 1e-3);  // it did run at another resolution
         }
       }
   }
+}
+
+TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
+  // At reduced resolution planes are taken along where a round reads them; the memory of an earlier run holds none.
+  const Scene scene = *make_builtin_scene("scene:atrium?detail=4000");
+  const auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  const Size size{127, 95};
+  auto frame =
+      *device->capture(frame_scene(scene, {}, size.width, size.height), {.width = size.width, .height = size.height});
+  const Look look{.name = "test", .summary = "", .occlusion = "hemisphere", .effects = {"occlusion"}, .presets = {}};
+  const EffectSettings initial = look_settings(look);
+  ASSERT_TRUE(device->run(*find_effect("lighting"), initial.find("lighting")->second, frame));
+  const auto light = [&](int bounces) {
+    EffectSettings all = look_settings(look);
+    for (const std::string& setting :
+         {std::string("hemisphere.bleeding=1"), fmt::format("hemisphere.bounces={}", bounces)})
+      EXPECT_TRUE(apply_setting(all, setting));
+    const LookRun run{.look = &look, .occlusion = "hemisphere", .occlusion_every = 2, .settings = &all};
+    EXPECT_TRUE(run_look(run, *device, frame));
+    return device->download(frame, {"indirect.g"})->planes[0];
+  };
+  const Plane once = light(1), twice = light(2);
+  // The second round sends what the albedo leaves of the first's light.
+  Image dark = *device->download(frame, {"albedo.r", "albedo.g", "albedo.b"});
+  for (Plane& plane : dark.planes) plane = Plane(size.width, size.height, 0.0f);
+  ASSERT_TRUE(device->add(dark, frame));
+  const Plane by_black = light(2);
+  EXPECT_GT(test::difference(twice, by_black, 0.0).mean, 1e-3);
+  EXPECT_GT(test::difference(twice, once, 0.0).mean, 1e-3);
 }
 
 TEST(Upsample, EveryTechniqueKeepsItsStrength) {
