@@ -195,6 +195,21 @@ bool shows_surface(Device& device, const Frame& frame) {
   return false;
 }
 
+/// What each pass took in all, in the order of their first runs.
+std::vector<PassTime> added_up(const std::vector<PassTime>& passes) {
+  std::vector<PassTime> sums;
+  for (const PassTime& pass : passes) {
+    const auto same = std::find_if(sums.begin(), sums.end(), [&](const PassTime& sum) {
+      return sum.effect == pass.effect && sum.pass == pass.pass;
+    });
+    if (same == sums.end())
+      sums.push_back(pass);
+    else
+      same->ms += pass.ms;
+  }
+  return sums;
+}
+
 void print_times(const StageTimes& times, const std::vector<PassTime>& passes, bool json) {
   if (!json) {
     for (const auto& stage : times.stages) fmt::print(stderr, "{:<12}{:9.1f} ms\n", stage.name, stage.ms);
@@ -267,7 +282,7 @@ Result<void> render(const RenderOptions& o) {
   times.done("write");
   if (o.verbose)
     fmt::print(stderr, "{}: {} triangles in {} meshes\n{}\n", scene->name, triangles, meshes, (*device)->description());
-  if (o.verbose || o.json) print_times(times, (*device)->take_pass_times(), o.json);
+  if (o.verbose || o.json) print_times(times, added_up((*device)->take_pass_times()), o.json);
   return {};
 }
 

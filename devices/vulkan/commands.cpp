@@ -49,6 +49,8 @@ Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_p
 }
 
 Commands::~Commands() {
+  if (handed_over_)
+    gpu_->vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
   if (recording_) gpu_->vk.EndCommandBuffer(buffer_);
   kept_.clear();
   if (queries_) gpu_->vk.DestroyQueryPool(gpu_->device, queries_, nullptr);
@@ -58,6 +60,8 @@ Commands::~Commands() {
 
 Result<VkCommandBuffer> Commands::buffer() {
   if (lost_) return *lost_;
+  if (handed_over_)
+    if (auto done = wait_for_it(); !done) return done.error();
   if (recording_) return buffer_;
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -75,41 +79,86 @@ void Commands::barrier() {
 
 Result<void> Commands::finish() {
   if (lost_) return *lost_;
+  if (handed_over_) return wait_for_it();
   if (!recording_) return {};
-  const Result<void> done = submit();
-  recording_ = false;
+  Result<void> done = submit(VK_NULL_HANDLE, VK_NULL_HANDLE);
+  if (!done) {
+    reset();
+    return done;
+  }
+  return wait_for_it();
+}
+
+Result<void> Commands::hand_over(VkSemaphore wait, VkSemaphore signal) {
+  if (const auto begun = buffer(); !begun) return begun.error();  // semaphores want a submission even of nothing
+  Result<void> done = submit(wait, signal);
+  if (!done) reset();
+  return done;
+}
+
+void Commands::drop() {
+  if (!recording_) return;
+  gpu_->vk.EndCommandBuffer(buffer_);
+  reset();
+}
+
+void Commands::reset() {
+  recording_ = handed_over_ = false;
   uniforms_used_ = 0;
   timed_.clear();
   kept_.clear();
   gpu_->vk.ResetCommandPool(gpu_->device, pool_, 0);
-  return done;
 }
 
-Result<void> Commands::submit() {
+Error Commands::failed(VkResult result) {
+  const Error error = vulkan_error(result, "worked");
+  if (result == VK_ERROR_DEVICE_LOST) lost_ = error;
+  return error;
+}
+
+Result<void> Commands::submit(VkSemaphore wait, VkSemaphore signal) {
   const auto& vk = gpu_->vk;
-  const auto failed = [&](VkResult result) {
-    const Error error = vulkan_error(result, "worked");
-    if (result == VK_ERROR_DEVICE_LOST) lost_ = error;
-    return error;
-  };
   const VkMemoryBarrier to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
   vk.CmdPipelineBarrier(buffer_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &to_host, 0, nullptr,
                         0, nullptr);
   if (const auto r = vk.EndCommandBuffer(buffer_); r != VK_SUCCESS) return failed(r);
+  const VkPipelineStageFlags all = VK_PIPELINE_STAGE_ALL_COMMANDS_BIT;
   VkSubmitInfo work{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   work.commandBufferCount = 1;
   work.pCommandBuffers = &buffer_;
+  work.waitSemaphoreCount = wait ? 1 : 0;
+  work.pWaitSemaphores = &wait;
+  work.pWaitDstStageMask = &all;
+  work.signalSemaphoreCount = signal ? 1 : 0;
+  work.pSignalSemaphores = &signal;
   if (const auto r = vk.QueueSubmit(gpu_->queue, 1, &work, fence_); r != VK_SUCCESS) return failed(r);
+  recording_ = false;
+  handed_over_ = true;
+  return {};
+}
+
+Result<void> Commands::wait_for_it() {
+  const auto& vk = gpu_->vk;
   const VkResult waited =
       vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
-  if (waited != VK_SUCCESS) return failed(waited);
+  if (waited != VK_SUCCESS) {
+    const Error error = failed(waited);
+    reset();
+    return error;
+  }
   vk.ResetFences(gpu_->device, 1, &fence_);
+  Result<void> read = read_times();
+  reset();
+  return read;
+}
+
+Result<void> Commands::read_times() {
   if (timed_.empty() || !queries_) return {};
   std::vector<std::uint64_t> ticks(2 * timed_.size());
-  const VkResult read = vk.GetQueryPoolResults(gpu_->device, queries_, 0, std::uint32_t(ticks.size()),
-                                               ticks.size() * sizeof(std::uint64_t), ticks.data(),
-                                               sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
+  const VkResult read = gpu_->vk.GetQueryPoolResults(gpu_->device, queries_, 0, std::uint32_t(ticks.size()),
+                                                     ticks.size() * sizeof(std::uint64_t), ticks.data(),
+                                                     sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
   if (read != VK_SUCCESS) return vulkan_error(read, "told what its passes took");
   if (times_.size() > kMostTimes) times_.clear();
   for (std::size_t k = 0; k < timed_.size(); ++k) {
@@ -121,6 +170,8 @@ Result<void> Commands::submit() {
 
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   check_less(bytes, kMostUniforms + 1, "bytes of constants");
+  if (handed_over_)
+    if (auto done = wait_for_it(); !done) return done.error();
   if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kTimedPasses)
     if (auto done = finish(); !done) return done.error();
   const Uniforms given{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};

@@ -25,6 +25,11 @@ class Commands {
   void barrier();
   /// Hands over what is noted and waits for it. Errors: kDevice; what was noted is then gone.
   Result<void> finish();
+  /// Hands over what is noted, after `wait` and before `signal` where they are not null, without waiting: that is done
+  /// before something is noted again. Errors: kDevice.
+  Result<void> hand_over(VkSemaphore wait, VkSemaphore signal);
+  /// Forgets what is noted.
+  void drop();
   /// Keeps something alive until that has happened.
   void keep(std::shared_ptr<const void> what) { kept_.push_back(std::move(what)); }
 
@@ -44,7 +49,11 @@ class Commands {
 
  private:
   explicit Commands(GpuPtr gpu) : gpu_(std::move(gpu)) {}
-  Result<void> submit();
+  Result<void> submit(VkSemaphore wait, VkSemaphore signal);
+  Result<void> wait_for_it();
+  void reset();
+  Result<void> read_times();
+  Error failed(VkResult result);
 
   GpuPtr gpu_;
   VkCommandPool pool_ = VK_NULL_HANDLE;
@@ -53,7 +62,7 @@ class Commands {
   VkQueryPool queries_ = VK_NULL_HANDLE;
   HostBufferPtr uniforms_;
   std::size_t uniforms_used_ = 0;
-  bool recording_ = false;
+  bool recording_ = false, handed_over_ = false;
   std::optional<Error> lost_;  // what there is to say of a device that is gone: it is asked for nothing more
   std::vector<std::shared_ptr<const void>> kept_;
   std::vector<PassTime> timed_;  // of the commands noted down, still without times

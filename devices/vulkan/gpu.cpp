@@ -2,8 +2,27 @@
 
 namespace umbrage {
 
+namespace {
+
+/// Fills in what the device says of itself.
+void learn(Gpu& gpu) {
+  VkPhysicalDeviceMaintenance3Properties most{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &most};
+  gpu.vk.GetPhysicalDeviceProperties2(gpu.physical, &properties);
+  gpu.properties = properties.properties;
+  gpu.largest_allocation = most.maxMemoryAllocationSize;
+  gpu.vk.GetPhysicalDeviceMemoryProperties(gpu.physical, &gpu.memory);
+  std::uint32_t count = 0;
+  gpu.vk.GetPhysicalDeviceQueueFamilyProperties(gpu.physical, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  gpu.vk.GetPhysicalDeviceQueueFamilyProperties(gpu.physical, &count, families.data());
+  if (families[gpu.family].timestampValidBits > 0) gpu.ns_of_tick = gpu.properties.limits.timestampPeriod;
+}
+
+}  // namespace
+
 Gpu::~Gpu() {
-  if (!device) return;
+  if (!device || !owned) return;
   vk.DeviceWaitIdle(device);
   vk.DestroyDevice(device, nullptr);
 }
@@ -30,17 +49,27 @@ Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& from) {
     return vulkan_error(made, "was opened");
   gpu->vk.GetDeviceQueue(gpu->device, gpu->family, 0, &gpu->queue);
 
-  VkPhysicalDeviceMaintenance3Properties most{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &most};
-  gpu->vk.GetPhysicalDeviceProperties2(from.handle, &properties);
-  gpu->properties = properties.properties;
-  gpu->largest_allocation = most.maxMemoryAllocationSize;
-  gpu->vk.GetPhysicalDeviceMemoryProperties(from.handle, &gpu->memory);
-  std::uint32_t count = 0;
-  gpu->vk.GetPhysicalDeviceQueueFamilyProperties(from.handle, &count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(count);
-  gpu->vk.GetPhysicalDeviceQueueFamilyProperties(from.handle, &count, families.data());
-  if (families[gpu->family].timestampValidBits > 0) gpu->ns_of_tick = gpu->properties.limits.timestampPeriod;
+  learn(*gpu);
+  return GpuPtr(std::move(gpu));
+}
+
+Result<GpuPtr> adopt_gpu(const ForeignGpu& foreign) {
+  auto functions = global_functions(foreign.get);
+  if (!functions) return functions.error();
+  auto instance = std::make_shared<Instance>();
+  instance->owned = false;
+  instance->handle = foreign.instance;
+  instance->vk = *functions;
+  if (auto found = add_functions(foreign.instance, instance->vk); !found) return found.error();
+  auto gpu = std::make_shared<Gpu>();
+  gpu->owned = false;
+  gpu->vk = instance->vk;
+  gpu->instance = std::move(instance);
+  gpu->physical = foreign.physical;
+  gpu->device = foreign.device;
+  gpu->queue = foreign.queue;
+  gpu->family = foreign.family;
+  learn(*gpu);
   return GpuPtr(std::move(gpu));
 }
 

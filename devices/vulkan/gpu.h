@@ -17,6 +17,7 @@ struct Gpu {
   VkPhysicalDeviceMemoryProperties memory{};
   VkDeviceSize largest_allocation = 0;
   double ns_of_tick = 0.0;  ///< of timestamps; 0: there are none
+  bool owned = true;        ///< the device ends with this struct
 
   Gpu() = default;
   Gpu(const Gpu&) = delete;
@@ -27,5 +28,17 @@ using GpuPtr = std::shared_ptr<const Gpu>;
 
 /// Opens a device that lacks nothing. Errors: kDevice.
 Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& gpu);
+
+/// A device that somebody else opened, with bufferDeviceAddress and scalarBlockLayout enabled. It must live longer than
+/// what is made with it. Errors: kDevice where a function is missing.
+struct ForeignGpu {
+  PFN_vkGetInstanceProcAddr get = nullptr;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;
+  std::uint32_t family = 0;
+};
+Result<GpuPtr> adopt_gpu(const ForeignGpu& foreign);
 
 }  // namespace umbrage

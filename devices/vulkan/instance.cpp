@@ -34,7 +34,7 @@ std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32
 }  // namespace
 
 Instance::~Instance() {
-  if (!handle) return;
+  if (!handle || !owned) return;
   if (messenger)
     reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
         vk.GetInstanceProcAddr(handle, "vkDestroyDebugUtilsMessengerEXT"))(handle, messenger, nullptr);

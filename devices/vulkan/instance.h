@@ -19,6 +19,7 @@ struct Instance {
   VulkanFunctions vk;
   VkInstance handle = VK_NULL_HANDLE;
   VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
+  bool owned = true;  ///< ends with this struct
   std::unique_ptr<ValidationMessage> on_message;
 
   Instance() = default;

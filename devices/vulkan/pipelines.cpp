@@ -18,6 +18,9 @@ constexpr std::uint32_t kPickSpirv[] = {
 constexpr std::uint32_t kCaptureSpirv[] = {
 #include "spirv/capture.inc"
 };
+constexpr std::uint32_t kConvertSpirv[] = {
+#include "spirv/convert.inc"
+};
 constexpr std::uint32_t kSoftenSpirv[] = {
 #include "spirv/soften.inc"
 };
@@ -140,6 +143,7 @@ Result<VkPipeline> Pipelines::of(const Pass& pass) {
 
 Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, pick_layout_, nullptr); }
 Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, pass_layout_, nullptr); }
 Result<VkPipeline> Pipelines::soften() { return compile(kSoftenSpirv, pass_layout_, nullptr); }
 
 Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, VkPipelineLayout layout,

@@ -32,9 +32,10 @@ class Pipelines {
   /// The pass's pipeline, compiled when it is first asked for. Errors: kDevice.
   Result<VkPipeline> of(const Pass& pass);
   Result<VkPipeline> pick();
-  /// capture.comp and soften.comp, which get constants and a table as passes do.
+  /// capture.comp, soften.comp and convert.comp, which get constants and a table as passes do.
   Result<VkPipeline> capture();
   Result<VkPipeline> soften();
+  Result<VkPipeline> convert();
 
   VkPipelineLayout pass_layout() const { return pass_layout_; }
   VkPipelineLayout pick_layout() const { return pick_layout_; }

@@ -166,6 +166,64 @@ class VulkanDevice final : public Device {
     return {};
   }
 
+  Result<Frame> empty_frame(const PictureInfo& info) { return Frame{info, empty_planes(info)}; }
+
+  Result<void> read_image(const DeviceImage& image, const ImageMeaning& meaning, const std::vector<std::string>& names,
+                          Frame& frame) {
+    const auto format = texel_format(image.format);
+    if (!format) return unknown_format(image);
+    Planes& planes = planes_of(frame);
+    std::vector<VkDeviceAddress> table = {0};
+    for (const std::string& name : names) {
+      const auto plane = writable(planes, name);
+      if (!plane) return plane.error();
+      table.push_back((*plane)->address);
+    }
+    const auto texels = memory_->plane(VkDeviceSize(frame.info.width) * frame.info.height * format->bytes);
+    if (!texels) return texels.error();
+    table[0] = (*texels)->address;
+    table.resize(5);
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    commands_->barrier();
+    turn_layout(*buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
+    gpu_->vk.CmdCopyImageToBuffer(*buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, (*texels)->buffer, 1,
+                                  &region);
+    turn_layout(*buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.layout_after);
+    return convert(frame, *format, meaning, false, table);
+  }
+
+  Result<void> write_image(const Frame& frame, const std::vector<std::string>& names, const DeviceImage& image) {
+    const auto format = texel_format(image.format);
+    if (!format || format->depth) return unknown_format(image);
+    const Planes& planes = planes_of(frame);
+    std::vector<VkDeviceAddress> table = {0};
+    for (const std::string& name : names) {
+      const DevicePlane* plane = planes.find(name);
+      if (!plane) return usage_error("the picture has no plane '{}'", name);
+      table.push_back(plane->address);
+    }
+    const auto texels = memory_->plane(VkDeviceSize(frame.info.width) * frame.info.height * format->bytes);
+    if (!texels) return texels.error();
+    table[0] = (*texels)->address;
+    table.resize(5);
+    if (auto done = convert(frame, *format, {}, true, table); !done) return done;
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    commands_->barrier();
+    turn_layout(*buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
+    gpu_->vk.CmdCopyBufferToImage(*buffer, (*texels)->buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                                  &region);
+    turn_layout(*buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, image.layout_after);
+    return {};
+  }
+
+  void drop() { commands_->drop(); }
+
+  Result<void> hand_over(VkSemaphore wait, VkSemaphore signal) { return commands_->hand_over(wait, signal); }
+
   Result<void> finish() override { return commands_->finish(); }
 
   std::vector<PassTime> take_pass_times() override { return commands_->take_pass_times(); }
@@ -190,6 +248,54 @@ class VulkanDevice final : public Device {
   }
 
  private:
+  static Error unknown_format(const DeviceImage& image) {
+    return usage_error("images of format {} cannot be used: {} can", int(image.format), texel_format_names());
+  }
+
+  static VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format, VkDeviceSize offset) {
+    VkBufferImageCopy region{};
+    region.bufferOffset = offset;
+    region.imageSubresource = {VkImageAspectFlags(format.depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT),
+                               0, 0, 1};
+    region.imageExtent = {std::uint32_t(info.width), std::uint32_t(info.height), 1};
+    return region;
+  }
+
+  /// A barrier around all of memory that also changes an image's layout.
+  void turn_layout(VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format, VkImageLayout from,
+                   VkImageLayout to) {
+    VkImageMemoryBarrier turn{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+    turn.srcAccessMask = turn.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+    turn.oldLayout = from;
+    turn.newLayout = to;
+    turn.srcQueueFamilyIndex = turn.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+    turn.image = image.image;
+    turn.subresourceRange = {VkImageAspectFlags(format.depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT),
+                             0, 1, 0, 1};
+    gpu_->vk.CmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
+                                nullptr, 0, nullptr, 1, &turn);
+  }
+
+  Result<void> convert(const Frame& frame, const TexelFormat& format, const ImageMeaning& meaning, bool to_image,
+                       std::span<const VkDeviceAddress> table) {
+    const auto pipeline = pipelines_->convert();
+    if (!pipeline) return pipeline.error();
+    ConvertConstants constants{};
+    constants.width = frame.info.width;
+    constants.height = frame.info.height;
+    constants.stride = planes_of(frame).stride;
+    constants.format = format.format;
+    constants.srgb = format.srgb ? 1 : 0;
+    constants.to_image = to_image ? 1 : 0;
+    constants.role = meaning.role;
+    constants.orthographic = meaning.orthographic ? 1 : 0;
+    constants.near_depth = meaning.near_depth;
+    constants.far_depth = meaning.far_depth;
+    std::copy_n(meaning.turn, 9, constants.turn);
+    return dispatch(*pipeline, {"image", to_image ? "write" : "read"}, frame.info,
+                    {std::as_bytes(std::span(&constants, 1))}, table);
+  }
+
   /// How many planes are copied to or from the host at once.
   std::size_t staged_at_once(const Planes& planes) const {
     return std::max<std::size_t>(
@@ -517,6 +623,35 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   if (auto started = device->start(pipelines); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }
+
+Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign) {
+  auto gpu = adopt_gpu(foreign);
+  if (!gpu) return gpu.error();
+  const std::filesystem::path file = pipeline_file(cache_name(**gpu));
+  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr);
+  if (auto started = device->start(file); !started) return started.error();
+  return std::unique_ptr<Device>(std::move(device));
+}
+
+Result<Frame> empty_frame(Device& device, const PictureInfo& info) {
+  return dynamic_cast<VulkanDevice&>(device).empty_frame(info);
+}
+
+Result<void> read_image(Device& device, const DeviceImage& image, const ImageMeaning& meaning,
+                        const std::vector<std::string>& planes, Frame& frame) {
+  return dynamic_cast<VulkanDevice&>(device).read_image(image, meaning, planes, frame);
+}
+
+Result<void> write_image(Device& device, const Frame& frame, const std::vector<std::string>& planes,
+                         const DeviceImage& image) {
+  return dynamic_cast<VulkanDevice&>(device).write_image(frame, planes, image);
+}
+
+Result<void> hand_over(Device& device, VkSemaphore wait, VkSemaphore signal) {
+  return dynamic_cast<VulkanDevice&>(device).hand_over(wait, signal);
+}
+
+void drop(Device& device) { dynamic_cast<VulkanDevice&>(device).drop(); }
 
 VulkanMemory vulkan_memory(const Device& device) {
   const auto* vulkan = dynamic_cast<const VulkanDevice*>(&device);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/device.h"
+#include "devices/vulkan/images.h"
 #include "devices/vulkan/instance.h"
 
 namespace umbrage {
@@ -46,5 +47,26 @@ struct VulkanMemory {
   std::uint64_t device_bytes = 0, host_bytes = 0;
 };
 VulkanMemory vulkan_memory(const Device& device);
+
+/// A device on what somebody else opened; it draws no scenes. Errors: kDevice.
+Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign);
+
+/// Of devices made by make_vulkan_device_on. Nothing is handed over before a download, finish or hand_over.
+///
+/// An empty frame of this size.
+Result<Frame> empty_frame(Device& device, const PictureInfo& info);
+/// Notes down that planes of the frame, one to four, become what an image holds in its first channels. The image has
+/// usage TRANSFER_SRC. Errors: kUsage for a format that is not known.
+Result<void> read_image(Device& device, const DeviceImage& image, const ImageMeaning& meaning,
+                        const std::vector<std::string>& planes, Frame& frame);
+/// Notes down that planes go to an image's first channels; the others get 0, alpha 1. It has usage TRANSFER_DST.
+/// Errors: kUsage for a plane that is missing, or a format that is not known.
+Result<void> write_image(Device& device, const Frame& frame, const std::vector<std::string>& planes,
+                         const DeviceImage& image);
+/// Hands over what is noted, after `wait` and before `signal` where they are not null, without waiting. Errors:
+/// kDevice.
+Result<void> hand_over(Device& device, VkSemaphore wait, VkSemaphore signal);
+/// Forgets what is noted.
+void drop(Device& device);
 
 }  // namespace umbrage

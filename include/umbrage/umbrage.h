@@ -2,6 +2,7 @@
 //
 // This header needs nothing but the standard library. It grows with the project; what it holds stays.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,38 @@ struct Outcome {
 
 /// Draws one picture on the CPU. On failure the picture is left as it was. Does not throw, except std::bad_alloc.
 Outcome render(const RenderRequest& request, Picture& picture);
+
+/// A camera of one frame. Where `placed` is false the model is framed as `render` does.
+struct FrameCamera {
+  bool placed = false;
+  float eye[3] = {0, 0, 1}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
+  float angle_deg = 30.0f;  ///< vertical field of view
+};
+
+/// Draws one model again and again: it is read and made ready once, then each frame is captured and shaded, and the
+/// memory of the one before is used again. Not for several threads at once.
+class FrameRenderer {
+ public:
+  FrameRenderer();
+  ~FrameRenderer();
+  FrameRenderer(FrameRenderer&&) noexcept;
+  FrameRenderer& operator=(FrameRenderer&&) noexcept;
+
+  /// `device`: "cpu", "vulkan", "vulkan:N", or "auto", a GPU if there is one. Errors: as of render. On failure what was
+  /// open stays.
+  Outcome open(const RenderRequest& request, const std::string& device = "auto");
+  /// One picture. A model without lights is lit as its first frame's camera stands. Errors: code 4 where memory is
+  /// short or the device is lost; the picture is then left as it was, and other frames may be tried.
+  Outcome draw(const FrameCamera& camera, Picture& picture);
+  /// "vulkan:0: NVIDIA ..."; empty: nothing is open.
+  std::string device() const;
+  /// Bytes of the GPU's memory that it holds; 0 on the CPU.
+  unsigned long long device_bytes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /// "0.1.0"
 const char* version();

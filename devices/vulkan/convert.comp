@@ -1,0 +1,84 @@
+// Texels of a caller's image to planes, or back. Table: the texels, and up to four planes.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#include "devices/vulkan/convert.h"
+#include "machine/frame_constants.h"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(set = 0, binding = 0, scalar) uniform constants_block { ConvertConstants C; };
+layout(set = 0, binding = 1, scalar) uniform table_block { uvec2 table[kMostPlanes]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reals { float at[]; };
+
+const float kInfinity = 1.0f / 0.0f;
+
+vec3 linear_from_srgb(vec3 v) { return mix(pow((v + 0.055f) / 1.055f, vec3(2.4f)), v / 12.92f, lessThanEqual(v, vec3(0.04045f))); }
+vec3 srgb_from_linear(vec3 v) {
+  return mix(1.055f * pow(v, vec3(1.0f / 2.4f)) - 0.055f, v * 12.92f, lessThanEqual(v, vec3(0.0031308f)));
+}
+
+vec4 texel(int k) {
+  Words from = Words(table[0]);
+  if (C.format == kFloat1) return vec4(uintBitsToFloat(from.at[k]), 0.0f, 0.0f, 1.0f);
+  if (C.format == kFloat4)
+    return vec4(uintBitsToFloat(from.at[4 * k]), uintBitsToFloat(from.at[4 * k + 1]),
+                uintBitsToFloat(from.at[4 * k + 2]), uintBitsToFloat(from.at[4 * k + 3]));
+  if (C.format == kHalf4) return vec4(unpackHalf2x16(from.at[2 * k]), unpackHalf2x16(from.at[2 * k + 1]));
+  vec4 v = unpackUnorm4x8(from.at[k]);
+  if (C.format == kBytes4Swapped) v = v.bgra;
+  if (C.srgb != 0) v.rgb = linear_from_srgb(v.rgb);
+  return v;
+}
+
+float view_depth(float d) {
+  if (C.role == kViewDepthRole) return d > 0.0f && d <= 3.402823466e38f ? d : kInfinity;
+  if (C.role == kWindowDepthRole) d = 1.0f - d;
+  if (!(d > 0.0f)) return kInfinity;  // the far plane: nothing was drawn
+  float far = C.far_depth, near = C.near_depth;
+  if (C.orthographic != 0) return far - d * (far - near);
+  if (!(far <= 3.402823466e38f)) return near / d;
+  return near * far / (near + d * (far - near));
+}
+
+void put(int slot, int place, float v) {
+  if ((table[slot].x | table[slot].y) != 0u) Reals(table[slot]).at[place] = v;
+}
+float get(int slot, int place, float otherwise) {
+  return (table[slot].x | table[slot].y) != 0u ? Reals(table[slot]).at[place] : otherwise;
+}
+
+void main() {
+  ivec2 here = ivec2(gl_GlobalInvocationID.xy);
+  if (here.x >= C.width || here.y >= C.height) return;
+  int k = here.y * C.width + here.x, place = here.y * C.stride + here.x;
+  if (C.to_image == 0) {
+    vec4 v = texel(k);
+    if (C.role == kNormalRole) {
+      vec3 n = C.format == kBytes4 || C.format == kBytes4Swapped ? v.xyz * 2.0f - 1.0f : v.xyz;
+      v.xyz = vec3(C.turn[0] * n.x + C.turn[1] * n.y + C.turn[2] * n.z,
+                   C.turn[3] * n.x + C.turn[4] * n.y + C.turn[5] * n.z,
+                   C.turn[6] * n.x + C.turn[7] * n.y + C.turn[8] * n.z);
+    } else if (C.role != kPlainRole) {
+      v.x = view_depth(v.x);
+    }
+    for (int c = 0; c < 4; ++c) put(1 + c, place, v[c]);
+    return;
+  }
+  vec4 v = vec4(get(1, place, 0.0f), get(2, place, 0.0f), get(3, place, 0.0f), get(4, place, 1.0f));
+  Words to = Words(table[0]);
+  if (C.format == kFloat1) {
+    to.at[k] = floatBitsToUint(v.x);
+  } else if (C.format == kFloat4) {
+    for (int c = 0; c < 4; ++c) to.at[4 * k + c] = floatBitsToUint(v[c]);
+  } else if (C.format == kHalf4) {
+    to.at[2 * k] = packHalf2x16(v.xy);
+    to.at[2 * k + 1] = packHalf2x16(v.zw);
+  } else {
+    v = clamp(v, 0.0f, 1.0f);
+    if (C.srgb != 0) v.rgb = srgb_from_linear(v.rgb);
+    to.at[k] = packUnorm4x8(C.format == kBytes4Swapped ? v.bgra : v);
+  }
+}

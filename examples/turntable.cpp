@@ -1,0 +1,37 @@
+// Turns a model before the camera and says what a frame takes: turntable MODEL FRAMES [DEVICE]
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include "umbrage/umbrage.h"
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: turntable MODEL FRAMES [DEVICE]\n");
+    return 2;
+  }
+  const int frames = std::atoi(argv[2]);
+  umbrage::FrameRenderer renderer;
+  const umbrage::RenderRequest request = {.model = argv[1], .look = "ao", .width = 320, .height = 240};
+  if (const auto opened = renderer.open(request, argc > 3 ? argv[3] : "auto"); opened.code != 0) {
+    std::fprintf(stderr, "turntable: %s\n", opened.message.c_str());
+    return opened.code;
+  }
+  std::printf("%s\n", renderer.device().c_str());
+  umbrage::Picture picture;
+  for (int k = 0; k < frames; ++k) {
+    const float turn = 6.2831853f * float(k) / float(frames);
+    const umbrage::FrameCamera camera = {
+        .placed = true, .eye = {8.0f * std::cos(turn), 4.0f, 8.0f * std::sin(turn)}, .target = {0, 0, 0}};
+    const auto start = std::chrono::steady_clock::now();
+    if (const auto drawn = renderer.draw(camera, picture); drawn.code != 0) {
+      std::fprintf(stderr, "turntable: %s\n", drawn.message.c_str());
+      return drawn.code;
+    }
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+    std::printf("frame %d: %.1f ms, %.1f MiB on the GPU\n", k, took.count(),
+                double(renderer.device_bytes()) / 1048576.0);
+  }
+  return 0;
+}

@@ -1,0 +1,97 @@
+// Umbrage's effects on a caller's own Vulkan device and images: for engines that draw themselves and want the shading.
+//
+// Needs Vulkan's headers. examples/vulkan_images.cpp is a whole program around it.
+#pragma once
+#include <vulkan/vulkan_core.h>
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+
+/// The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled.
+struct VulkanContext {
+  PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
+  VkInstance instance = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_device = VK_NULL_HANDLE;
+  VkDevice device = VK_NULL_HANDLE;
+  VkQueue queue = VK_NULL_HANDLE;  ///< computes; nobody else may use it during a call
+  uint32_t queue_family = 0;
+};
+
+/// A 2D image: its first level and layer, with `width` x `height` texels. Formats: R32_SFLOAT, D32_SFLOAT (read alone),
+/// R16G16B16A16_SFLOAT, R32G32B32A32_SFLOAT, R8G8B8A8 and B8G8R8A8 as UNORM or SRGB. What is read has the usage
+/// TRANSFER_SRC, what is written TRANSFER_DST. It belongs to the queue's family, or is shared.
+struct VulkanImage {
+  VkImage image = VK_NULL_HANDLE;
+  VkFormat format = VK_FORMAT_UNDEFINED;
+  VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED;                       ///< in which it comes
+  VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  ///< and is left
+};
+
+enum class VulkanDepth {
+  kView,      ///< distance along the view axis, scene units; 0, infinity or NaN where there is nothing
+  kWindow,    ///< 0 at the near plane, 1 at the far plane and where there is nothing
+  kReversed,  ///< 1 at the near plane, 0 at the far plane and where there is nothing
+};
+
+/// What shading starts from. Row 0 is the top one.
+struct VulkanGBuffer {
+  int width = 0, height = 0;
+  VulkanImage depth;
+  VulkanDepth depth_kind = VulkanDepth::kWindow;
+  float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< not of kView
+  /// Unit vectors to the surface's outside, bytes from [0, 1] to [-1, 1]. Without an image they follow from depth.
+  VulkanImage normal;
+  /// World space, turned by the rows of this rotation to view space: +x right, +y up, the camera looks down -z.
+  float view_from_normal[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  VulkanImage albedo;  ///< diffuse reflectance; without: grey
+  VulkanImage light;   ///< light that surfaces send to the eye, linear; for effects that change it (composite, output)
+  bool orthographic = false;
+  /// The window that the image fills: at distance 1, or in scene units for an orthographic camera.
+  float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
+  float scene_radius = 1.0f;  ///< of a ball around what is shaded: lengths given as shares are shares of it
+};
+
+/// What to run, and where what it makes goes.
+struct VulkanShadeRequest {
+  std::vector<std::string> effects;   ///< one after the other, such as "bitmask", "denoise": see `umbrage list effects`
+  std::vector<std::string> settings;  ///< "effect.parameter=value"
+  struct Output {
+    std::vector<std::string> planes;  ///< for the image's channels: {"ao"}, {"indirect.r", "indirect.g", "indirect.b"}
+    VulkanImage image;
+  };
+  std::vector<Output> outputs;
+  VkSemaphore wait = VK_NULL_HANDLE;    ///< that the G-buffer is there; null: it was submitted to this queue before
+  VkSemaphore signal = VK_NULL_HANDLE;  ///< that the outputs are
+};
+
+/// Effects on a caller's device. Not for several threads at once; to be ended before the device.
+class VulkanShading {
+ public:
+  VulkanShading();
+  ~VulkanShading();
+  VulkanShading(VulkanShading&&) noexcept;
+  VulkanShading& operator=(VulkanShading&&) noexcept;
+
+  /// Errors: code 4 where the device does not have what is needed.
+  Outcome open(const VulkanContext& context);
+  /// Submits once and returns without waiting. The next call waits for the one before. Errors: code 2 for names and
+  /// formats that there are not, 4 where memory is short or the device is lost; after 2 nothing
+  /// has been submitted.
+  Outcome shade(const VulkanGBuffer& gbuffer, const VulkanShadeRequest& request);
+  /// Waits for the last one. Errors: code 4.
+  Outcome finish();
+  /// Bytes of device memory that it holds, for this and the next pictures of the size.
+  uint64_t device_bytes() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace umbrage
