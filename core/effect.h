@@ -48,6 +48,8 @@ struct Effect {
   void (*constants)(const ParameterBytes& params, const PictureInfo& info, void* constants) = nullptr;
   /// Of a technique that has a radius: sets it, in scene units, as nearly as its parameters can say it.
   void (*set_radius)(float radius, const PictureInfo& info, ParameterBytes& params) = nullptr;
+  /// Parameters that trade time for quality, or one error for another, and are searched by tuning; in that order.
+  std::vector<std::string_view> tunable;
   /// Settings that differ in cost or quality, worth timing and comparing: "parameter=value parameter=value". The empty
   /// one, nothing set, is always among them.
   std::vector<std::string_view> variants;

@@ -17,6 +17,7 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run);
 void add_figures(CLI::App& app, std::function<Result<void>()>& run);
 void add_bench(CLI::App& app, std::function<Result<void>()>& run);
 void add_compare(CLI::App& app, std::function<Result<void>()>& run);
+void add_tune(CLI::App& app, std::function<Result<void>()>& run);
 void add_list(CLI::App& app, std::function<Result<void>()>& run);
 
 }  // namespace umbrage::cli

@@ -128,7 +128,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough(false);
   std::function<Result<void>()> command;
-  for (const AddCommand add : {add_render, add_compare, add_figures, add_bench, add_list}) add(app, command);
+  for (const AddCommand add : {add_render, add_compare, add_tune, add_figures, add_bench, add_list}) add(app, command);
   std::vector<std::string> commands;
   for (const CLI::App* sub : app.get_subcommands({})) commands.push_back(sub->get_name());
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/compare/pictures.h"
 #include "core/check.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
@@ -13,77 +14,6 @@
 
 namespace umbrage {
 namespace {
-
-constexpr float kTurnDeg = 120.0f;  // from one camera around a file's model to the next
-constexpr int kTurns = 3;           // after which the first one comes again
-// Seeds of the truth's two halves, away from those that people give to the technique `reference`.
-constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
-
-/// The planes of each quantity.
-const std::array<std::vector<std::string>, kQuantities> kPlanes = {
-    {{"ao"}, {"indirect.r", "indirect.g", "indirect.b"}}};
-
-/// The truth of one picture.
-struct Truth {
-  Image planes;        ///< of the quantity
-  double error = 0.0;  ///< mean square over covered pixels and planes of its own noise
-  double sum = 0.0;    ///< of the first plane over covered pixels, of which there are
-  long pixels = 0;
-};
-
-/// The truth as the mean of two independent halves, which `trace` makes from a seed; their difference tells its noise.
-Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const ClassMap& classes,
-                          const std::function<Result<Image>(std::uint32_t seed)>& trace) {
-  const auto first = trace(kFirstSeed);
-  if (!first) return first.error();
-  const auto second = trace(kSecondSeed);
-  if (!second) return second.error();
-  Truth truth;
-  truth.planes = Image(info.inner_width(), info.inner_height());
-  double errors = 0.0;
-  long values = 0;
-  for (const std::string& name : kPlanes[int(quantity)]) {
-    const bool of_first = truth.planes.planes.empty();
-    Plane& mean = truth.planes.add(name);
-    const Plane a = cropped(first->plane(name), info.guard), b = cropped(second->plane(name), info.guard);
-    for (int y = 0; y < mean.height; ++y)
-      for (int x = 0; x < mean.width; ++x) {
-        mean.at(x, y) = 0.5f * (a.at(x, y) + b.at(x, y));
-        if (classes.row(y)[x] == PixelClass::kBackground) continue;
-        const double half_difference = 0.5 * (double(a.at(x, y)) - double(b.at(x, y)));
-        errors += half_difference * half_difference;
-        ++values;
-        if (!of_first) continue;
-        truth.sum += mean.at(x, y);
-        ++truth.pixels;
-      }
-  }
-  truth.error = values > 0 ? errors / double(values) : 0.0;
-  return truth;
-}
-
-/// Cameras of a scene: the views that it suggests, or turns around it.
-struct Shot {
-  std::string name;
-  Framing framing;
-  std::vector<View> views;
-};
-
-std::vector<Shot> shots_of(const Scene& scene, const CompareSettings& settings) {
-  const Framing& wish = settings.draw.framing;
-  if (wish.position || wish.focal_point || wish.direction) return {{"given", wish, {}}};
-  std::vector<Shot> shots;
-  const int count = std::min(settings.cameras, scene.views.empty() ? kTurns : int(scene.views.size()));
-  for (int k = 0; k < count; ++k) {
-    Shot shot{fmt::format("{}", k + 1), wish, {}};
-    if (scene.views.empty())
-      shot.framing.azimuth_deg += kTurnDeg * float(k);
-    else
-      shot.views = {scene.views[k]};
-    shots.push_back(shot);
-  }
-  return shots;
-}
 
 Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings) {
   std::vector<const Effect*> all;
@@ -108,7 +38,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
 bool gathers_light(const Effect& effect, const ParameterBytes& params) {
   return std::any_of(effect.passes.begin(), effect.passes.end(), [&](const Pass& pass) {
     return (!pass.needed || pass.needed(params)) &&
-           std::find(pass.outputs.begin(), pass.outputs.end(), kPlanes[1][0]) != pass.outputs.end();
+           std::find(pass.outputs.begin(), pass.outputs.end(), kQuantityPlanes[1][0]) != pass.outputs.end();
   });
 }
 
@@ -166,23 +96,6 @@ std::string view_text(const Camera& camera) {
                      eye.z, -m[0][2], -m[1][2], -m[2][2], camera.left, camera.right, camera.bottom, camera.top);
 }
 
-GBuffer downloaded(Device& device, const Frame& frame) {
-  GBuffer gbuffer;
-  gbuffer.info = inner_info(frame.info);
-  if (auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"}))
-    gbuffer.layers.push_back(std::move(*planes));
-  else
-    fail_check(planes.error().message);
-  return gbuffer;
-}
-
-/// Occlusion as it is seen: an unsharp mask also brightens, and its shade may exceed 1.
-void clamp_to_shown(Image& image) {
-  Plane& ao = image.plane("ao");
-  for (int y = 0; y < ao.height; ++y)
-    for (int x = 0; x < ao.width; ++x) ao.at(x, y) = std::clamp(ao.at(x, y), 0.0f, 1.0f);
-}
-
 /// Everything about one run that does not change from picture to picture.
 struct Run {
   Device& device;
@@ -220,6 +133,7 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
   for (int k = traces ? 1 : 0; k <= (traces ? 1 : run.settings.runs); ++k) {
     StageTimes times;
     if (auto done = run_look(look_run, run.device, frame); !done) return done.error();
+    if (auto done = run.device.finish(); !done) return done.error();
     times.done("run");
     if (k > 0) ms.push_back(times.total());
   }
@@ -331,7 +245,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       for (ComparedView& view : views) {
         const bool light = view.quantity == Quantity::kLight;
         if (light && !gathers_light(*effect, params)) continue;
-        auto picture = run.device.download(*frame, kPlanes[int(view.quantity)]);
+        auto picture = run.device.download(*frame, kQuantityPlanes[int(view.quantity)]);
         if (!picture) return picture.error();
         if (!light) clamp_to_shown(*picture);
         run.result.scores.push_back(
@@ -428,7 +342,7 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
     const auto traced = trace_ready(*scene);
     if (!traced) return traced.error();
     const std::vector<Light> own_lights = scene->lights;
-    for (const Shot& shot : shots_of(*scene, settings)) {
+    for (const Shot& shot : shots_of(*scene, settings.draw.framing, settings.cameras)) {
       scene->views = shot.views;
       const auto [width, height] = settings.sizes[0];
       if (own_lights.empty()) scene->lights = default_lights(*scene, frame_scene(*scene, shot.framing, width, height));

@@ -122,6 +122,7 @@ const Effect& effect_alchemy() {
       .constants_size = sizeof(AlchemyConstants),
       .constants = fill_constants,
       .set_radius = set_radius,
+      .tunable = {"samples", "strength", "contrast", "bias"},
       .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
       .quantum = kQuantum,
       .passes = {{.name = "alchemy",

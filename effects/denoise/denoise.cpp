@@ -93,6 +93,7 @@ const Effect& effect_denoise() {
       .params_size = sizeof(DenoiseParams),
       .constants_size = sizeof(DenoiseConstants),
       .constants = fill_constants,
+      .tunable = {"rounds", "distance", "angle"},
       .variants = {"", "rounds=2", "rounds=3", "indirect=1"},
       .passes = {{.name = "ao_across",
                   .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},

@@ -57,6 +57,7 @@ const Effect& effect_gaussian() {
       .params_size = sizeof(GaussianParams),
       .constants_size = sizeof(GaussianConstants),
       .constants = fill_constants,
+      .tunable = {"rounds"},
       .variants = {"", "rounds=1", "edges=on"},
       .passes = {{.name = "across",
                   .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},

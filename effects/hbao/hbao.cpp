@@ -107,6 +107,7 @@ const Effect& effect_hbao() {
       .constants_size = sizeof(HbaoConstants),
       .constants = fill_constants,
       .set_radius = set_radius,
+      .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
       .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
       .quantum = kQuantum,
       .passes = {{.name = "hbao",

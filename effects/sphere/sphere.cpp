@@ -219,6 +219,7 @@ const Effect& effect_sphere() {
       .constants_size = sizeof(SphereConstants),
       .constants = fill_constants,
       .set_radius = set_radius,
+      .tunable = {"samples", "shape", "threshold", "strength"},
       .variants = {"", "samples=16", "samples=32", kOurs},
       .quantum = kQuantum,
       .passes = {{.name = "sphere",

@@ -157,6 +157,7 @@ const Effect& effect_unsharp() {
       .constants_size = sizeof(UnsharpConstants),
       .constants = fill_constants,
       .set_radius = set_radius,
+      .tunable = {"kernel", "threshold", "strength"},
       .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0", "kernel=121 threshold=0",
                    "kernel=15 window=gaussian"},
       .passes = {{.name = "linearize",

@@ -1,0 +1,129 @@
+// umbrage tune: the best settings of a technique for a scene, against ray-traced truth, as options.
+#include "apps/compare/tune.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/options.h"
+
+namespace umbrage::cli {
+namespace {
+
+struct TuneOptions : CommonOptions {
+  int cameras = 2, samples = 256, runs = 3, trials = 100;
+  double budget_ms = 0.0;
+  bool json = false;
+};
+
+/// A trial's settings as one would write them; "as it is" where nothing differs from the start.
+std::string words_of(const Trial& trial, const Trial& start) {
+  std::string words = trial.scale == start.scale ? "" : trial.scale;
+  for (const std::string& setting : trial.settings) words += (words.empty() ? "" : " ") + setting;
+  return words.empty() ? "as it is" : words;
+}
+
+void print_json(const Tuning& tuning, const Device& device) {
+  nlohmann::json records = nlohmann::json::array();
+  for (const Trial& trial : tuning.trials)
+    records.push_back({{"technique", tuning.technique},
+                       {"filter", tuning.filter},
+                       {"scale", trial.scale},
+                       {"setting", fmt::format("{}", fmt::join(trial.settings, " "))},
+                       {"device", device.name()},
+                       {"ms", trial.ms},
+                       {"rmse", trial.rmse},
+                       {"bias", trial.bias},
+                       {"frontier", trial.frontier},
+                       {"best", trial.scale == tuning.best.scale && trial.settings == tuning.best.settings}});
+  fmt::print("{}\n", records.dump(2));
+}
+
+void print_table(const Tuning& tuning) {
+  std::vector<Trial> shown;
+  for (const Trial& trial : tuning.trials)
+    if (trial.frontier) shown.push_back(trial);
+  std::sort(shown.begin(), shown.end(), [](const Trial& a, const Trial& b) { return a.ms < b.ms; });
+  fmt::print("{}{}, {} settings tried; those to which none was both faster and closer\n{:>9} {:>7} {:>7}  {}\n",
+             tuning.technique, tuning.filter.empty() ? "" : " with " + tuning.filter, tuning.trials.size(), "ms",
+             "rmse", "bias", "setting");
+  for (const Trial& trial : shown)
+    fmt::print("{:9.1f} {:7.4f} {:7.4f}  {}\n", trial.ms, trial.rmse, trial.bias, words_of(trial, tuning.start));
+  if (tuning.best.ms > tuning.budget_ms)
+    fmt::print("nothing that was tried takes {:.1f} ms or less: give --time more, or try more with --trials\n",
+               tuning.budget_ms);
+  else if (tuning.best.settings.empty() && tuning.best.scale == tuning.start.scale)
+    fmt::print("within {:.1f} ms nothing comes closer than the settings as they are: RMSE {:.4f}\n", tuning.budget_ms,
+               tuning.start.rmse);
+  else
+    fmt::print("the closest one within {:.1f} ms: RMSE {:.4f} in {:.1f} ms; as it is, {:.4f} in {:.1f} ms\n",
+               tuning.budget_ms, tuning.best.rmse, tuning.best.ms, tuning.start.rmse, tuning.start.ms);
+  fmt::print("{}\n", fmt::join(tuning.options, " "));
+}
+
+Result<void> run_tune(const TuneOptions& o) {
+  TuneSettings settings;
+  settings.models = o.models;
+  settings.cameras = o.cameras;
+  settings.samples = o.samples;
+  settings.runs = o.runs;
+  settings.trials = o.trials;
+  settings.budget_ms = o.budget_ms;
+  const auto import_with = import_settings(o);
+  if (!import_with) return import_with.error();
+  settings.import = *import_with;
+  const auto draw_with = draw_settings(o);
+  if (!draw_with) return draw_with.error();
+  settings.draw = *draw_with;
+  if (auto fine = check_tune(settings); !fine) return fine;
+  auto device = device_of(o);
+  if (!device) return device.error();
+  ProgressLine line;
+  settings.progress = [&](const std::string& what) {
+    line.show(what);
+    return true;
+  };
+  const auto tuning = tune(**device, settings);
+  if (!tuning) return tuning.error();
+  line.wipe();
+  for (const std::string& warning : tuning->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
+  if (o.verbose) fmt::print(stderr, "{}\n", (*device)->description());
+  if (o.json)
+    print_json(*tuning, **device);
+  else
+    print_table(*tuning);
+  return {};
+}
+
+}  // namespace
+
+void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
+  CLI::App* command = app.add_subcommand("tune", "search the best settings for a scene, against ray-traced truth");
+  auto options = std::make_shared<TuneOptions>();
+  options->resolution = "960,540";
+  add_scene_options(*command, *options);
+  const auto search = "Search";
+  command
+      ->add_option("--time", options->budget_ms, "milliseconds that occlusion may take, with its filter [as it does]")
+      ->group(search);
+  command->add_option("--trials", options->trials, "settings that are tried, at most [100]")->group(search);
+  command->add_option("--resolution", options->resolution, "width,height in pixels [960,540]")->group(search);
+  command->add_option("--look", options->look, "recipe whose technique, filter and settings it begins with [studio]")
+      ->group(search);
+  command->add_option("--ao", options->occlusion, "occlusion technique [the look's]")->group(search);
+  command
+      ->add_option("--ao-scale", options->occlusion_scale,
+                   "resolution of occlusion: full, half or quarter [all are tried]")
+      ->group(search);
+  command->add_option("--cameras", options->cameras, "at most so many views of each scene [2]")->group(search);
+  command->add_option("--samples", options->samples, "rays per pixel of the truth, an even number [256]")
+      ->group(search);
+  command->add_option("--runs", options->runs, "runs behind each time [3]")->group(search);
+  command->add_flag("--json", options->json, "print all that was tried as JSON");
+  add_technique_options(*command, *options);
+  add_device_options(*command, *options);
+  command->callback([options, &run] { run = [options] { return run_tune(*options); }; });
+}
+
+}  // namespace umbrage::cli

@@ -1,0 +1,82 @@
+#include "apps/compare/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kTurnDeg = 120.0f;  // from one camera around a file's model to the next
+constexpr int kTurns = 3;           // after which the first one comes again
+// Seeds of the truth's two halves, away from those that people give to the technique `reference`.
+constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
+
+}  // namespace
+
+const std::array<std::vector<std::string>, kQuantities> kQuantityPlanes = {
+    {{"ao"}, {"indirect.r", "indirect.g", "indirect.b"}}};
+
+Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const ClassMap& classes,
+                          const std::function<Result<Image>(std::uint32_t seed)>& trace) {
+  const auto first = trace(kFirstSeed);
+  if (!first) return first.error();
+  const auto second = trace(kSecondSeed);
+  if (!second) return second.error();
+  Truth truth;
+  truth.planes = Image(info.inner_width(), info.inner_height());
+  double errors = 0.0;
+  long values = 0;
+  for (const std::string& name : kQuantityPlanes[int(quantity)]) {
+    const bool of_first = truth.planes.planes.empty();
+    Plane& mean = truth.planes.add(name);
+    const Plane a = cropped(first->plane(name), info.guard), b = cropped(second->plane(name), info.guard);
+    for (int y = 0; y < mean.height; ++y)
+      for (int x = 0; x < mean.width; ++x) {
+        mean.at(x, y) = 0.5f * (a.at(x, y) + b.at(x, y));
+        if (classes.row(y)[x] == PixelClass::kBackground) continue;
+        const double half_difference = 0.5 * (double(a.at(x, y)) - double(b.at(x, y)));
+        errors += half_difference * half_difference;
+        ++values;
+        if (!of_first) continue;
+        truth.sum += mean.at(x, y);
+        ++truth.pixels;
+      }
+  }
+  truth.error = values > 0 ? errors / double(values) : 0.0;
+  return truth;
+}
+
+std::vector<Shot> shots_of(const Scene& scene, const Framing& wish, int cameras) {
+  if (wish.position || wish.focal_point || wish.direction) return {{"given", wish, {}}};
+  std::vector<Shot> shots;
+  const int count = std::min(cameras, scene.views.empty() ? kTurns : int(scene.views.size()));
+  for (int k = 0; k < count; ++k) {
+    Shot shot{fmt::format("{}", k + 1), wish, {}};
+    if (scene.views.empty())
+      shot.framing.azimuth_deg += kTurnDeg * float(k);
+    else
+      shot.views = {scene.views[k]};
+    shots.push_back(shot);
+  }
+  return shots;
+}
+
+GBuffer downloaded(Device& device, const Frame& frame) {
+  GBuffer gbuffer;
+  gbuffer.info = inner_info(frame.info);
+  if (auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"}))
+    gbuffer.layers.push_back(std::move(*planes));
+  else
+    fail_check(planes.error().message);
+  return gbuffer;
+}
+
+void clamp_to_shown(Image& image) {
+  Plane& ao = image.plane("ao");
+  for (int y = 0; y < ao.height; ++y)
+    for (int x = 0; x < ao.width; ++x) ao.at(x, y) = std::clamp(ao.at(x, y), 0.0f, 1.0f);
+}
+
+}  // namespace umbrage

@@ -1,0 +1,354 @@
+#include "apps/compare/tune.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <set>
+
+#include "apps/compare/pictures.h"
+#include "effects/effects.h"
+#include "reference/reference.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::array<std::string_view, 3> kScales = {"full", "half", "quarter"};
+// Of the budget: up to here settings that are too slow are still searched from.
+constexpr double kTooSlow = 1.3;
+// A step of a number.
+constexpr double kStep = 1.4142135623730951;
+
+/// What a trial is made of.
+struct Candidate {
+  EffectSettings settings;
+  int every = 1;  ///< see LookRun
+};
+
+/// One picture, ready to be shaded, with its truth.
+struct Picture {
+  Frame frame;
+  Truth truth;
+  ClassMap classes;
+};
+
+/// Everything that stays while candidates come and go.
+struct Search {
+  Device& device;
+  const TuneSettings& settings;
+  Recipe recipe;
+  const Effect* technique;
+  const Effect* filter;
+  std::vector<Picture> pictures;
+  std::vector<Candidate> candidates;  ///< of the trials, in their order
+  std::vector<Trial> trials;
+  std::set<std::string> known;  ///< the names of all candidates that were tried
+};
+
+/// The neighbours of a number on a ladder of steps: 1, 2, 3, 4, 6, 8, 12... for whole ones.
+std::vector<double> stepped(double value, bool whole) {
+  if (!whole) return {value / kStep, value * kStep};
+  const auto rung = [](double v, bool up) {
+    // Powers of 2 and one and a half times those.
+    double best = up ? 1e9 : 0.0;
+    for (double power = 1.0; power < 1e6; power *= 2.0)
+      for (const double r : {power, 1.5 * power}) {
+        if (r != std::floor(r)) continue;
+        if (up && r > v) best = std::min(best, r);
+        if (!up && r < v) best = std::max(best, r);
+      }
+    return best;
+  };
+  return {rung(value, false), rung(value, true)};
+}
+
+/// The values beside a parameter's, as text.
+std::vector<std::string> beside(const Parameter& row, const ParameterBytes& bytes) {
+  const std::string now = parameter_text(row, bytes);
+  std::vector<std::string> texts;
+  if (row.type == ParameterType::kBool) return {now == "on" ? "off" : "on"};
+  if (row.type == ParameterType::kChoice) {
+    for (const std::string_view choice : row.choices)
+      if (choice != now) texts.emplace_back(choice);
+    return texts;
+  }
+  const bool share = now.ends_with('%');
+  double value = 0.0;
+  std::from_chars(now.data(), now.data() + now.size(), value);
+  if (value == 0.0) return {};
+  for (double next : stepped(value, row.type == ParameterType::kInt)) {
+    if (!share) next = std::clamp(next, row.least, row.most);
+    std::string text = fmt::format("{:.3g}{}", next, share ? "%" : "");
+    if (text != now) texts.push_back(std::move(text));
+  }
+  return texts;
+}
+
+/// The settings of the technique and of the filter that can be searched, "effect.parameter=value" each.
+std::vector<std::string> settings_of(const Search& search, const Candidate& candidate) {
+  std::vector<std::string> all;
+  for (const Effect* effect : {search.technique, search.filter}) {
+    if (!effect) continue;
+    for (const std::string_view name : effect->tunable)
+      all.push_back(
+          fmt::format("{}.{}={}", effect->name, name,
+                      parameter_text(*find_parameter(*effect, name), candidate.settings.find(effect->name)->second)));
+  }
+  return all;
+}
+
+std::string scale_name(int every) { return std::string(kScales[every == 1 ? 0 : every == 2 ? 1 : 2]); }
+
+/// Runs a candidate on all pictures.
+Result<void> attempt(Search& search, Candidate candidate) {
+  const std::vector<std::string> settings = settings_of(search, candidate);
+  std::string name = scale_name(candidate.every);
+  for (const std::string& setting : settings) name += ' ' + setting;
+  if (!search.known.insert(name).second) return {};
+  const int most = search.settings.trials;
+  if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, most)))
+    return Error{ErrorKind::kInterrupted, "interrupted"};
+
+  Look look{
+      .name = "tune", .summary = "", .occlusion = search.technique->name, .effects = {"occlusion"}, .presets = {}};
+  if (search.filter) look.effects.push_back(search.filter->name);
+  const LookRun look_run{.look = &look,
+                         .occlusion = search.technique->name,
+                         .occlusion_every = candidate.every,
+                         .settings = &candidate.settings};
+  Trial trial{.settings = {}, .scale = scale_name(candidate.every)};
+  double squares = 0.0, sum = 0.0;
+  long pixels = 0;
+  for (Picture& picture : search.pictures) {
+    std::vector<double> ms;
+    for (int k = 0; k <= search.settings.runs; ++k) {
+      StageTimes times;
+      if (auto done = run_look(look_run, search.device, picture.frame); !done) return done.error();
+      if (auto done = search.device.finish(); !done) return done;
+      times.done("run");
+      if (k > 0) ms.push_back(times.total());
+    }
+    std::sort(ms.begin(), ms.end());
+    trial.ms += ms[ms.size() / 2] / double(search.pictures.size());
+    auto made = search.device.download(picture.frame, kQuantityPlanes[int(Quantity::kOcclusion)]);
+    if (!made) return made.error();
+    clamp_to_shown(*made);
+    const ScoreCard card = score(*made, picture.truth.planes, picture.classes);
+    squares += card.covered.rmse * card.covered.rmse * double(picture.truth.pixels);
+    sum += card.covered.bias * double(picture.truth.pixels);
+    pixels += picture.truth.pixels;
+  }
+  trial.rmse = std::sqrt(squares / double(pixels));
+  trial.bias = sum / double(pixels);
+  if (!search.trials.empty()) {
+    const std::vector<std::string> start = settings_of(search, search.candidates[0]);
+    for (std::size_t k = 0; k < settings.size(); ++k)
+      if (settings[k] != start[k]) trial.settings.push_back(settings[k]);
+  }
+  search.trials.push_back(std::move(trial));
+  search.candidates.push_back(std::move(candidate));
+  return {};
+}
+
+void mark_frontier(std::vector<Trial>& trials) {
+  for (Trial& trial : trials)
+    trial.frontier = std::none_of(trials.begin(), trials.end(), [&](const Trial& other) {
+      return other.ms <= trial.ms && other.rmse <= trial.rmse && (other.ms < trial.ms || other.rmse < trial.rmse);
+    });
+}
+
+/// Whether the user said what it is to be.
+bool is_fixed(const DrawSettings& draw, std::string_view effect, std::string_view name) {
+  const std::string start = fmt::format("{}.{}=", effect, name);
+  return std::any_of(draw.settings.begin(), draw.settings.end(),
+                     [&](const std::string& setting) { return setting.starts_with(start); });
+}
+
+/// The candidates one step away.
+Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate& from) {
+  const DrawSettings& draw = search.settings.draw;
+  std::vector<Candidate> next;
+  for (int every = 1; every <= 4; every *= 2)
+    if (every != from.every && draw.occlusion_scale.empty()) next.push_back({from.settings, every});
+  for (const Effect* effect : {search.technique, search.filter}) {
+    if (!effect) continue;
+    for (const std::string_view name : effect->tunable) {
+      if (is_fixed(draw, effect->name, name)) continue;
+      for (const std::string& value :
+           beside(*find_parameter(*effect, name), from.settings.find(effect->name)->second)) {
+        Candidate candidate = from;
+        if (auto set = apply_setting(candidate.settings, fmt::format("{}.{}={}", effect->name, name, value)); !set)
+          return set.error();
+        next.push_back(std::move(candidate));
+      }
+    }
+  }
+  return next;
+}
+
+/// The radius as written: the user's, or else the technique's in this look, or else the reference's own.
+std::string radius_text(const DrawSettings& draw, const Recipe& recipe, const Effect& technique) {
+  if (!draw.radius.empty()) return draw.radius;
+  const Parameter* own = find_parameter(technique, "radius");
+  if (own && own->type == ParameterType::kLength && technique.set_radius)
+    return parameter_text(*own, recipe.settings.find(technique.name)->second);
+  const Effect& reference = reference_effect();
+  return parameter_text(*find_parameter(reference, "radius"),
+                        initial_parameters(reference.parameters, reference.params_size));
+}
+
+Result<Recipe> recipe_of(const TuneSettings& settings) {
+  DrawSettings draw = settings.draw;
+  draw.frames = 1;
+  return make_recipe(draw);
+}
+
+Result<const Effect*> technique_of(const Recipe& recipe) {
+  const Effect* technique = find_effect(recipe.occlusion);
+  if (!technique || technique->tunable.empty())
+    return usage_error("--ao {} has no settings to search: name another technique, such as bitmask", recipe.occlusion);
+  return technique;
+}
+
+/// Captures all pictures and traces their truth.
+Result<void> take_pictures(Search& search, const std::string& model, Scene& scene,
+                           const std::string& radius_as_written) {
+  const TuneSettings& settings = search.settings;
+  if (auto ready = search.device.prepare(scene); !ready) return ready;
+  const auto traced = trace_ready(scene);
+  if (!traced) return traced.error();
+  const auto capture = capture_settings(settings.draw, *search.recipe.look, 0);
+  if (!capture) return capture.error();
+  const auto length = parse_radius("--ao-radius", radius_as_written);
+  if (!length) return length.error();
+  for (const Shot& shot : shots_of(scene, settings.draw.framing, settings.cameras)) {
+    scene.views = shot.views;
+    auto frame =
+        search.device.capture(frame_scene(scene, shot.framing, settings.draw.width, settings.draw.height), *capture);
+    if (!frame) return frame.error();
+    const auto radius = radius_in_scene("--ao-radius", *length, frame->info);
+    if (!radius) return radius.error();
+    const std::string what = fmt::format("{}, camera {}, truth", model, shot.name);
+    const TraceControl control{search.device.threads(), [&](double done) {
+                                 return settings.progress(fmt::format("{}: {:.0f} %", what, 100.0 * done));
+                               }};
+    ClassMap classes = classify(downloaded(search.device, *frame));
+    auto truth = trace_truth(Quantity::kOcclusion, frame->info, classes, [&](std::uint32_t seed) {
+      return trace_occlusion(**traced, frame->info, {.samples = settings.samples / 2, .radius = *radius, .seed = seed},
+                             control);
+    });
+    if (!truth) return truth.error();
+    if (truth->pixels == 0)
+      return usage_error("{}, camera {} shows nothing: move the camera or leave it to be placed", model, shot.name);
+    search.pictures.push_back({std::move(*frame), std::move(*truth), std::move(classes)});
+  }
+  return {};
+}
+
+/// Words for `umbrage render`.
+std::vector<std::string> options_of(const Search& search, const Trial& best, const std::string& radius) {
+  const DrawSettings& draw = search.settings.draw;
+  std::vector<std::string> words = {"--look", draw.look};
+  const auto add = [&](const std::string& name, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {name, value});
+  };
+  add("--quality", draw.quality);
+  add("--ao", std::string(search.technique->name));
+  add("--ao-radius", radius);
+  add("--ao-scale", best.scale);
+  if (draw.layers) add("--layers", fmt::format("{}", *draw.layers));
+  if (draw.extra_views) add("--extra-views", fmt::format("{}", *draw.extra_views));
+  if (draw.guard_percent > 0.0f) add("--guard-band", fmt::format("{:g}%", draw.guard_percent));
+  for (const std::string& setting : draw.settings) add("--set", setting);
+  for (const std::string& setting : best.settings) add("--set", setting);
+  return words;
+}
+
+}  // namespace
+
+Result<void> check_tune(const TuneSettings& settings) {
+  constexpr int kMostCameras = 100, kMostRuns = 1000, kMostTrials = 10000;
+  constexpr double kMostMs = 1e6;
+  const auto within = [](const char* option, double value, double least, double most) -> Result<void> {
+    if (value >= least && value <= most) return {};
+    return usage_error("{} cannot be {:g}: it takes {:g} to {:g}", option, value, least, most);
+  };
+  for (const auto& done :
+       {within("--cameras", settings.cameras, 1, kMostCameras), within("--runs", settings.runs, 1, kMostRuns),
+        within("--trials", settings.trials, 2, kMostTrials), within("--time", settings.budget_ms, 0, kMostMs)})
+    if (!done) return done;
+  if (settings.models.empty()) return usage_error("name a model to tune for");
+  if (settings.samples < 2 || settings.samples > kMostSamples || settings.samples % 2 != 0)
+    return usage_error("--samples cannot be {}: it takes an even number from 2 to {}", settings.samples, kMostSamples);
+  for (const std::string& model : settings.models)
+    if (std::count(settings.models.begin(), settings.models.end(), model) > 1)
+      return usage_error("the model '{}' is named twice", model);
+  const auto recipe = recipe_of(settings);
+  if (!recipe) return recipe.error();
+  if (const auto technique = technique_of(*recipe); !technique) return technique.error();
+  if (const auto capture = capture_settings(settings.draw, *recipe->look, 0); !capture) return capture.error();
+  return {};
+}
+
+Result<Tuning> tune(Device& device, const TuneSettings& settings) {
+  if (auto fine = check_tune(settings); !fine) return fine.error();
+  const auto recipe = recipe_of(settings);
+  const Effect* technique = *technique_of(*recipe);
+  const Effect* filter = nullptr;
+  for (const std::string_view name : recipe->look->effects)
+    if (const Effect* effect = find_effect(name); effect && effect->kind == EffectKind::kFilter) filter = effect;
+  Search search{device, settings, *recipe, technique, filter, {}, {}, {}, {}};
+  Tuning result{.technique = std::string(technique->name),
+                .filter = filter ? std::string(filter->name) : "",
+                .radius = radius_text(settings.draw, *recipe, *technique)};
+
+  for (const std::string& model : settings.models) {
+    if (!settings.progress(model)) return Error{ErrorKind::kInterrupted, "interrupted"};
+    auto scene = load_scene(model, settings.import);
+    if (!scene) return scene.error();
+    result.warnings.insert(result.warnings.end(), scene->warnings.begin(), scene->warnings.end());
+    if (auto taken = take_pictures(search, model, *scene, result.radius); !taken) return taken.error();
+  }
+  Candidate start{recipe->settings, recipe->occlusion_every};
+  const Frame& first = search.pictures[0].frame;
+  if (technique->set_radius)
+    if (const auto length = parse_radius("--ao-radius", result.radius); length)
+      if (const auto radius = radius_in_scene("--ao-radius", *length, first.info); radius)
+        technique->set_radius(*radius, first.info, start.settings.find(technique->name)->second);
+  if (auto done = attempt(search, start); !done) return done.error();
+  result.budget_ms = settings.budget_ms > 0.0 ? settings.budget_ms : search.trials[0].ms;
+
+  // From the frontier, closest first, for as long as there is something on it that was not searched from.
+  std::set<std::size_t> searched;
+  while (int(search.trials.size()) < settings.trials) {
+    mark_frontier(search.trials);
+    std::size_t from = search.trials.size();
+    for (std::size_t k = 0; k < search.trials.size(); ++k) {
+      const Trial& trial = search.trials[k];
+      if (!trial.frontier || trial.ms > kTooSlow * result.budget_ms || searched.count(k)) continue;
+      if (from == search.trials.size() || trial.rmse < search.trials[from].rmse) from = k;
+    }
+    if (from == search.trials.size()) break;
+    searched.insert(from);
+    const auto next = steps_from(search, search.candidates[from]);
+    if (!next) return next.error();
+    for (const Candidate& candidate : *next) {
+      if (int(search.trials.size()) >= settings.trials) break;
+      if (auto done = attempt(search, candidate); !done) return done.error();
+    }
+  }
+  mark_frontier(search.trials);
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < search.trials.size(); ++k) {
+    const Trial& trial = search.trials[k];
+    const bool start_is_slow = search.trials[best].ms > result.budget_ms;
+    if (trial.ms <= result.budget_ms && (start_is_slow || trial.rmse < search.trials[best].rmse)) best = k;
+  }
+  result.start = search.trials[0];
+  result.best = search.trials[best];
+  result.options = options_of(search, result.best, settings.draw.radius);
+  result.trials = std::move(search.trials);
+  return result;
+}
+
+}  // namespace umbrage
