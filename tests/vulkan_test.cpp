@@ -402,6 +402,7 @@ TEST_F(VulkanProgram, ExitsWithFourAndASentence) {
   const std::string line = "tri.obj -o out.png --resolution 64,64 --device ";
   bad(line + "vulkan", 4, {"Vulkan driver", "--device cpu"}, "VK_ICD_FILENAMES=/nowhere VK_DRIVER_FILES=/nowhere");
   bad(line + "vulkan:x", 2, {"'vulkan:x'", "vulkan:0"});
+  bad(line + "vulkan", 2, {"UMBRAGE_VULKAN_CAPTURE", "'x'"}, "UMBRAGE_VULKAN_CAPTURE=x");
   bad(line + "vulkan:", 2, {"'vulkan:'", "vulkan:0"});
   bad(line + "vulkan:-1", 2, {"'vulkan:-1'", "vulkan:0"});
   good(line + "auto", "VK_ICD_FILENAMES=/nowhere VK_DRIVER_FILES=/nowhere");

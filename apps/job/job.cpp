@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <glm/vector_relational.hpp>
 
 #include "core/check.h"
@@ -74,19 +75,35 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
   return all;
 }
 
+namespace {
+
+/// Who captures for a Vulkan device: UMBRAGE_VULKAN_CAPTURE is `cpu` or `gpu`; else the device decides.
+Result<VulkanCapture> vulkan_capture() {
+  const char* wish = std::getenv("UMBRAGE_VULKAN_CAPTURE");
+  if (!wish || *wish == '\0') return VulkanCapture::kAuto;
+  if (wish == std::string_view("cpu")) return VulkanCapture::kCpu;
+  if (wish == std::string_view("gpu")) return VulkanCapture::kGpu;
+  return usage_error("UMBRAGE_VULKAN_CAPTURE cannot be '{}': it takes cpu or gpu", wish);
+}
+
+}  // namespace
+
 Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads) {
   const auto cpu = [&] { return make_cpu_device({.threads = threads}); };
   if (name == "cpu") return cpu();
+  const auto capture = vulkan_capture();
+  if (!capture) return capture.error();
   if (name == "auto") {
-    auto gpu = make_vulkan_device({.real = true}, cpu());
+    auto gpu = make_vulkan_device({.real = true, .capture = *capture}, cpu());
     return gpu ? std::move(gpu) : cpu();
   }
-  if (name == "vulkan") return make_vulkan_device({}, cpu());
+  if (name == "vulkan") return make_vulkan_device({.capture = *capture}, cpu());
   if (const std::string prefix = "vulkan:"; name.starts_with(prefix)) {
     const char* end = name.data() + name.size();
     int index = -1;
     const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, index);
-    if (failed == std::errc() && stop == end && index >= 0) return make_vulkan_device({.index = index}, cpu());
+    if (failed == std::errc() && stop == end && index >= 0)
+      return make_vulkan_device({.index = index, .capture = *capture}, cpu());
     return usage_error("there is no device '{}': a number follows vulkan:, such as vulkan:0", name);
   }
   constexpr std::string_view kNames[] = {"cpu", "vulkan", "auto"};
