@@ -193,7 +193,7 @@ Result<void> light_frame(const Run& run, Frame& frame) {
 }
 
 Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& traced, const std::string& model,
-                             const Shot& shot, std::pair<int, int> size, bool keep) {
+                             const CameraShot& shot, std::pair<int, int> size, bool keep) {
   DrawSettings draw = run.settings.draw;
   std::tie(draw.width, draw.height) = size;
   const std::string what = fmt::format("{}, camera {}, {}x{}", model, shot.name, size.first, size.second);
@@ -342,7 +342,7 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
     const auto traced = trace_ready(*scene);
     if (!traced) return traced.error();
     const std::vector<Light> own_lights = scene->lights;
-    for (const Shot& shot : shots_of(*scene, settings.draw.framing, settings.cameras)) {
+    for (const CameraShot& shot : shots_of(*scene, settings.draw.framing, settings.cameras)) {
       scene->views = shot.views;
       const auto [width, height] = settings.sizes[0];
       if (own_lights.empty()) scene->lights = default_lights(*scene, frame_scene(*scene, shot.framing, width, height));

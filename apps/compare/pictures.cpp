@@ -48,12 +48,12 @@ Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const Clas
   return truth;
 }
 
-std::vector<Shot> shots_of(const Scene& scene, const Framing& wish, int cameras) {
+std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int cameras) {
   if (wish.position || wish.focal_point || wish.direction) return {{"given", wish, {}}};
-  std::vector<Shot> shots;
+  std::vector<CameraShot> shots;
   const int count = std::min(cameras, scene.views.empty() ? kTurns : int(scene.views.size()));
   for (int k = 0; k < count; ++k) {
-    Shot shot{fmt::format("{}", k + 1), wish, {}};
+    CameraShot shot{fmt::format("{}", k + 1), wish, {}};
     if (scene.views.empty())
       shot.framing.azimuth_deg += kTurnDeg * float(k);
     else

@@ -29,14 +29,14 @@ Result<Truth> trace_truth(Quantity quantity, const PictureInfo& info, const Clas
                           const std::function<Result<Image>(std::uint32_t seed)>& trace);
 
 /// A camera of a scene: a view that it suggests, or a turn around it.
-struct Shot {
+struct CameraShot {
   std::string name;
   Framing framing;
   std::vector<View> views;
 };
 
 /// At most so many of a scene; one where the user said where it is.
-std::vector<Shot> shots_of(const Scene& scene, const Framing& wish, int cameras);
+std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int cameras);
 
 /// The planes that tell what a pixel shows, without the guard band.
 GBuffer downloaded(Device& device, const Frame& frame);

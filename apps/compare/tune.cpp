@@ -221,7 +221,7 @@ Result<void> take_pictures(Search& search, const std::string& model, Scene& scen
   if (!capture) return capture.error();
   const auto length = parse_radius("--ao-radius", radius_as_written);
   if (!length) return length.error();
-  for (const Shot& shot : shots_of(scene, settings.draw.framing, settings.cameras)) {
+  for (const CameraShot& shot : shots_of(scene, settings.draw.framing, settings.cameras)) {
     scene.views = shot.views;
     auto frame =
         search.device.capture(frame_scene(scene, shot.framing, settings.draw.width, settings.draw.height), *capture);
