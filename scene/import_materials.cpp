@@ -190,14 +190,17 @@ struct TextureShelf {
   }
 
   /// A texture with its alpha averaged over kBlendShare of its width: where a surface is more clear than opaque on the
-  /// whole, rather than in each grain of dirt, whose edges would be speckles.
+  /// whole, rather than in each grain of dirt, whose edges would be speckles. Small ones, such as palettes, have no
+  /// grain: they stay as they are.
   int find_blended(int index) {
+    const int radius = int(0.5 * kBlendShare * scene.textures[std::size_t(index)].width);
+    if (radius < 1) return index;
     const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
     if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
     Texture made = scene.textures[std::size_t(index)];
-    const int radius = std::max(1, int(kBlendShare * 0.5 * made.width));
-    average_alpha(made, made.width, made.height, 4, 4 * std::ptrdiff_t(made.width), radius);
-    average_alpha(made, made.height, made.width, 4 * std::ptrdiff_t(made.width), 4, radius);
+    const std::ptrdiff_t row = 4 * std::ptrdiff_t(made.width);
+    average_alpha(made, made.width, made.height, 4, row, radius);
+    average_alpha(made, made.height, made.width, row, 4, radius);
     scene.textures.push_back(std::move(made));
     return index_of[key] = int(scene.textures.size()) - 1;
   }
@@ -207,17 +210,18 @@ struct TextureShelf {
   static void average_alpha(Texture& texture, int length, int lines, std::ptrdiff_t step, std::ptrdiff_t next,
                             int radius) {
     constexpr int kRounds = 2;
-    std::vector<int> line(static_cast<std::size_t>(length));
+    std::vector<int> line(static_cast<std::size_t>(length + 2 * radius + 1));  // from -radius to length + radius
     for (int k = 0; k < lines; ++k)
       for (int round = 0; round < kRounds; ++round) {
         std::uint8_t* alpha = texture.rgba.data() + k * next + 3;
-        for (int i = 0; i < length; ++i) line[std::size_t(i)] = alpha[i * step];
-        const auto at = [&](int i) { return line[std::size_t(((i % length) + length) % length)]; };
+        for (int i = 0; i < length; ++i) line[std::size_t(i + radius)] = alpha[i * step];
+        for (int i = 0; i < radius; ++i) line[std::size_t(i)] = alpha[((i - radius) % length + length) % length * step];
+        for (int i = 0; i <= radius; ++i) line[std::size_t(length + radius + i)] = alpha[i % length * step];
         int sum = 0;
-        for (int i = -radius; i <= radius; ++i) sum += at(i);
+        for (int i = 0; i <= 2 * radius; ++i) sum += line[std::size_t(i)];
         for (int i = 0; i < length; ++i) {
           alpha[i * step] = std::uint8_t((sum + radius) / (2 * radius + 1));
-          sum += at(i + radius + 1) - at(i - radius);
+          sum += line[std::size_t(i + 2 * radius + 1)] - line[std::size_t(i)];
         }
       }
   }
@@ -324,8 +328,9 @@ Material material_of(const aiMaterial& source, const std::string& format, Textur
     // Nothing is blended here: of a surface that the file blends, what is more clear than opaque is not drawn.
     material.alpha_mask = is_cut_out(texture);
     if (!material.alpha_mask && has_mode && has_clear_texels(texture)) {
-      material.alpha_mask = true;
-      material.texture = shelf.find_blended(material.texture);
+      const int blended = shelf.find_blended(material.texture);
+      material.alpha_mask = has_clear_texels(shelf.scene.textures[std::size_t(blended)]);
+      if (material.alpha_mask) material.texture = blended;
     }
   }
   return material;

@@ -355,6 +355,21 @@ TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
   EXPECT_EQ(wrong, 0);
 }
 
+TEST_F(Import, KeepsThePalettesOfWhatIsBlended) {
+  // Two texels, one half clear: an average would make both alike.
+  std::string tga = two_texels_tga();
+  tga[21] = char(255), tga[25] = char(40);
+  tga[18] = tga[19] = tga[20] = tga[22] = tga[23] = tga[24] = char(90);
+  write("dots.tga", tga);
+  const std::string base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
+  const Scene scene = read("palette.gltf", triangle_gltf("", R"({"alphaMode":"BLEND",)" + base + "}"));
+  const Material& glass = scene.materials.at(std::size_t(scene.meshes.at(0).material));
+  EXPECT_TRUE(glass.alpha_mask);
+  const Texture& texture = scene.textures.at(std::size_t(glass.texture));
+  EXPECT_EQ(texture.rgba[3], 255);
+  EXPECT_EQ(texture.rgba[7], 40);
+}
+
 TEST_F(Import, ReadsEmbeddedTextures) {
   std::string text = triangle_gltf("", R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})");
   const std::string uri = "data:image/x-tga;base64," + base64(two_texels_tga());

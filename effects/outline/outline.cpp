@@ -118,6 +118,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const float width =
       params.width.relative ? params.width.value / 100.0f * float(info.inner_height()) : params.width.value;
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
+  // Faces at just that angle count as reaching it, however their normals were rounded.
+  constexpr float kReached = 0.97f;
   const float far_depth = std::max(info.depth_max / kFarShare, 1e-30f);
   c = {.mode = params.mode,
        .width_px = std::clamp(width, 0.0f, kOutlineWidest),
@@ -126,7 +128,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
        .b = params.b,
        .opacity = params.opacity,
        .depth = params.depth,
-       .crease_chord = 4.0f * std::sin(0.5f * crease) * std::sin(0.5f * crease),
+       .crease_chord = kReached * 4.0f * std::sin(0.5f * crease) * std::sin(0.5f * crease),
        .convex = params.convex,
        .concave = params.concave,
        .objects = params.ids & kOutlineObjects ? 1 : 0,

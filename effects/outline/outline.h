@@ -22,6 +22,9 @@ struct OutlineParams {
 const int kOutlineRobust = 0, kOutlinePaper = 1;
 const int kOutlineObjects = 1, kOutlineMaterials = 2;
 const float kOutlineWidest = 16.0f;  // pixels
+// OutlineConstants::sight of lines of the initial width. Loops of that many steps are written out, which makes them
+// twice as fast.
+const int kOutlineUsualSight = 4;
 
 struct OutlineConstants {
   int mode;

@@ -215,7 +215,8 @@ FN Real robust_cover(Int px, Int py, int sight) {
 }
 
 FN void outline_pixel(Int px, Int py) {
-  Real covered = C.sight == kUsualSight ? robust_cover(px, py, kUsualSight) : robust_cover(px, py, C.sight);
+  Real covered =
+      C.sight == kOutlineUsualSight ? robust_cover(px, py, kOutlineUsualSight) : robust_cover(px, py, C.sight);
   covered = covered * C.opacity;
   store_outline(covered);
   Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));

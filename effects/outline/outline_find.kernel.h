@@ -14,24 +14,20 @@
 // A crease lies where its two planes meet, to a fraction of a pixel; a jump lies halfway until outline_refine.
 // Most pixels have no edge: each kind asks first for what it cannot be without.
 //
-// The planes hold 0 for no edge, or 1 + 2 level + (t + 1/2) / 2: t in [-1/2, 3/2) from the pixel to its neighbour, 1/2
-// where that is not known; level 0 to 64, of which 64 is a line wholly on this pixel's side (it is nearer), 0 wholly on
-// the neighbour's, 32 in the middle, where creases alone lie. Added to that is kStep times how clear
-// the edge is, 0 to kClearest; below half of it all is negated. How clear a line is in the mean decides later.
+// The planes hold crossings as outline_crossing.kernel.h has them. How clear a line is in the mean decides later.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)
 IN_REAL(material_id)
 OUT_REAL(outline_right)
 OUT_REAL(outline_below)
+#include "effects/outline/outline_crossing.kernel.h"
 
-CONST float kLevels = 32.0f;  // of side, to either side of the middle
-CONST float kStep = 256.0f;
-CONST float kClearest = 7.0f;
 CONST float kLeastSide = 2.0f / 32.0f;  // of what is no crease
 CONST float kDeep = 2.0f;               // a jump within one object is clear from so many times `depth` on
 CONST float kSure = 0.9f;               // share of a threshold that tells without rounding that it is not reached
 CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane's slope is not trusted further
+CONST float kNoSlope = 1e30f;           // of normals that do not face the eye, which interpolation makes at rims
 CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a surface that still tells its shape
 
 // Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
@@ -56,18 +52,21 @@ FN Vec2 nearness(Int px, Int py, int i, int j, int rightwards) {
   Vec3 n = near_normal(i, j);
   Real lean = rightwards != 0 ? n.x * Real(F.ray_scale_x) : n.y * Real(F.ray_scale_y);
   Real near = -depth;
-  Real facing = max(n.z, Real(kLeastFacing));
+  Real facing = finite_or_zero(n.z);
+  if (F.orthographic == 0) facing = finite_or_zero(-dot(n, view_position(px + Int(i), py + Int(j), Real(1.0f))));
+  Bool away = facing < kLeastFacing;
+  facing = max(facing, Real(kLeastFacing));
   Real slope = -lean;
   if (F.orthographic == 0) {
-    facing = max(-dot(n, view_position(px + Int(i), py + Int(j), Real(1.0f))), Real(kLeastFacing));
     // One division for both.
     Real both = Real(1.0f) / (depth * facing);
     near = facing * both;
     slope = slope * both;
   }
   if (F.orthographic != 0) slope = slope / facing;
+  slope = select(away, Real(kNoSlope), finite_or_zero(slope));
   Real nowhere = F.orthographic != 0 ? Real(-1e30f) : Real(0.0f);
-  return Vec2(select(surface, near, nowhere), select(surface, finite_or_zero(slope), Real(0.0f)));
+  return Vec2(select(surface, near, nowhere), select(surface, slope, Real(0.0f)));
 }
 
 FN Bool same_object(int i, int j, int k, int l) {
@@ -106,9 +105,11 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   if (F.orthographic == 0) pixel = pixel * min(plane1.x, plane2.x);
   // What each side says of the other: below 0 it lies behind.
   Real step = plane2.x - plane1.x;
-  Real of_neighbour = step - select(before, milder(plane0.y, plane1.y), plane1.y);
+  Real slope1 = select(before, milder(plane0.y, plane1.y), select(plane1.y < kNoSlope, plane1.y, Real(0.0f)));
+  Real of_neighbour = step - slope1;
   of_neighbour = select(before, milder(of_neighbour, step - (plane1.x - plane0.x)), of_neighbour);
-  Real of_pixel = select(after, milder(plane2.y, plane3.y), plane2.y) - step;
+  Real slope2 = select(after, milder(plane2.y, plane3.y), select(plane2.y < kNoSlope, plane2.y, Real(0.0f)));
+  Real of_pixel = slope2 - step;
   of_pixel = select(after, milder(of_pixel, (plane3.x - plane2.x) - step), of_pixel);
   Real gap = select(step < 0.0f, max(min(of_pixel, -of_neighbour), Real(0.0f)), Real(0.0f));
   gap = select(step > 0.0f, -max(min(of_neighbour, -of_pixel), Real(0.0f)), gap);
@@ -192,7 +193,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
     Vec2 plane_a = nearness(px, py, -i, -j, i);
     Vec2 plane_b = nearness(px, py, 2 * i, 2 * j, i);
     Real bend = plane_a.y - plane_b.y;
-    plain = plain && abs(bend) > 1e-30f;
+    plain = plain && abs(bend) > 1e-30f && plane_a.y < kNoSlope && plane_b.y < kNoSlope;
     Real meet = (plane_b.x - plane_b.y - plane_b.y - plane_a.x - plane_a.y) / select(plain, bend, Real(1.0f));
     t = select(plain && meet > -0.5f && meet < 1.5f, meet, t);
   }
@@ -258,8 +259,9 @@ FN Real edge(Int px, Int py, int i, int j, Bool parted, Bool turned) {
     Real apart = (abs(gap) - 1.0f) * Real(0.5f / (kDeep - 1.0f));
     apart = select(other || !both, Real(1.0f), clamp(apart, Real(0.0f), Real(1.0f)));
     Bool any = (surface1 || surface2) && (!both || other || abs(gap) > 1.0f);
-    any = any && !(both && !other && sliver(i, j, gap));
     any = any && parted;
+    // As pixels fall on it, such a surface has that width in some rows alone: those are faint, and the mean decides.
+    apart = select(both && !other && sliver(i, j, gap), Real(0.0f), apart);
     code = select(any, level + level + 1.5f, code);
     clear = select(any, max(clear, apart), clear);
   }

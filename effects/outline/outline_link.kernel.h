@@ -18,7 +18,7 @@ OUT_REAL(outline_around)
 CONST int kHop = 7;                 // rows: a piece of outline_refine knows three to either side; the first is three
 CONST int kHops = 4;                // to either side
 CONST float kAstray = 1.1f;         // pixels beside where it is expected, at which a piece is another line's
-CONST float kMostTurn = 48.0f;      // of level
+CONST float kMostTurn = 48.5f;      // of level
 CONST float kMostTurnFaint = 4.5f;  // from a rim to a crease, if either is faint
 CONST float kDiagonal = 0.8f;       // slope from which on a line is made of pieces of both kinds
 CONST float kMiddle = 32.0f;        // level of a crease
@@ -27,7 +27,7 @@ CONST float kStraight = 1.05f;      // pixels of bend: what the steps of a strai
 CONST float kLeastClear = 0.42f;    // share of a line that is clear, below which it is not drawn,
 CONST float kWholeClear = 0.75f;    // and from which on it is drawn whole
 CONST float kWholeSide = 32.0f;     // from the middle
-CONST float kEnds = 13.0f;          // from the middle: a surface ends there, whether a line is drawn or not
+CONST float kEnds = 12.5f;          // from the middle: a surface ends there, whether a line is drawn or not
 CONST float kLeastSure = 1.5f;      // of kSure: what is fainter is not seen
 CONST float kUpright = 0.14f;       // slope: seven rows to a step
 CONST float kClear = 7.0f;          // half of it
@@ -116,13 +116,11 @@ FN Real linked(int lying, Int px, Int py, Real piece) {
   return select(keep, select(piece < 0.0f, -found, found), instead);
 }
 
-// Whether a piece of line cannot be told from itself: it is not wholly clear, or lies partly on either side, or is so
-// nearly upright that its steps are far apart; where a crease passes is known.
+// Whether a piece of line cannot be told from itself: it is a crease, or not wholly clear, or lies partly on either
+// side, or is so nearly upright that its steps are far apart.
 FN Bool unsure(Real piece) {
-  Bool aside = abs(abs(level_of(piece) - kMiddle) - kWholeSide * 0.5f) < kWholeSide * 0.5f - 0.5f;
-  return is_piece(piece) &&
-         (aside || level_of(piece) == Real(kMiddle) || !(bits_at(piece, 23, Uint(31u)) == Real(kSure)) ||
-          (abs(slope_of(piece)) < kUpright && !(level_of(piece) == Real(kMiddle))));
+  Bool whole = abs(level_of(piece) - kMiddle) > kWholeSide - 0.5f && bits_at(piece, 23, Uint(31u)) == Real(kSure);
+  return is_piece(piece) && !(whole && abs(slope_of(piece)) >= kUpright);
 }
 
 FN Real looked_along(int lying, Int px, Int py, Real piece) {
@@ -142,7 +140,7 @@ FN Real pieces_around(int sight) {
 FN void outline_link_pixel(Int px, Int py) {
   Real steep = near_outline_steep(0, 0);
   Real lower = near_outline_flat(0, 0);
-  store_outline_around(C.sight == kUsualSight ? pieces_around(kUsualSight) : pieces_around(C.sight));
+  store_outline_around(C.sight == kOutlineUsualSight ? pieces_around(kOutlineUsualSight) : pieces_around(C.sight));
   if (some(is_piece(steep))) steep = looked_along(0, px, py, steep);
   if (some(is_piece(lower))) lower = looked_along(1, px, py, lower);
   store_outline_steep_linked(steep);

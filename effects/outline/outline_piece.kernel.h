@@ -13,10 +13,6 @@ CONST float kSteepest = 1.5f;  // slope
 CONST float kSlopeSteps = 84.0f;
 CONST float kPlaceSteps = 128.0f;
 
-// How far lines of the usual width, 2 pixels, are looked for: C.sight. Loops of that many steps are written out, which
-// makes them twice as fast.
-CONST int kUsualSight = 4;
-
 FN Real bits_at(Real piece, int at, Uint bits) { return to_real(to_signed((bits_of(piece) >> at) & bits)); }
 
 FN Real packed_piece(Real t, Real slope, Real level, Real sure) {

@@ -12,28 +12,23 @@ IN_REAL(outline_right_settled)
 IN_REAL(outline_below_settled)
 OUT_REAL(outline_steep)
 OUT_REAL(outline_flat)
+#include "effects/outline/outline_crossing.kernel.h"
 #include "effects/outline/outline_piece.kernel.h"
 
-CONST int kRows = 3;              // on each side: the place is then known to about a seventh of a pixel
-CONST float kSteepHere = 1.05f;   // from here on the other kind of crossing knows the line better
-CONST float kMiddle = 65.0f;      // side of a line that is nobody's
-CONST float kLeastLength = 2.5f;  // rows that a crease goes on
-CONST float kOneSided = 25.0f;    // from the middle: a surface ends there
-CONST int kAround = 6;            // pixels within which a line has
-CONST float kLeastAround = 6.5f;  // crossings, or else it is a speck; one that ends has kAround + 1 and more
-CONST int kBeside = 4;            // pixels from a clear crossing within which a faint one may run along with it,
-CONST int kShadow = 2;            // and within which it is but that one's shadow
-CONST float kPart = 1.25f;        // pixels from something else within which a crease is a part of that, and
-CONST float kPartShort = 2.25f;   // if it is short: as far as that one's line covers it,
-CONST float kCovers = 0.5f;       // which is its width less this
-CONST float kStep = 256.0f;       // as in outline_find
-CONST float kClearest = 7.0f;
+CONST int kRows = 3;                // on each side: the place is then known to about a seventh of a pixel
+CONST float kSteepHere = 1.05f;     // from here on the other kind of crossing knows the line better
+CONST float kMiddle = 65.0f;        // side of a line that is nobody's
+CONST float kLeastLength = 2.5f;    // rows that a crease goes on
+CONST float kOneSided = 25.0f;      // from the middle: a surface ends there
+CONST int kAround = 6;              // pixels within which a line has
+CONST float kLeastAround = 6.5f;    // crossings, or else it is a speck; one that ends has kAround + 1 and more
+CONST int kBeside = 4;              // pixels from a clear crossing within which a faint one may run along with it,
+CONST int kShadow = 2;              // and within which it is but that one's shadow
+CONST float kPart = 1.25f;          // pixels from something else within which a crease is a part of that, and
+CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
+CONST float kCovers = 0.5f;         // which is its width less this
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
-
-// Of what outline_find says: how clear a crossing is, 0 to kClearest, and the rest.
-FN Real clear_of(Real v) { return floor(abs(v) * Real(1.0f / kStep)); }
-FN Real code_of(Real v) { return mad(clear_of(v), Real(-kStep), abs(v)); }
 
 // t from its code.
 FN Real crossed_at(Real fraction) { return fraction + fraction - 0.5f; }
@@ -103,8 +98,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real t = crossed_at(v - side);
   Bool clear = signed_v > 0.0f;
   // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim. What
-  // runs beside one goes on in its like alone. A crease so close to a clear one of
-  // another kind is a part of it.
+  // runs beside one goes on in its like alone. A crease close to a clear rim is a part of that.
   Bool rim = abs(side - kMiddle) > kOneSided;
   Bool crease = side == Real(kMiddle);
   Bool beside = v < 0.0f;

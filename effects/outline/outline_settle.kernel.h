@@ -2,17 +2,16 @@
 // where its planes meet, which may lie beyond either of the two pixels: rows of one line would then be told by columns
 // that are two apart, and no longer be taken for one line.
 //
-// Planes as in outline_find; t is in [0, 1) now. Of two crossings at one place the clearer one stays.
+// Planes of crossings as outline_crossing.kernel.h has them; t is in [0, 1) now, but at the picture's border, where
+// there is no pixel to move to. Of two crossings at one place the clearer one stays.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_right_settled)
 OUT_REAL(outline_below_settled)
+#include "effects/outline/outline_crossing.kernel.h"
 
-CONST float kStep = 256.0f;  // as in outline_find
 CONST float kPixel = 0.5f;   // of t in its code
 CONST float kFirst = 0.25f;  // code of t = 0
-
-FN Real clear_of(Real v) { return floor(abs(v) * Real(1.0f / kStep)); }
 
 // The crossing from one of its neighbours, if it lies here and is clearer than v; else v.
 FN Real clearer(Real v, Real before, Real after) {
@@ -28,11 +27,11 @@ FN Real clearer(Real v, Real before, Real after) {
   return select(better, moved, v);
 }
 
-// v, or nothing if it lies in another place.
-FN Real here_alone(Real v) {
+// v, or nothing if it lies in another place, that of the pixel before, if there is one, or of the one after.
+FN Real here_alone(Real v, Bool before) {
   Real a = abs(v);
   Real share = a - floor(a);
-  return select(share >= kFirst && share < kFirst + kPixel, v, Real(0.0f));
+  return select((share >= kFirst || !before) && share < kFirst + kPixel, v, Real(0.0f));
 }
 
 FN void outline_settle_pixel(Int px, Int py) {
@@ -48,8 +47,8 @@ FN void outline_settle_pixel(Int px, Int py) {
   below1 = select(near_inside(0, 1), below1, Real(0.0f));
   Uint any = bits_of(right) | bits_of(below) | bits_of(left1) | bits_of(right1) | bits_of(above1) | bits_of(below1);
   if (some(!(to_signed(any) == Int(0)))) {
-    right = clearer(here_alone(right), left1, right1);
-    below = clearer(here_alone(below), above1, below1);
+    right = clearer(here_alone(right, near_inside(-1, 0)), left1, right1);
+    below = clearer(here_alone(below, near_inside(0, -1)), above1, below1);
   }
   store_outline_right_settled(right);
   store_outline_below_settled(below);

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <optional>
 
+#include "effects/outline/outline.h"
 #include "run_effect.h"
 #include "support.h"
 
@@ -583,6 +584,7 @@ Scene bar(double angle_deg, double aside, double behind, double radius) {
 
 TEST(Outline, SeamsOfRoundThingsAreOneLine) {
   // Where two of them meet, some rows have a jump and some a crease, or one of those that is faint.
+  int drawn = 0;
   for (const bool orthographic : {false, true})
     for (const double angle : {80.5, 84.0, 9.5, 4.0})
       for (const double radius : {0.3, 0.5, 0.8})
@@ -611,8 +613,10 @@ TEST(Outline, SeamsOfRoundThingsAreOneLine) {
               most = std::max(most, sum);
             }
             EXPECT_EQ(breaks, 0) << angle << ' ' << radius << ' ' << share << ' ' << behind << orthographic;
+            drawn += most > 1.5;
             EXPECT_LE(most, 4.5) << angle << ' ' << radius << ' ' << share << ' ' << behind << orthographic;
           }
+  EXPECT_EQ(drawn, 2 * 4 * 3 * 4 * 4);
 }
 
 /// A rim with its edge cut off, `bevel_px` wide in the picture.
@@ -642,6 +646,33 @@ TEST(Outline, BevelsBesideARimAreInItsLine) {
         EXPECT_LE(p.worst, 0.9) << what;
         EXPECT_LE(p.spread, 0.35) << what;
       }
+}
+
+TEST(Outline, LinesOfTheInitialWidthAreTheFastOnes) {
+  const Effect& outline = *find_effect("outline");
+  OutlineConstants constants;
+  outline.constants(initial_parameters(outline.parameters, outline.params_size), test::empty_gbuffer(64, 64).info,
+                    &constants);
+  EXPECT_EQ(constants.sight, kOutlineUsualSight);
+}
+
+TEST(Outline, NormalsThatAreNoneHaveADefinedResult) {
+  // Of every kind, on one side of a jump: the same from machine to machine, and nothing that is no number.
+  const Lens lens{64, 64, false};
+  GBuffer g = seen(lens, together({sphere({0.0, 0.0, -5.0}, 0.8, 0), ground(30.0, 0.0, 9.0, 0)}));
+  const float bad[] = {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+                       std::numeric_limits<float>::quiet_NaN(), 0.0f, 1e30f};
+  int k = 0;
+  for (int y = 0; y < 64; ++y)
+    for (int x = (y * 7) % 5; x < 64; x += 5)
+      for (int c = 0; c < 3; ++c) g.layers[0].planes[std::size_t(1 + c)].at(x, y) = bad[k++ % 5];
+  const Image lanes = test::run_effect(*find_effect("outline"), g, {}, {});
+  const Image scalar = test::run_effect(*find_effect("outline"), g, {}, {.scalar = true});
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      EXPECT_TRUE(std::isfinite(lanes.plane("outline").at(x, y)));
+      EXPECT_NEAR(lanes.plane("outline").at(x, y), scalar.plane("outline").at(x, y), 1e-4);
+    }
 }
 
 TEST(Outline, WidthMayBeAShareOfTheHeight) {
