@@ -1,5 +1,6 @@
-// One depth layer of a scene, traced: the same text as devices/cpu/capture.cpp and rays/, for a GPU without the help of a
-// driver's own rays. A workgroup is four blocks of 4 x 4 pixels, which decide together how many rays a soft shadow needs.
+// One depth layer of a scene, traced: what devices/cpu/capture.cpp and rays/ do, for a GPU without the help of its
+// driver's own rays. A workgroup is four blocks of 4 x 4 pixels, each of which decides how many rays a soft shadow
+// needs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require

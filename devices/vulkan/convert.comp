@@ -15,7 +15,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reals { floa
 
 const float kInfinity = 1.0f / 0.0f;
 
-vec3 linear_from_srgb(vec3 v) { return mix(pow((v + 0.055f) / 1.055f, vec3(2.4f)), v / 12.92f, lessThanEqual(v, vec3(0.04045f))); }
+vec3 linear_from_srgb(vec3 v) {
+  return mix(pow((v + 0.055f) / 1.055f, vec3(2.4f)), v / 12.92f, lessThanEqual(v, vec3(0.04045f)));
+}
 vec3 srgb_from_linear(vec3 v) {
   return mix(1.055f * pow(v, vec3(1.0f / 2.4f)) - 0.055f, v * 12.92f, lessThanEqual(v, vec3(0.0031308f)));
 }
