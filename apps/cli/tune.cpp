@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
@@ -45,6 +46,14 @@ void print_table(const Tuning& tuning) {
   for (const Trial& trial : tuning.trials)
     if (trial.frontier) shown.push_back(trial);
   std::sort(shown.begin(), shown.end(), [](const Trial& a, const Trial& b) { return a.ms < b.ms; });
+  // What is slower and hardly closer is not shown.
+  constexpr double kSeen = 0.01;
+  double last = std::numeric_limits<double>::infinity();
+  std::erase_if(shown, [&](const Trial& trial) {
+    if (trial.rmse > (1.0 - kSeen) * last) return true;
+    last = trial.rmse;
+    return false;
+  });
   fmt::print("{}{}, {} settings tried; those to which none was both faster and closer\n{:>9} {:>7} {:>7}  {}\n",
              tuning.technique, tuning.filter.empty() ? "" : " with " + tuning.filter, tuning.trials.size(), "ms",
              "rmse", "bias", "setting");

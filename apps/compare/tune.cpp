@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "apps/compare/pictures.h"
@@ -16,6 +17,8 @@ namespace {
 constexpr std::array<std::string_view, 3> kScales = {"full", "half", "quarter"};
 // Of the budget: up to here settings that are too slow are still searched from.
 constexpr double kTooSlow = 1.3;
+// Errors that differ by no more than this share are as good as each other.
+constexpr double kAsClose = 0.005;
 // A step of a number.
 constexpr double kStep = 1.4142135623730951;
 
@@ -338,12 +341,23 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     }
   }
   mark_frontier(search.trials);
+  std::optional<double> closest;  // within the time
+  for (const Trial& trial : search.trials)
+    if (trial.ms <= result.budget_ms && (!closest || trial.rmse < *closest)) closest = trial.rmse;
+  // Of those that are about as close, the one with the fewest changes.
   std::size_t best = 0;
-  for (std::size_t k = 1; k < search.trials.size(); ++k) {
-    const Trial& trial = search.trials[k];
-    const bool start_is_slow = search.trials[best].ms > result.budget_ms;
-    if (trial.ms <= result.budget_ms && (start_is_slow || trial.rmse < search.trials[best].rmse)) best = k;
-  }
+  const auto worse_than = [&](std::size_t k, std::size_t other) {
+    const auto changes = [&](const Trial& trial) {
+      return trial.settings.size() + (trial.scale != search.trials[0].scale ? 1 : 0);
+    };
+    const Trial &a = search.trials[k], &b = search.trials[other];
+    return std::pair(changes(a), a.rmse) > std::pair(changes(b), b.rmse);
+  };
+  const auto as_close = [&](const Trial& trial) {
+    return closest && trial.ms <= result.budget_ms && trial.rmse <= *closest * (1.0 + kAsClose);
+  };
+  for (std::size_t k = 1; k < search.trials.size(); ++k)
+    if (as_close(search.trials[k]) && (!as_close(search.trials[best]) || worse_than(best, k))) best = k;
   result.start = search.trials[0];
   result.best = search.trials[best];
   result.options = options_of(search, result.best, settings.draw.radius);

@@ -36,7 +36,8 @@ struct Trial {
 struct Tuning {
   std::string technique, filter;  ///< filter: empty where the look has none
   std::string radius;             ///< as written
-  Trial start, best;              ///< best: the closest one within the time; the start where nothing is closer
+  Trial start, best;              ///< best: the closest one within the time, or, of those
+                                  ///< within half a percent of that, the one with the fewest changes
   double budget_ms = 0.0;
   std::vector<Trial> trials;          ///< all, the start first
   std::vector<std::string> options;   ///< what to write behind `umbrage render` to get the best, word by word
@@ -47,8 +48,9 @@ struct Tuning {
 Result<void> check_tune(const TuneSettings& settings);
 
 /// Draws, traces and searches: from each of the settings that are on the frontier of error against time, one parameter
-/// is changed by one step. What `draw` sets (settings, scale) stays as it is. Numbers are stepped by about the square root of 2, choices to each other one, the resolution
-/// of occlusion to each other one. Errors: kUsage, kFile for models, kInterrupted.
+/// is changed by one step. What `draw` sets (settings, scale) stays as it is. Numbers are stepped by about the square
+/// root of 2, choices to each other one, the resolution of occlusion to each other one. Errors: kUsage, kFile for
+/// models, kInterrupted.
 Result<Tuning> tune(Device& device, const TuneSettings& settings);
 
 }  // namespace umbrage
