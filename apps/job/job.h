@@ -73,8 +73,9 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
 /// Several models side by side in one scene, as they are placed in their files.
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {});
 
-/// The device that `--device` names: `cpu`, `vulkan` (the best), `vulkan:N`, or `auto`: a real GPU if there is one, else
-/// the CPU. Errors: kUsage for a name that does not exist; kDevice for a device that is not there or cannot be used.
+/// The device that `--device` names: `cpu`, `vulkan` (the best), `vulkan:N`, or `auto`: a real GPU if there is one,
+/// else the CPU. Errors: kUsage for a name that does not exist; kDevice for a device that is not there or cannot be
+/// used.
 Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads);
 
 /// A length as people write it: "0.3" or "5%". Errors: kUsage unless it is above 0.
