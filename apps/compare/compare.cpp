@@ -81,10 +81,7 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
 
 /// The radius as it would be written: the reference's own where nobody says.
 std::string radius_text(const CompareSettings& settings) {
-  if (!settings.draw.radius.empty()) return settings.draw.radius;
-  const Effect& reference = reference_effect();
-  return parameter_text(*find_parameter(reference, "radius"),
-                        initial_parameters(reference.parameters, reference.params_size));
+  return settings.draw.radius.empty() ? reference_radius() : settings.draw.radius;
 }
 
 /// A camera in numbers, rounded so that another compiler's last bits do not matter.
@@ -277,18 +274,10 @@ Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) 
 }  // namespace
 
 Result<void> check_compare(const CompareSettings& settings) {
-  constexpr int kMostCameras = 100, kMostRuns = 1000;
-  if (settings.cameras < 1 || settings.cameras > kMostCameras)
-    return usage_error("--cameras cannot be {}: it takes 1 to {}", settings.cameras, kMostCameras);
-  if (settings.runs < 1 || settings.runs > kMostRuns)
-    return usage_error("--runs cannot be {}: it takes 1 to {}", settings.runs, kMostRuns);
   if (settings.models.empty() || settings.sizes.empty()) return usage_error("name a model and a size to compare");
-  if (settings.samples < 2 || settings.samples > kMostSamples || settings.samples % 2 != 0)
-    return usage_error("--samples cannot be {}: it takes an even number from 2 to {}", settings.samples, kMostSamples);
+  if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
+    return fine;
   if (const auto techniques = techniques_of(settings); !techniques) return techniques.error();
-  for (const std::string& model : settings.models)
-    if (std::count(settings.models.begin(), settings.models.end(), model) > 1)
-      return usage_error("the model '{}' is named twice", model);
   const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
   if (settings.light)

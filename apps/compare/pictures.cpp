@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/check.h"
+#include "reference/reference.h"
 
 namespace umbrage {
 namespace {
@@ -77,6 +78,24 @@ void clamp_to_shown(Image& image) {
   Plane& ao = image.plane("ao");
   for (int y = 0; y < ao.height; ++y)
     for (int x = 0; x < ao.width; ++x) ao.at(x, y) = std::clamp(ao.at(x, y), 0.0f, 1.0f);
+}
+
+Result<void> check_pictures(const std::vector<std::string>& models, int cameras, int samples, int runs) {
+  constexpr int kMostCameras = 100, kMostRuns = 1000;
+  if (cameras < 1 || cameras > kMostCameras)
+    return usage_error("--cameras cannot be {}: it takes 1 to {}", cameras, kMostCameras);
+  if (runs < 1 || runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", runs, kMostRuns);
+  if (samples < 2 || samples > kMostSamples || samples % 2 != 0)
+    return usage_error("--samples cannot be {}: it takes an even number from 2 to {}", samples, kMostSamples);
+  for (const std::string& model : models)
+    if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is named twice", model);
+  return {};
+}
+
+std::string reference_radius() {
+  const Effect& reference = reference_effect();
+  return parameter_text(*find_parameter(reference, "radius"),
+                        initial_parameters(reference.parameters, reference.params_size));
 }
 
 }  // namespace umbrage

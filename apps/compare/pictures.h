@@ -35,6 +35,13 @@ struct CameraShot {
   std::vector<View> views;
 };
 
+/// Finds what is wrong with what pictures are to be taken and scored: the same model twice, --cameras, --samples,
+/// --runs. Errors: kUsage.
+Result<void> check_pictures(const std::vector<std::string>& models, int cameras, int samples, int runs);
+
+/// The radius of the reference when nobody sets it, as written.
+std::string reference_radius();
+
 /// At most so many of a scene; one where the user said where it is.
 std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int cameras);
 

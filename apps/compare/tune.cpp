@@ -195,9 +195,7 @@ std::string radius_text(const DrawSettings& draw, const Recipe& recipe, const Ef
   const Parameter* own = find_parameter(technique, "radius");
   if (own && own->type == ParameterType::kLength && technique.set_radius)
     return parameter_text(*own, recipe.settings.find(technique.name)->second);
-  const Effect& reference = reference_effect();
-  return parameter_text(*find_parameter(reference, "radius"),
-                        initial_parameters(reference.parameters, reference.params_size));
+  return reference_radius();
 }
 
 Result<Recipe> recipe_of(const TuneSettings& settings) {
@@ -270,22 +268,15 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
 }  // namespace
 
 Result<void> check_tune(const TuneSettings& settings) {
-  constexpr int kMostCameras = 100, kMostRuns = 1000, kMostTrials = 10000;
+  constexpr int kMostTrials = 10000;
   constexpr double kMostMs = 1e6;
-  const auto within = [](const char* option, double value, double least, double most) -> Result<void> {
-    if (value >= least && value <= most) return {};
-    return usage_error("{} cannot be {:g}: it takes {:g} to {:g}", option, value, least, most);
-  };
-  for (const auto& done :
-       {within("--cameras", settings.cameras, 1, kMostCameras), within("--runs", settings.runs, 1, kMostRuns),
-        within("--trials", settings.trials, 2, kMostTrials), within("--time", settings.budget_ms, 0, kMostMs)})
-    if (!done) return done;
   if (settings.models.empty()) return usage_error("name a model to tune for");
-  if (settings.samples < 2 || settings.samples > kMostSamples || settings.samples % 2 != 0)
-    return usage_error("--samples cannot be {}: it takes an even number from 2 to {}", settings.samples, kMostSamples);
-  for (const std::string& model : settings.models)
-    if (std::count(settings.models.begin(), settings.models.end(), model) > 1)
-      return usage_error("the model '{}' is named twice", model);
+  if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
+    return fine;
+  if (settings.trials < 2 || settings.trials > kMostTrials)
+    return usage_error("--trials cannot be {}: it takes 2 to {}", settings.trials, kMostTrials);
+  if (!(settings.budget_ms >= 0.0 && settings.budget_ms <= kMostMs))
+    return usage_error("--time cannot be {:g}: it takes 0 to {:g}", settings.budget_ms, kMostMs);
   const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
   if (const auto technique = technique_of(*recipe); !technique) return technique.error();

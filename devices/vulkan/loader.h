@@ -9,28 +9,22 @@
 
 // Functions that take no instance, and the others. The only list of them.
 #define UMBRAGE_VULKAN_GLOBAL(X) X(EnumerateInstanceVersion) X(EnumerateInstanceLayerProperties) X(CreateInstance)
-#define UMBRAGE_VULKAN_FUNCTIONS(X)                                                                                    \
-  X(DestroyInstance)                                                                                                   \
-  X(EnumeratePhysicalDevices)                                                                                          \
-  X(GetPhysicalDeviceProperties)                                                                                       \
-  X(GetPhysicalDeviceProperties2)                                                                                      \
-  X(GetPhysicalDeviceFeatures2)                                                                                        \
-  X(GetPhysicalDeviceMemoryProperties)                                                                                 \
-  X(GetPhysicalDeviceQueueFamilyProperties)                                                                            \
-  X(CreateDevice) X(DestroyDevice) X(GetDeviceQueue) X(QueueSubmit) X(DeviceWaitIdle) X(CreateBuffer) X(DestroyBuffer) \
-      X(GetBufferMemoryRequirements) X(GetBufferDeviceAddress) X(AllocateMemory) X(FreeMemory) X(BindBufferMemory)     \
-          X(MapMemory) X(CreateCommandPool) X(DestroyCommandPool) X(AllocateCommandBuffers) X(BeginCommandBuffer)      \
-              X(EndCommandBuffer) X(ResetCommandPool) X(CreateFence) X(DestroyFence) X(WaitForFences) X(ResetFences)   \
-                  X(CreateQueryPool) X(DestroyQueryPool) X(GetQueryPoolResults) X(CmdResetQueryPool)                   \
-                      X(CmdWriteTimestamp) X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout)                  \
-                          X(CreateDescriptorPool) X(DestroyDescriptorPool) X(AllocateDescriptorSets)                   \
-                              X(UpdateDescriptorSets) X(CreatePipelineLayout) X(DestroyPipelineLayout)                 \
-                                  X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines)               \
-                                      X(DestroyPipeline) X(CreatePipelineCache) X(DestroyPipelineCache)                \
-                                          X(GetPipelineCacheData) X(CmdBindPipeline) X(CmdBindDescriptorSets)          \
-                                              X(CmdPushConstants) X(CmdDispatch) X(CmdPipelineBarrier)                 \
-                                                  X(CmdCopyBuffer) X(CmdFillBuffer) X(CmdCopyImageToBuffer)            \
-                                                      X(CmdCopyBufferToImage)
+// clang-format off
+#define UMBRAGE_VULKAN_FUNCTIONS(X) \
+  X(DestroyInstance) X(EnumeratePhysicalDevices) X(GetPhysicalDeviceProperties) X(GetPhysicalDeviceProperties2) \
+  X(GetPhysicalDeviceFeatures2) X(GetPhysicalDeviceMemoryProperties) X(GetPhysicalDeviceQueueFamilyProperties) \
+  X(CreateDevice) X(DestroyDevice) X(GetDeviceQueue) X(QueueSubmit) X(DeviceWaitIdle) X(CreateBuffer) \
+  X(DestroyBuffer) X(GetBufferMemoryRequirements) X(GetBufferDeviceAddress) X(AllocateMemory) X(FreeMemory) \
+  X(BindBufferMemory) X(MapMemory) X(CreateCommandPool) X(DestroyCommandPool) X(AllocateCommandBuffers) \
+  X(BeginCommandBuffer) X(EndCommandBuffer) X(ResetCommandPool) X(CreateFence) X(DestroyFence) X(WaitForFences) \
+  X(ResetFences) X(CreateQueryPool) X(DestroyQueryPool) X(GetQueryPoolResults) X(CmdResetQueryPool) \
+  X(CmdWriteTimestamp) X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout) X(CreateDescriptorPool) \
+  X(DestroyDescriptorPool) X(AllocateDescriptorSets) X(UpdateDescriptorSets) X(CreatePipelineLayout) \
+  X(DestroyPipelineLayout) X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines) \
+  X(DestroyPipeline) X(CreatePipelineCache) X(DestroyPipelineCache) X(GetPipelineCacheData) X(CmdBindPipeline) \
+  X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch) X(CmdPipelineBarrier) X(CmdCopyBuffer) \
+  X(CmdFillBuffer) X(CmdCopyImageToBuffer) X(CmdCopyBufferToImage)
+// clang-format on
 
 namespace umbrage {
 

@@ -43,6 +43,10 @@ FN Bool same_line(Real v, Real side, Bool clear) {
   return abs(v) > 0.0f && abs(other - side) < most;
 }
 
+// Whether a line may go on in this crossing, though one is a jump and the other a crease: where there is nothing else,
+// and it is not wholly faint.
+FN Bool may_join(Real v, Real side) { return abs(v) >= kStep && abs(floor(code_of(v)) - side) < kMostTurn; }
+
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
 // else 0: its code; how far beside. Straight on comes before aside.
 FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool lone) {
@@ -65,9 +69,9 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   Bool on = same_line(after, side, clear);
   Bool ahead = same_line(straight, side, clear);
   Bool none = lone && !(back || on || ahead);
-  back = back || (none && abs(before) >= kStep && abs(floor(code_of(before)) - side) < kMostTurn);
-  on = on || (none && abs(after) >= kStep && abs(floor(code_of(after)) - side) < kMostTurn);
-  ahead = ahead || (none && abs(straight) >= kStep && abs(floor(code_of(straight)) - side) < kMostTurn);
+  back = back || (none && may_join(before, side));
+  on = on || (none && may_join(after, side));
+  ahead = ahead || (none && may_join(straight, side));
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
