@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
+constexpr std::size_t kPage = 4096;
 
 /// Rows and planes that start a multiple of this apart fall on the same lines of the first-level cache, and a pass over
 /// a dozen planes then evicts itself.
@@ -84,15 +85,24 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
   if (bytes == 0) return;
   // Large planes ask for huge pages: a picture's planes are fresh memory, whose page faults cost as much as an effect.
+  // What is left over takes small ones: of a huge page the system clears all, and a plane of 1024 x 1024 is a little
+  // more than two.
   static std::atomic<unsigned> count{0};
-  const std::size_t offset = bytes >= kHugePage ? count++ % kStaggers * kStagger : 0;
-  const std::size_t alignment = bytes >= kHugePage ? kHugePage : kCacheLine;
-  const std::size_t whole = (offset + bytes + alignment - 1) / alignment * alignment;
-  void* base = bytes >= kHugePage ? take_kept(whole) : nullptr;
+  const bool large = bytes >= kHugePage;
+  const std::size_t offset = large ? count++ % kStaggers * kStagger : 0;
+  const std::size_t alignment = large ? kHugePage : kCacheLine;
+  const std::size_t rounding = large ? kPage : kCacheLine;
+  // The same for all planes of one size, so that one serves the next.
+  const std::size_t needed = bytes + (large ? (kStaggers - 1) * kStagger : 0);
+  const std::size_t whole = (needed + rounding - 1) / rounding * rounding;
+  void* base = large ? take_kept(whole) : nullptr;
   if (!base) {
-    base = std::aligned_alloc(alignment, whole);
-    if (!base) throw std::bad_alloc();
-    if (bytes >= kHugePage) madvise(base, whole, MADV_HUGEPAGE);
+    if (posix_memalign(&base, alignment, whole) != 0) throw std::bad_alloc();
+    if (large) {
+      const std::size_t huge = whole / kHugePage * kHugePage;
+      madvise(base, huge, MADV_HUGEPAGE);
+      if (huge < whole) madvise(static_cast<std::byte*>(base) + huge, whole - huge, MADV_NOHUGEPAGE);
+    }
   }
   data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole}};
 }
