@@ -4,27 +4,30 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <source_location>
 #include <string_view>
 
 namespace umbrage {
 
-[[noreturn]] inline void fail_check(std::string_view what, std::source_location at = std::source_location::current()) {
-  fmt::print(stderr, "umbrage: internal error: {} ({}:{})\n", what, at.file_name(), at.line());
+/// Where a function was called, as its default argument. std::source_location, which Debian 12's clang does not have.
+struct CalledAt {
+  const char* file = __builtin_FILE();
+  int line = __builtin_LINE();
+};
+
+[[noreturn]] inline void fail_check(std::string_view what, CalledAt at = {}) {
+  fmt::print(stderr, "umbrage: internal error: {} ({}:{})\n", what, at.file, at.line);
   std::abort();
 }
 
 /// Aborts with both values unless they are equal.
 template <class A, class B>
-void check_equal(const A& a, const B& b, std::string_view what,
-                 std::source_location at = std::source_location::current()) {
+void check_equal(const A& a, const B& b, std::string_view what, CalledAt at = {}) {
   if (!(a == b)) fail_check(fmt::format("{}: {} != {}", what, a, b), at);
 }
 
 /// Aborts with both values unless a < b.
 template <class A, class B>
-void check_less(const A& a, const B& b, std::string_view what,
-                std::source_location at = std::source_location::current()) {
+void check_less(const A& a, const B& b, std::string_view what, CalledAt at = {}) {
   if (!(a < b)) fail_check(fmt::format("{}: {} is not below {}", what, a, b), at);
 }
 
