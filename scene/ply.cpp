@@ -290,6 +290,16 @@ void read_lists(const Element& element, Body& body, bool strips, Mesh* mesh) {
 
 }  // namespace
 
+std::string ply_texture(const fs::path& path) {
+  constexpr std::size_t kLongestHeader = 1 << 16;
+  std::string bytes(kLongestHeader, '\0');
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(bytes.data(), std::streamsize(bytes.size()));
+  std::string_view text(bytes.data(), std::size_t(stream.gcount()));
+  const Result<Header> header = read_header(text, path.string());
+  return header ? header->texture : std::string();
+}
+
 Result<Scene> read_ply(const fs::path& path, std::string& texture_name) {
   const std::string file = path.string();
   std::ifstream stream(path, std::ios::binary);

@@ -12,4 +12,7 @@ namespace umbrage {
 /// texture but is returned in `texture_name`. Errors: kFile, with the field that is wrong.
 Result<Scene> read_ply(const std::filesystem::path& file, std::string& texture_name);
 
+/// The texture that a PLY file's header names; empty where there is none.
+std::string ply_texture(const std::filesystem::path& file);
+
 }  // namespace umbrage

@@ -1,6 +1,6 @@
 // Import of materials. Where a format speaks of metalness and roughness, they become a Blinn-Phong highlight: exponent
 // 2 / roughness^4 - 2, peak F0 * exponent / 8 [Karis 2013, "Specular BRDF Reference"].
-#include "scene/import_materials.h"
+#include "importer/import_materials.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/material.h>
@@ -16,6 +16,7 @@
 #include <system_error>
 
 #include "core/srgb.h"
+#include "importer/limits.h"
 #include "scene/texture_file.h"
 
 namespace umbrage {
@@ -140,6 +141,7 @@ struct TextureShelf {
     }
     const std::optional<fs::path> path = find_texture(folder, name);
     if (!path) return file_error("the texture {} is not there", name);
+    allow_for(*path);
     return read_texture(*path);
   }
 

@@ -1,6 +1,6 @@
 // Import of models: PLY and OFF by our own readers, all else through Assimp. Assimp only parses and triangulates; what
 // it could do beyond that (joining, normals, flattening) scene/finish.cpp does faster and by our own rules.
-#include "scene/import.h"
+#include "importer/import_here.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
@@ -20,13 +20,15 @@
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
+#include <memory>
 #include <new>
 #include <optional>
 #include <string_view>
 #include <system_error>
 
-#include "scene/finish.h"
-#include "scene/import_materials.h"
+#include "importer/import_materials.h"
+#include "importer/limits.h"
+#include "scene/import_parts.h"
 #include "scene/off.h"
 #include "scene/ply.h"
 
@@ -35,43 +37,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string ending_of(const fs::path& file) {
-  std::string ending = file.extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
-}
-
 std::string upper(std::string text) {
   for (char& c : text) c = char(std::toupper(static_cast<unsigned char>(c)));
   return text;
-}
-
-std::string list_of_formats() {
-  std::string list;
-  for (const std::string& format : import_formats()) list += (list.empty() ? "." : ", .") + format;
-  return list;
-}
-
-/// What can be said of a file before it is parsed.
-std::optional<Error> check_file(const fs::path& file, const std::string& format) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (status.type() == fs::file_type::not_found) return file_error("{}: there is no such file", file.string());
-  if (error) return file_error("{}: cannot be read ({})", file.string(), error.message());
-  if (status.type() == fs::file_type::directory) {
-    return file_error("{}: is a folder, where a model file is needed", file.string());
-  }
-  const auto& formats = import_formats();
-  if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
-    return file_error("{}: is no model that can be read; files that end in {} can", file.string(), list_of_formats());
-  }
-  if (status.type() != fs::file_type::regular) return file_error("{}: is not a regular file", file.string());
-  if (fs::file_size(file, error) == 0 && !error) return file_error("{}: is empty", file.string());
-  if (!std::ifstream(file, std::ios::binary)) {
-    return file_error("{}: cannot be opened for reading (permission?)", file.string());
-  }
-  return std::nullopt;
 }
 
 /// Why Assimp gave up, in words for the user: known reasons in ours, others in Assimp's without its prefixes.
@@ -201,8 +169,13 @@ struct Files : Assimp::DefaultIOSystem {
     if (!text.empty() && name == model) {
       return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     }
-    Assimp::IOStream* stream = Assimp::DefaultIOSystem::Open(name, mode);
-    if (ending_of(name) == "mtl") {
+    std::error_code error;
+    Assimp::IOStream* stream = nullptr;
+    if (fs::is_regular_file(name, error)) {  // what is named in a model may be a pipe, which never ends
+      if (name != model) allow_for(name);
+      stream = Assimp::DefaultIOSystem::Open(name, mode);
+    }
+    if (import_format(name) == "mtl") {
       if (stream) {
         missing.clear();
       } else {
@@ -321,12 +294,14 @@ void warn_of_vertex_colors(const aiScene& source, Scene& scene) {
   if (seen) scene.warnings.push_back("the colours at the vertices are not used; surfaces show their material");
 }
 
-Result<Scene> import_by_assimp(const fs::path& file, const std::string& format) {
+Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, bool process_ends) {
   if (format == "dae") {
     if (auto error = check_dae(file)) return std::move(*error);
   }
   std::vector<std::string> missing_libraries;
-  Assimp::Importer importer;
+  auto owner = std::make_unique<Assimp::Importer>();
+  // Its faces are freed one by one, which takes a tenth of the whole import.
+  Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
   importer.SetIOHandler(
       new Files(file.string(), format == "obj" ? with_leading_zeros(file) : "", missing_libraries));  // takes it
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
@@ -363,45 +338,18 @@ Result<Scene> import_ply(const fs::path& file) {
   return scene;
 }
 
-Result<Scene> import_checked(const fs::path& file, const std::string& format, const ImportSettings& settings) {
-  Result<Scene> imported = format == "ply"   ? import_ply(file)
-                           : format == "off" ? read_off(file)
-                                             : import_by_assimp(file, format);
-  if (!imported) return imported;
-  Scene& scene = *imported;
-  scene.name = file.filename().string();
-  if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
-    scene.up = settings.up / length;
-  }
-  if (scene.meshes.empty()) return file_error("{}: has no triangles", file.string());
-  const std::size_t triangles = scene.triangle_count();
-  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg);
-  if (scene.meshes.empty()) {
-    return file_error("{}: has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
-                      triangles);
-  }
-  constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
-  if (dropped * kWorthSaying > triangles) {
-    scene.warnings.push_back(
-        fmt::format("{} of {} triangles are degenerate or not finite and are left out", dropped, triangles));
-  }
-  return imported;
-}
-
 }  // namespace
 
-const std::vector<std::string>& import_formats() {
-  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off"};
-  return formats;
-}
-
-Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings) {
-  const std::string format = ending_of(file);
-  if (auto error = check_file(file, format)) return std::move(*error);
+Result<Scene> import_here(const fs::path& file, const ImportSettings& settings, bool process_ends) {
+  const std::string format = import_format(file);
+  if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
-    return import_checked(file, format, settings);
+    return complete_import(format == "ply"   ? import_ply(file)
+                           : format == "off" ? read_off(file)
+                                             : import_by_assimp(file, format, process_ends),
+                           file, settings);
   } catch (const std::bad_alloc&) {
-    return file_error("{}: needs more memory than there is, or is broken", file.string());
+    return too_large_to_read(file);
   } catch (const std::exception& e) {
     return unreadable(file, format, e.what());
   } catch (...) {

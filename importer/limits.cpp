@@ -1,0 +1,60 @@
+#include "importer/limits.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+namespace umbrage {
+namespace {
+
+// OBJ, STL, 3DS and glTF take 0.01 to 0.1 s per megabyte and at most 20 bytes of memory per byte (docs/reliability.md):
+// a machine may be slow, a texture or a buffer tightly packed.
+constexpr double kSecondsAtOnce = 8.0, kSecondsPerMegabyte = 2.0;
+constexpr double kMemoryAtOnce = 1.5e9, kMemoryPerByte = 200.0;
+constexpr double kWaitingPerSecond = 8.0;  ///< of elapsed time, on a machine where others work, too
+
+double bytes_allowed = -1.0;  // below 0: limit_process was not called
+
+void set(int resource, double value) {
+  rlimit limit{};
+  if (::getrlimit(__rlimit_resource_t(resource), &limit) != 0) return;
+  constexpr double kMost = 1e18;
+  limit.rlim_cur = std::min(limit.rlim_max, rlim_t(std::min(value, kMost)));
+  ::setrlimit(__rlimit_resource_t(resource), &limit);
+}
+
+void apply() {
+  const double seconds = kSecondsAtOnce + kSecondsPerMegabyte * 1e-6 * bytes_allowed;
+  set(RLIMIT_CPU, seconds);
+  if (memory_can_be_limited()) set(RLIMIT_AS, kMemoryAtOnce + kMemoryPerByte * bytes_allowed);
+  ::alarm(unsigned(std::min(1e6, kWaitingPerSecond * seconds)));
+}
+
+}  // namespace
+
+bool memory_can_be_limited() {
+  double pages = 0.0;
+  std::ifstream("/proc/self/statm") >> pages;
+  constexpr double kShadow = 1e12;
+  return pages * double(::sysconf(_SC_PAGESIZE)) < kShadow;
+}
+
+void limit_process() {
+  bytes_allowed = 0.0;
+  set(RLIMIT_CORE, 0.0);
+  apply();
+}
+
+void allow_for(const std::filesystem::path& file) {
+  if (bytes_allowed < 0.0) return;
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (error) return;
+  bytes_allowed += double(size);
+  apply();
+}
+
+}  // namespace umbrage

@@ -1,0 +1,50 @@
+// The other half of scene/import_apart.cpp, which starts this as a process.
+#include "importer/serve.h"
+
+#include <fcntl.h>
+#include <malloc.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "importer/limits.h"
+#include "scene/import_apart.h"
+#include "scene/import_parts.h"
+#include "scene/transfer.h"
+
+namespace umbrage {
+
+void serve_import(int argc, char** argv, const ImportFunction& import) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what an ended program has asked for
+  constexpr int kWords = 6;
+  if (argc != kWords || ::fcntl(kImportResult, F_GETFD) < 0 || ::fcntl(kImportDone, F_GETFD) < 0) {
+    fmt::print(stderr, "umbrage-import: this program is started by umbrage and its library, not by hand\n");
+    std::_Exit(int(ErrorKind::kUsage));
+  }
+  const std::filesystem::path file = argv[1];
+  const auto number = [&](int i) { return std::strtof(argv[i], nullptr); };
+  const ImportSettings settings{.crease_angle_deg = number(2), .up = {number(3), number(4), number(5)}};
+  // A short life with much memory: what is freed is kept for the next list, not handed back page by page.
+  constexpr int kStep = 1 << 24, kNever = 1 << 30;
+  ::mallopt(M_TOP_PAD, kStep);
+  ::mallopt(M_TRIM_THRESHOLD, kNever);
+  ::mallopt(M_MMAP_THRESHOLD, kNever);
+  limit_process();
+  allow_for(file);
+  const Result<Scene> imported = [&]() -> Result<Scene> {
+    try {
+      return import(file, settings);
+    } catch (const std::bad_alloc&) {
+      return too_large_to_read(file);
+    }
+  }();
+  const char byte = 1;
+  if (send_import(kImportResult, imported) && ::write(kImportDone, &byte, 1) == 1) std::_Exit(0);
+  // Nothing is freed one by one: the process ends.
+  std::_Exit(int(ErrorKind::kFile));
+}
+
+}  // namespace umbrage

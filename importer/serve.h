@@ -1,0 +1,15 @@
+// The program umbrage-import, but for who reads.
+#pragma once
+#include <functional>
+
+#include "scene/import.h"
+
+namespace umbrage {
+
+using ImportFunction = std::function<Result<Scene>(const std::filesystem::path&, const ImportSettings&)>;
+
+/// Reads what import_apart says on the command line, under the limits of importer/limits.h, and hands it over. Does not
+/// return.
+[[noreturn]] void serve_import(int argc, char** argv, const ImportFunction& import);
+
+}  // namespace umbrage

@@ -1,0 +1,179 @@
+// The other half of importer/serve.cpp. A program is spawned rather than the process forked: after fork alone, a child
+// of a program with threads may not even allocate memory, and the copied page tables of a large program cost more than
+// starting a small one (docs/reliability.md).
+#include "scene/import_apart.h"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "scene/transfer.h"
+
+extern char** environ;
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "umbrage-import";
+
+/// An open file that closes itself.
+struct Descriptor {
+  int number = -1;
+  Descriptor() = default;
+  explicit Descriptor(int number) : number(number) {}
+  Descriptor(Descriptor&& other) noexcept : number(std::exchange(other.number, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number, other.number);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+  void close() {
+    if (number >= 0) ::close(number);
+    number = -1;
+  }
+};
+
+/// Out of the way of the numbers that the child is to have, where dup2 would close one for another.
+Descriptor moved_up(int number) {
+  constexpr int kFirstFree = 10;
+  Descriptor low(number);
+  return number < 0 ? Descriptor() : Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree));
+}
+
+struct Ended {
+  int status = 0;        ///< as of wait4
+  double seconds = 0.0;  ///< of its own work, or of waiting where that ended it
+  bool known = false;    ///< not where the program has told the system to forget its children
+};
+
+Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
+  Ended ended;
+  rusage used{};
+  pid_t waited = 0;
+  do waited = ::wait4(child, &ended.status, 0, &used);
+  while (waited < 0 && errno == EINTR);
+  ended.known = waited == child;
+  for (const timeval& time : {used.ru_utime, used.ru_stime})
+    ended.seconds += double(time.tv_sec) + 1e-6 * double(time.tv_usec);
+  if (WIFSIGNALED(ended.status) && WTERMSIG(ended.status) == SIGALRM)
+    ended.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return ended;
+}
+
+Result<pid_t> spawn(const fs::path& program, const fs::path& file, const ImportSettings& settings, int result,
+                    int done) {
+  const std::string words[] = {kProgram,
+                               file.string(),
+                               fmt::format("{}", settings.crease_angle_deg),
+                               fmt::format("{}", settings.up.x),
+                               fmt::format("{}", settings.up.y),
+                               fmt::format("{}", settings.up.z)};
+  char* arguments[std::size(words) + 1] = {};
+  for (std::size_t i = 0; i < std::size(words); ++i) arguments[i] = const_cast<char*>(words[i].c_str());
+
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  // What a library prints before it gives up says nothing to people; the error does.
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, result, kImportResult);
+  posix_spawn_file_actions_adddup2(&files, done, kImportDone);
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  pid_t child = 0;
+  const int failed = ::posix_spawn(&child, program.c_str(), &files, &attributes, arguments, environ);
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  if (failed != 0)
+    return file_error("{}: cannot be read, since the program {} does not start ({})", file.string(), program.string(),
+                      std::strerror(failed));
+  return child;
+}
+
+/// Why there is no scene, of a process that has ended without one.
+Error ended_early(const fs::path& file, const Ended& ended) {
+  const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
+  if (signal == SIGXCPU || signal == SIGALRM)
+    return file_error("{}: is broken, or too much for its reader, which was stopped after {:.0f} s", file.string(),
+                      ended.seconds);
+  if (signal == SIGKILL)
+    return file_error("{}: is broken, or needs more memory than there is: the system ended its reader", file.string());
+  return file_error("{}: is broken; its reader crashed on it{}", file.string(),
+                    signal ? fmt::format(" ({})", ::strsignal(signal)) : "");
+}
+
+void add_beside(const fs::path& module, std::vector<fs::path>& places) {
+  if (!module.has_parent_path()) return;
+  const fs::path folder = module.parent_path();
+  places.push_back(folder / kProgram);
+  // Of PREFIX/bin, PREFIX/lib and PREFIX/lib/x86_64-linux-gnu.
+  for (const char* up : {"..", "../.."}) places.push_back(folder / up / "libexec" / "umbrage" / kProgram);
+}
+
+}  // namespace
+
+fs::path import_program() {
+  if (const char* named = std::getenv("UMBRAGE_IMPORT"); named && *named) return named;
+  std::vector<fs::path> places;
+  Dl_info module{};
+  if (::dladdr(reinterpret_cast<const void*>(&import_program), &module) != 0 && module.dli_fname)
+    add_beside(module.dli_fname, places);
+  std::error_code error;
+  if (const fs::path self = fs::read_symlink("/proc/self/exe", error); !error) add_beside(self, places);
+  places.push_back(fs::path(UMBRAGE_LIBEXEC) / kProgram);
+  for (const fs::path& place : places)
+    if (::access(place.c_str(), X_OK) == 0) return place;
+  return {};
+}
+
+Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings) {
+  const fs::path program = import_program();
+  if (program.empty())
+    return file_error("{}: cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
+                      file.string(), kProgram);
+  Descriptor result = moved_up(::memfd_create("umbrage-scene", MFD_CLOEXEC));
+  int ends[2] = {-1, -1};
+  Descriptor told, done;
+  if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_up(ends[0]), done = moved_up(ends[1]);
+  if (result.number < 0 || told.number < 0 || done.number < 0)
+    return file_error("{}: cannot be read: {}", file.string(), std::strerror(errno));
+  const auto started = std::chrono::steady_clock::now();
+  const auto child = spawn(program, file, settings, result.number, done.number);
+  if (!child) return child.error();
+  done.close();  // the child's end alone is open now: that it ends is seen, too
+  char byte = 0;
+  ssize_t got = 0;
+  do got = ::read(told.number, &byte, 1);
+  while (got < 0 && errno == EINTR);
+  std::optional<Result<Scene>> received;
+  if (got == 1) received = receive_import(result.number);
+  const Ended ended = wait_for(*child, started);
+  if (received) return std::move(*received);
+  if (got == 1)
+    return file_error("{}: cannot be read: {} is of another version than this program", file.string(),
+                      program.string());
+  return ended_early(file, ended);
+}
+
+}  // namespace umbrage

@@ -1,0 +1,112 @@
+// What can be said of a model file before and after it is read, and where it is read: by our own readers here, by those
+// of others in a process of its own.
+#include "scene/import.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <new>
+#include <system_error>
+
+#include "scene/finish.h"
+#include "scene/import_apart.h"
+#include "scene/import_parts.h"
+#include "scene/off.h"
+#include "scene/ply.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string list_of_formats() {
+  std::string list;
+  for (const std::string& format : import_formats()) list += (list.empty() ? "." : ", .") + format;
+  return list;
+}
+
+/// PLY or OFF. Nothing where it has a texture, whose reader is not ours.
+std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format) {
+  if (format == "off") return read_off(file);
+  if (!ply_texture(file).empty()) return std::nullopt;
+  std::string texture;
+  Result<Scene> scene = read_ply(file, texture);
+  if (scene) scene->materials.emplace_back();
+  return scene;
+}
+
+}  // namespace
+
+const std::vector<std::string>& import_formats() {
+  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off"};
+  return formats;
+}
+
+std::string import_format(const fs::path& file) {
+  std::string ending = file.extension().string();
+  if (!ending.empty()) ending.erase(0, 1);
+  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+std::optional<Error> check_model_file(const fs::path& file, const std::string& format) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) return file_error("{}: there is no such file", file.string());
+  if (error) return file_error("{}: cannot be read ({})", file.string(), error.message());
+  if (status.type() == fs::file_type::directory) {
+    return file_error("{}: is a folder, where a model file is needed", file.string());
+  }
+  const auto& formats = import_formats();
+  if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
+    return file_error("{}: is no model that can be read; files that end in {} can", file.string(), list_of_formats());
+  }
+  if (status.type() != fs::file_type::regular) return file_error("{}: is not a regular file", file.string());
+  if (fs::file_size(file, error) == 0 && !error) return file_error("{}: is empty", file.string());
+  if (!std::ifstream(file, std::ios::binary)) {
+    return file_error("{}: cannot be opened for reading (permission?)", file.string());
+  }
+  return std::nullopt;
+}
+
+Error too_large_to_read(const fs::path& file) {
+  return file_error("{}: needs more memory than there is, or is broken", file.string());
+}
+
+Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings) {
+  if (!imported) return imported;
+  Scene& scene = *imported;
+  scene.name = file.filename().string();
+  if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
+    scene.up = settings.up / length;
+  }
+  if (scene.meshes.empty()) return file_error("{}: has no triangles", file.string());
+  const std::size_t triangles = scene.triangle_count();
+  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg);
+  if (scene.meshes.empty()) {
+    return file_error("{}: has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
+                      triangles);
+  }
+  constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
+  if (dropped * kWorthSaying > triangles) {
+    scene.warnings.push_back(
+        fmt::format("{} of {} triangles are degenerate or not finite and are left out", dropped, triangles));
+  }
+  return imported;
+}
+
+Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings) {
+  const std::string format = import_format(file);
+  if (auto error = check_model_file(file, format)) return std::move(*error);
+  try {
+    if (format == "ply" || format == "off")
+      if (auto own = import_own(file, format)) return complete_import(std::move(*own), file, settings);
+    return import_apart(file, settings);
+  } catch (const std::bad_alloc&) {
+    return too_large_to_read(file);
+  }
+}
+
+}  // namespace umbrage

@@ -1,0 +1,49 @@
+// An umbrage-import whose reader fails as the model's name says, for tests: it crashes, never ends, waits forever, eats
+// memory, gives up, or claims to be ready and is not. The limits of time are set lower than people have them.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <vector>
+
+#include "importer/import_here.h"
+#include "importer/serve.h"
+#include "scene/import_apart.h"
+
+namespace {
+
+umbrage::Result<umbrage::Scene> fail(const std::filesystem::path& file, const umbrage::ImportSettings& settings) {
+  const std::string how = file.stem();
+  if (how == "crash") std::raise(SIGSEGV);
+  if (how == "abort") std::abort();
+  if (how == "killed") std::raise(SIGKILL);
+  if (how == "exit") std::_Exit(7);
+  if (how == "throw") throw how;
+  if (how == "spin") {
+    const rlimit second{1, RLIM_INFINITY};
+    ::setrlimit(RLIMIT_CPU, &second);
+    while (true) ::getppid();
+  }
+  if (how == "wait") {
+    ::alarm(1);
+    while (true) ::pause();
+  }
+  if (how == "linger") {
+    std::ofstream(file.string() + ".started");
+    ::sleep(60);
+  }
+  if (how == "hunger") {
+    constexpr std::size_t kPiece = std::size_t(1) << 26;
+    for (std::vector<char*> pieces;;) pieces.push_back(new char[kPiece]);
+  }
+  if (how == "liar") {
+    if (::write(umbrage::kImportResult, "nonsense", 8) == 8 && ::write(umbrage::kImportDone, "", 1) == 1) std::_Exit(0);
+  }
+  return umbrage::import_here(file, settings);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { umbrage::serve_import(argc, argv, fail); }

@@ -1,0 +1,212 @@
+// Import in a process of its own: whatever becomes of the reader, the program goes on and has a sentence to say.
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <glm/geometric.hpp>
+#include <optional>
+#include <thread>
+
+#include "importer/import_here.h"
+#include "importer/limits.h"
+#include "run_program.h"
+#include "scene/import_apart.h"
+#include "scene/transfer.h"
+
+namespace umbrage::test {
+namespace {
+
+constexpr const char* kFaulty = "UMBRAGE_IMPORT=" UMBRAGE_FAULTY_IMPORT;
+
+/// The faulty reader instead of ours.
+class IsolatedImport : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    ::setenv("UMBRAGE_IMPORT", UMBRAGE_FAULTY_IMPORT, 1);
+  }
+  void TearDown() override {
+    ::unsetenv("UMBRAGE_IMPORT");
+    ProgramTest::TearDown();
+  }
+
+  /// A model that is sound but for its name.
+  fs::path model(const std::string& name) {
+    fs::copy_file(folder_ / "tri.obj", folder_ / name, fs::copy_options::overwrite_existing);
+    return folder_ / name;
+  }
+  void expect_error(const std::string& name, const std::string& text) {
+    const Result<Scene> scene = import_scene(model(name));
+    ASSERT_FALSE(scene) << name;
+    EXPECT_EQ(scene.error().kind, ErrorKind::kFile);
+    EXPECT_NE(scene.error().message.find(name + ": "), std::string::npos) << scene.error().message;
+    EXPECT_NE(scene.error().message.find(text), std::string::npos) << scene.error().message;
+    EXPECT_EQ(scene.error().message.find('\n'), std::string::npos) << scene.error().message;
+  }
+};
+
+TEST_F(IsolatedImport, SurvivesWhatItsReaderDoes) {
+  EXPECT_TRUE(import_scene(model("sound.obj")));
+  expect_error("crash.obj", "its reader crashed on it (Segmentation fault)");
+  expect_error("abort.obj", "its reader crashed on it (Aborted)");
+  expect_error("throw.obj", "its reader crashed on it (Aborted)");
+  expect_error("exit.obj", "its reader crashed on it");
+  expect_error("killed.obj", "more memory than there is");
+  expect_error("liar.obj", "of another version");
+}
+
+TEST_F(IsolatedImport, StopsAReaderWithoutEnd) {
+  expect_error("spin.obj", "stopped after 1 s");
+  expect_error("wait.obj", "stopped after 1 s");
+}
+
+TEST_F(IsolatedImport, RefusesMemoryToAHungryReader) {
+  if (!memory_can_be_limited()) GTEST_SKIP() << "a sanitizer has reserved all memory there is";
+  expect_error("hunger.obj", "needs more memory than there is");
+}
+
+TEST_F(IsolatedImport, IsASentenceOfTheProgram) {
+  for (const std::string name : {"crash.obj", "abort.obj", "exit.obj"}) {
+    model(name);
+    bad(name + " -o out.png", 3, {name, "its reader crashed"}, kFaulty);
+  }
+}
+
+TEST_F(IsolatedImport, LeavesNoProcessBehind) {
+  // The program is killed while its reader lingers; what the reader has opened closes when it ends, too.
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  const std::string file = model("linger.obj").string(), started = file + ".started";
+  const pid_t program = ::fork();
+  if (program == 0) {
+    ::dup2(ends[1], 9), ::close(ends[0]), ::close(ends[1]);
+    ::execl(UMBRAGE_PROGRAM, "umbrage", file.c_str(), "-o", (file + ".png").c_str(), nullptr);
+    ::_exit(1);
+  }
+  ::close(ends[1]);
+  for (int i = 0; i < 1000 && !fs::exists(started); ++i) ::usleep(10'000);
+  EXPECT_TRUE(fs::exists(started));
+  ::kill(program, SIGKILL);
+  ::waitpid(program, nullptr, 0);
+  pollfd reader{ends[0], POLLIN, 0};
+  constexpr int kFarBelowItsLingering = 10'000;
+  EXPECT_EQ(::poll(&reader, 1, kFarBelowItsLingering), 1);
+  ::close(ends[0]);
+}
+
+TEST_F(IsolatedImport, WorksInAnyProgram) {
+  // One that ignores its children, has closed its standard files, and imports in several threads.
+  ::signal(SIGCHLD, SIG_IGN);
+  const int input = ::dup(STDIN_FILENO);
+  ::close(STDIN_FILENO);
+  EXPECT_TRUE(import_scene(model("sound.obj")));
+  expect_error("crash.obj", "its reader crashed on it");
+  ::dup2(input, STDIN_FILENO);
+  ::close(input);
+  ::signal(SIGCHLD, SIG_DFL);
+  std::atomic<int> good = 0, bad = 0;
+  std::vector<std::thread> threads;
+  const fs::path sound = model("sound.obj"), crash = model("crash.obj");
+  for (int i = 0; i < 6; ++i) threads.emplace_back([&, i] { (import_scene(i % 2 ? sound : crash) ? good : bad) += 1; });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(good, 3);
+  EXPECT_EQ(bad, 3);
+}
+
+TEST_F(IsolatedImport, NeedsItsProgram) {
+  ::setenv("UMBRAGE_IMPORT", "/nowhere/umbrage-import", 1);
+  expect_error("sound.obj", "/nowhere/umbrage-import does not start");
+  ::setenv("UMBRAGE_IMPORT", "/bin/true", 1);
+  expect_error("sound.obj", "its reader crashed on it");
+  ::unsetenv("UMBRAGE_IMPORT");
+  EXPECT_EQ(import_program().filename(), "umbrage-import");
+  EXPECT_TRUE(import_scene(model("sound.obj")));
+}
+
+/// An open file without a name.
+struct Memory {
+  int file = ::memfd_create("test", 0);
+  ~Memory() { ::close(file); }
+  std::string bytes() const {
+    std::string text(std::size_t(::lseek(file, 0, SEEK_END)), '\0');
+    EXPECT_EQ(::pread(file, text.data(), text.size(), 0), ssize_t(text.size()));
+    return text;
+  }
+  void fill(std::string_view text) const {
+    ASSERT_EQ(::ftruncate(file, 0), 0);
+    ASSERT_EQ(::pwrite(file, text.data(), text.size(), 0), ssize_t(text.size()));
+  }
+};
+
+Scene small_scene() {
+  Scene scene;
+  scene.name = "a scene";
+  scene.textures.push_back({"wood", 2, 1, {1, 2, 3, 4, 5, 6, 7, 8}});
+  scene.materials.push_back({.name = "m", .albedo = glm::vec3(0.25f), .texture = 0, .alpha_mask = true});
+  Mesh mesh{.name = "plate", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}, .object = 7};
+  mesh.normals.assign(3, glm::vec3(0, 0, 1));
+  scene.meshes.push_back(mesh);
+  scene.lights.push_back({.kind = LightKind::kPoint, .position = {1, 2, 3}, .reach = 4.0f});
+  scene.views.push_back({.eye = {9, 8, 7}});
+  scene.warnings = {"", "a warning"};
+  scene.bounds_max = {1, 1, 0};
+  return scene;
+}
+
+TEST(Transfer, KeepsEveryField) {
+  // What is written, read and written again is the same to the last byte.
+  Memory first, second;
+  ASSERT_TRUE(send_import(first.file, small_scene()));
+  const auto scene = receive_import(first.file);
+  ASSERT_TRUE(scene && *scene);
+  EXPECT_EQ((*scene)->meshes.at(0).positions.at(1), glm::vec3(1, 0, 0));
+  EXPECT_EQ((*scene)->lights.at(0).reach, 4.0f);
+  EXPECT_EQ((*scene)->warnings.at(1), "a warning");
+  ASSERT_TRUE(send_import(second.file, *scene));
+  EXPECT_EQ(first.bytes(), second.bytes());
+  Memory third;
+  ASSERT_TRUE(send_import(third.file, usage_error("a sentence")));
+  const auto error = receive_import(third.file);
+  ASSERT_TRUE(error && !*error);
+  EXPECT_EQ(error->error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(error->error().message, "a sentence");
+}
+
+TEST(Transfer, RefusesWhatIsNotWholeOrNotSound) {
+  Memory whole, changed;
+  ASSERT_TRUE(send_import(whole.file, small_scene()));
+  const std::string bytes = whole.bytes();
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    changed.fill(bytes.substr(0, size));
+    EXPECT_FALSE(receive_import(changed.file)) << size << " of " << bytes.size();
+  }
+  // Any byte may be another: then it is refused, or what is read is sound all the same.
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    std::string other = bytes;
+    other[i] = char(other[i] ^ 0xff);
+    changed.fill(other);
+    const auto read = receive_import(changed.file);
+    if (!read || !*read) continue;
+    for (const Mesh& mesh : (*read)->meshes)
+      for (const std::uint32_t index : mesh.indices) EXPECT_LT(index, mesh.positions.size()) << i;
+  }
+  const auto spoil = [&](auto change) {
+    Scene scene = small_scene();
+    change(scene);
+    Memory file;
+    EXPECT_TRUE(send_import(file.file, scene));
+    return !receive_import(file.file);
+  };
+  EXPECT_FALSE(spoil([](Scene&) {}));
+  EXPECT_TRUE(spoil([](Scene& s) { s.meshes[0].indices[1] = 3; }));
+  EXPECT_TRUE(spoil([](Scene& s) { s.meshes[0].normals.pop_back(); }));
+  EXPECT_TRUE(spoil([](Scene& s) { s.meshes[0].material = 1; }));
+  EXPECT_TRUE(spoil([](Scene& s) { s.materials[0].texture = 1; }));
+  EXPECT_TRUE(spoil([](Scene& s) { s.textures[0].width = 1000; }));
+}
+
+}  // namespace
+}  // namespace umbrage::test
