@@ -17,6 +17,21 @@ struct Tile;         // the pixels that it computes: see machine/kernel_frame.h
 /// A compiled kernel: computes the outputs of its pass for one tile. Tiles may run at the same time.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
 
+/// One dispatch over all pixels on a GPU.
+struct GpuStep {
+  std::string_view name;
+  /// Planes of the pass, and others that its steps alone know: they last from the first step to the last.
+  std::vector<std::string_view> inputs, outputs;
+  std::span<const std::uint32_t> spirv;
+  int group_width = 8, group_height = 8;  ///< pixels that a workgroup computes; it is 8 x 8 invocations
+};
+
+/// Another way of a GPU to the bits of a pass.
+struct GpuWay {
+  bool (*fits)(const void* constants) = nullptr;  ///< whether it gives them with these constants, and sooner
+  std::vector<GpuStep> steps;
+};
+
 /// One run over all pixels.
 struct Pass {
   std::string_view name;
@@ -26,6 +41,7 @@ struct Pass {
   CpuKernel scalar = nullptr, lanes = nullptr;             ///< the kernel text as plain C++ and as SIMD lanes
   CpuKernel tuned = nullptr;                               ///< another way to the same bits, or null
   std::span<const std::uint32_t> spirv;                    ///< the kernel text as a compute shader
+  std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs in place of it
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always
   int tile_width = 1 << 20, tile_height = 16;              ///< tile that the CPU likes
 };

@@ -48,6 +48,7 @@ bool is_finite(float a) { return abs(a) <= 3.402823466e38f; }
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer InPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer InOutPlane { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };  // of ways of a GPU alone
 layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPlanes]; };
 
 // The plane NAME becomes name_plane; `n` tells apart those that one line declares.

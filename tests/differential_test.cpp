@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "machine/cpu_target.h"
@@ -232,6 +233,41 @@ TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
         EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).most, 0.0) << effect.name << once.names[p];
       }
     }
+}
+
+bool has_gpu_ways(const Effect& effect) {
+  return std::any_of(effect.passes.begin(), effect.passes.end(),
+                     [](const Pass& pass) { return !pass.gpu_ways.empty(); });
+}
+
+TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
+  const Effect& effect = *GetParam();
+  if (!has_gpu_ways(effect)) return;
+  Device* const tuned = test::vulkan_device();
+  const auto plain = test::new_vulkan_device({.tuned = false});
+  UMBRAGE_NEEDS_VULKAN(tuned && plain);
+  const test::NoMessages no_messages;
+  std::vector<ParameterBytes> all;
+  for (unsigned variant = 0; variant < 12; ++variant) all.push_back(variant_of(effect, variant));
+  for (const std::string_view text : effect.variants) {
+    EffectSettings settings;
+    const std::string name(effect.name);
+    settings[name] = variant_of(effect, 0);
+    ASSERT_TRUE(apply_variant(settings, effect, text)) << text;
+    all.push_back(settings[name]);
+  }
+  for (const Size size : {Size{1, 1}, Size{3, 2}, Size{67, 41}})
+    for (std::size_t k = 0; k < all.size(); ++k)
+      for (const bool hostile : {false, true}) {
+        GBuffer gbuffer = hostile ? test::hostile_gbuffer(size.width, size.height, 11 + unsigned(k))
+                                  : test::bumpy_gbuffer(size.width, size.height, 70 + unsigned(k));
+        add_made_inputs(effect, gbuffer);
+        const Image a = outputs(effect, all[k], gbuffer, *plain), b = outputs(effect, all[k], gbuffer, *tuned);
+        ASSERT_EQ(a.names, b.names);
+        for (std::size_t p = 0; p < a.planes.size(); ++p)
+          EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0)
+              << effect.name << ' ' << a.names[p] << " setting " << k << " at " << size.width << 'x' << size.height;
+      }
 }
 
 INSTANTIATE_TEST_SUITE_P(Effects, Differential, testing::ValuesIn(effects().begin(), effects().end()),

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <set>
 
+#include "devices/vulkan/pipelines.h"
 #include "devices/vulkan/slots.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
@@ -52,21 +53,34 @@ TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
     }
 }
 
+void expect_exactly_its_planes(const GpuStep& step, std::string_view effect) {
+  std::set<std::string> slots;
+  std::set<std::uint32_t> constants;
+  for (const Slot& slot : slots_of(step.spirv)) {
+    slots.insert(slot.plane);
+    EXPECT_TRUE(constants.insert(slot.constant).second) << slot.plane << " shares its number";
+  }
+  std::set<std::string> expected;
+  for (std::string_view name : plane_table(step)) expected.insert(slot_name(name));
+  EXPECT_EQ(slots, expected) << effect << ", pass " << step.name;
+}
+
 TEST(Registry, ShadersReachExactlyTheirPlanes) {
   for (const Effect* effect : effects())
     for (const Pass& pass : effect->passes) {
-      std::set<std::string> slots;
-      std::set<std::uint32_t> constants;
-      for (const Slot& slot : slots_of(pass.spirv)) {
-        slots.insert(slot.plane);
-        EXPECT_TRUE(constants.insert(slot.constant).second) << slot.plane << " shares its number";
-      }
-      std::set<std::string> expected;
-      for (const auto* names : {&pass.inputs, &pass.outputs})
-        for (std::string_view name : *names) expected.insert(slot_name(name));
-      EXPECT_EQ(slots, expected) << effect->name << ", pass " << pass.name;
+      expect_exactly_its_planes(plain_step(pass), effect->name);
       for (std::string_view name : pass.later_inputs)
         EXPECT_NE(std::find(pass.inputs.begin(), pass.inputs.end(), name), pass.inputs.end()) << effect->name << name;
+      for (const GpuWay& way : pass.gpu_ways) {
+        std::set<std::string_view> there(pass.inputs.begin(), pass.inputs.end()), made;
+        for (const GpuStep& step : way.steps) {
+          expect_exactly_its_planes(step, effect->name);
+          for (std::string_view name : step.inputs) EXPECT_TRUE(there.contains(name)) << effect->name << ' ' << name;
+          made.insert(step.outputs.begin(), step.outputs.end());
+          there.insert(step.outputs.begin(), step.outputs.end());
+        }
+        for (std::string_view name : pass.outputs) EXPECT_TRUE(made.contains(name)) << effect->name << ' ' << name;
+      }
     }
 }
 

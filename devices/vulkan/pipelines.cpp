@@ -27,12 +27,16 @@ constexpr std::uint32_t kSoftenSpirv[] = {
 
 }  // namespace
 
-std::vector<std::string_view> plane_table(const Pass& pass) {
+GpuStep plain_step(const Pass& pass) {
+  return {.name = pass.name, .inputs = pass.inputs, .outputs = pass.outputs, .spirv = pass.spirv};
+}
+
+std::vector<std::string_view> plane_table(const GpuStep& step) {
   std::vector<std::string_view> names;
-  for (const auto* list : {&pass.inputs, &pass.outputs})
+  for (const auto* list : {&step.inputs, &step.outputs})
     for (std::string_view name : *list)
       if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  check_less(names.size(), std::size_t(kMostPlanes) + 1, fmt::format("planes of pass {}", pass.name));
+  check_less(names.size(), std::size_t(kMostPlanes) + 1, fmt::format("planes of pass {}", step.name));
   return names;
 }
 
@@ -123,22 +127,22 @@ Pipelines::~Pipelines() {
   if (set_layout_) vk.DestroyDescriptorSetLayout(device, set_layout_, nullptr);
 }
 
-Result<VkPipeline> Pipelines::of(const Pass& pass) {
-  if (const auto found = pipelines_.find(pass.spirv.data()); found != pipelines_.end()) return found->second;
-  const std::vector<std::string_view> table = plane_table(pass);
+Result<VkPipeline> Pipelines::of(const GpuStep& step) {
+  if (const auto found = pipelines_.find(step.spirv.data()); found != pipelines_.end()) return found->second;
+  const std::vector<std::string_view> table = plane_table(step);
   std::vector<VkSpecializationMapEntry> entries;
   std::vector<std::int32_t> values;
-  for (const Slot& slot : slots_of(pass.spirv)) {
+  for (const Slot& slot : slots_of(step.spirv)) {
     const auto plane =
         std::find_if(table.begin(), table.end(), [&](auto name) { return slot_name(name) == slot.plane; });
     if (plane == table.end())
-      fail_check(fmt::format("kernel {} reads plane '{}', which its pass does not list", pass.name, slot.plane));
+      fail_check(fmt::format("kernel {} reads plane '{}', which its pass does not list", step.name, slot.plane));
     entries.push_back({slot.constant, std::uint32_t(values.size() * sizeof(std::int32_t)), sizeof(std::int32_t)});
     values.push_back(std::int32_t(plane - table.begin()));
   }
   const VkSpecializationInfo specialization{std::uint32_t(entries.size()), entries.data(),
                                             values.size() * sizeof(std::int32_t), values.data()};
-  return compile(pass.spirv, pass_layout_, &specialization);
+  return compile(step.spirv, pass_layout_, &specialization);
 }
 
 Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, pick_layout_, nullptr); }

@@ -17,8 +17,11 @@ struct PickConstants {
   int factor = 1;
 };
 
-/// The names of a pass's planes, inputs first, each once: the order of their addresses in the table of machine/glsl.h.
-std::vector<std::string_view> plane_table(const Pass& pass);
+/// What a GPU runs of a pass that has no other way.
+GpuStep plain_step(const Pass& pass);
+
+/// The names of a step's planes, inputs first, each once: the order of their addresses in the table of machine/glsl.h.
+std::vector<std::string_view> plane_table(const GpuStep& step);
 
 class Pipelines {
  public:
@@ -29,8 +32,8 @@ class Pipelines {
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
 
-  /// The pass's pipeline, compiled when it is first asked for. Errors: kDevice.
-  Result<VkPipeline> of(const Pass& pass);
+  /// The step's pipeline, compiled when it is first asked for. Errors: kDevice.
+  Result<VkPipeline> of(const GpuStep& step);
   Result<VkPipeline> pick();
   /// capture.comp, soften.comp and convert.comp, which get constants and a table as passes do.
   Result<VkPipeline> capture();

@@ -21,7 +21,7 @@
 namespace umbrage {
 namespace {
 
-constexpr std::uint32_t kGroup = 8;                            // pixels of a workgroup, across and down: machine/glsl.h
+constexpr int kGroup = 8;                                      // pixels of a workgroup, across and down: machine/glsl.h
 constexpr VkDeviceSize kMostStaged = VkDeviceSize(256) << 20;  // bytes copied to or from the host at once
 
 /// What a frame stores. A plane that a pass asked for and nobody made has one value everywhere; all such names of one
@@ -61,13 +61,15 @@ struct HostPlane {
 class VulkanDevice final : public Device {
  public:
   /// `capture` is what draws scenes; null: this device itself.
-  VulkanDevice(GpuPtr gpu, std::string name, std::string description, int threads, std::unique_ptr<Device> capture)
+  VulkanDevice(GpuPtr gpu, std::string name, std::string description, int threads, std::unique_ptr<Device> capture,
+               bool tuned)
       : gpu_(std::move(gpu)),
         memory_(std::make_shared<Memory>(gpu_)),
         name_(std::move(name)),
         description_(std::move(description)),
         threads_(threads),
-        capture_(std::move(capture)) {}
+        capture_(std::move(capture)),
+        tuned_(tuned) {}
 
   ~VulkanDevice() override {
     memory_->wait = [] { return Result<void>(); };
@@ -292,7 +294,7 @@ class VulkanDevice final : public Device {
     constants.near_depth = meaning.near_depth;
     constants.far_depth = meaning.far_depth;
     std::copy_n(meaning.turn, 9, constants.turn);
-    return dispatch(*pipeline, {"image", to_image ? "write" : "read"}, frame.info,
+    return dispatch({*pipeline, "image", to_image ? "write" : "read"}, frame.info,
                     {std::as_bytes(std::span(&constants, 1))}, table);
   }
 
@@ -400,22 +402,55 @@ class VulkanDevice final : public Device {
     for (std::string_view output : pass.outputs)
       if (run.is_there(output))
         if (auto made = writable(planes, run.plane(output)); !made) return made.error();
-    const auto pipeline = pipelines_->of(pass);
-    if (!pipeline) return pipeline.error();
+    if (tuned_)
+      for (const GpuWay& way : pass.gpu_ways)
+        if (way.fits(run.constants.data())) return run_way(run, way, planes);
+    return run_step(run, plain_step(pass), planes, {});
+  }
 
+  /// Planes that the steps of a way alone know.
+  using StepPlanes = std::map<std::string_view, DevicePlanePtr>;
+
+  Result<void> run_way(const PassRun& run, const GpuWay& way, Planes& planes) {
+    // The last step's outputs are all of them the pass's. Memory given back here serves what is noted down later.
+    StepPlanes own;
+    const auto& of_pass = run.pass.outputs;
+    for (const GpuStep& step : way.steps) {
+      for (std::string_view output : step.outputs) {
+        if (std::find(of_pass.begin(), of_pass.end(), output) != of_pass.end() || own.contains(output)) continue;
+        const auto made = memory_->plane(planes.bytes);
+        if (!made) return made.error();
+        own.emplace(output, *made);
+      }
+      if (auto done = run_step(run, step, planes, own); !done) return done;
+    }
+    return {};
+  }
+
+  Result<void> run_step(const PassRun& run, const GpuStep& step, const Planes& planes, const StepPlanes& own) {
+    const auto pipeline = pipelines_->of(step);
+    if (!pipeline) return pipeline.error();
     std::vector<VkDeviceAddress> table;
-    for (std::string_view name : plane_table(pass)) {
-      const DevicePlane* plane = planes.find(run.plane(name));
+    for (std::string_view name : plane_table(step)) {
+      const auto found = own.find(name);
+      const DevicePlane* plane = found != own.end() ? found->second.get() : planes.find(run.plane(name));
       table.push_back(plane ? plane->address : 0);  // a layer that is not there: nobody stores to it
     }
     const FrameConstants frame = frame_constants(run.info, planes.stride, run.round);
-    return dispatch(*pipeline, {run.effect.name, pass.name}, run.info,
+    return dispatch({*pipeline, run.effect.name, step.name, step.group_width, step.group_height}, run.info,
                     {std::as_bytes(std::span(&frame, 1)), run.constants}, table);
   }
 
+  /// A shader that is to run over all pixels, and whose time is taken under these names.
+  struct Work {
+    VkPipeline pipeline;
+    std::string_view effect, pass;
+    int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
+  };
+
   /// Notes down a shader over all pixels that reads constants, one part after the other, and a table of addresses.
-  Result<void> dispatch(VkPipeline pipeline, std::pair<std::string_view, std::string_view> name,
-                        const PictureInfo& info, std::initializer_list<std::span<const std::byte>> constants,
+  Result<void> dispatch(const Work& work, const PictureInfo& info,
+                        std::initializer_list<std::span<const std::byte>> constants,
                         std::span<const VkDeviceAddress> table) {
     std::size_t bytes = kTableBytes;
     for (const auto& part : constants) bytes += part.size();
@@ -431,13 +466,13 @@ class VulkanDevice final : public Device {
       to += part.size();
     }
     commands_->barrier();
-    commands_->begin_pass(name.first, name.second);
-    gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    commands_->begin_pass(work.effect, work.pass);
+    gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, work.pipeline);
     const VkDescriptorSet set = pipelines_->constants();
     const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
     gpu_->vk.CmdBindDescriptorSets(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_->pass_layout(), 0, 1, &set, 2,
                                    offsets);
-    over_pixels(*buffer, info);
+    over_pixels(*buffer, info, work.group_width, work.group_height);
     commands_->end_pass();
     return {};
   }
@@ -490,7 +525,7 @@ class VulkanDevice final : public Device {
     for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
     const PictureInfo info = layer_info(frame.info, layer);
     const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
-    return dispatch(*pipeline, {"capture", layer_plane(layer, "planes")}, info,
+    return dispatch({*pipeline, "capture", layer_plane(layer, "planes")}, info,
                     {std::as_bytes(std::span(&constants, 1))}, table);
   }
 
@@ -507,7 +542,7 @@ class VulkanDevice final : public Device {
         const VkDeviceAddress table[] = {down ? between : shadow,          down ? shadow : between,
                                          planes.find("depth")->address,    planes.find("normal.x")->address,
                                          planes.find("normal.y")->address, planes.find("normal.z")->address};
-        if (auto done = dispatch(*pipeline, {"capture", down ? "soften down" : "soften across"}, frame.info,
+        if (auto done = dispatch({*pipeline, "capture", down ? "soften down" : "soften across"}, frame.info,
                                  {std::as_bytes(std::span(&constants, 1))}, table);
             !done)
           return done;
@@ -529,13 +564,13 @@ class VulkanDevice final : public Device {
     gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pipeline);
     gpu_->vk.CmdPushConstants(*buffer, pipelines_->pick_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                               offsetof(PickConstants, factor) + sizeof(int), &constants);
-    over_pixels(*buffer, to.info);
+    over_pixels(*buffer, to.info, kGroup, kGroup);
     return {};
   }
 
-  void over_pixels(VkCommandBuffer buffer, const PictureInfo& info) {
-    gpu_->vk.CmdDispatch(buffer, (std::uint32_t(info.width) + kGroup - 1) / kGroup,
-                         (std::uint32_t(info.height) + kGroup - 1) / kGroup, 1);
+  void over_pixels(VkCommandBuffer buffer, const PictureInfo& info, int group_width, int group_height) {
+    gpu_->vk.CmdDispatch(buffer, std::uint32_t((info.width + group_width - 1) / group_width),
+                         std::uint32_t((info.height + group_height - 1) / group_height), 1);
   }
 
   /// Of the table of planes, on each device a multiple of what constants must be aligned to.
@@ -548,6 +583,7 @@ class VulkanDevice final : public Device {
   std::string name_, description_;
   int threads_ = 1;
   std::unique_ptr<Device> capture_;
+  bool tuned_ = true;
   DeviceScene scene_;
   TracedScenePtr traced_;  // only where somebody wanted further cameras
 };
@@ -619,7 +655,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   std::string description = fmt::format("vulkan:{}: {}", index, summary_of(chosen));
   if (!here) description += fmt::format("; scenes are captured by {}", capture->description());
   auto device = std::make_unique<VulkanDevice>(*gpu, fmt::format("vulkan:{}", index), std::move(description), threads,
-                                               here ? nullptr : std::move(capture));
+                                               here ? nullptr : std::move(capture), settings.tuned);
   if (auto started = device->start(pipelines); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }
@@ -628,7 +664,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign)
   auto gpu = adopt_gpu(foreign);
   if (!gpu) return gpu.error();
   const std::filesystem::path file = pipeline_file(cache_name(**gpu));
-  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr);
+  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr, true);
   if (auto started = device->start(file); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }

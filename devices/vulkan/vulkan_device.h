@@ -24,6 +24,7 @@ struct VulkanSettings {
   /// Where set, validation layers look at every call, synchronization included, and what they say comes here.
   ValidationMessage on_message;
   VulkanCapture capture = VulkanCapture::kAuto;
+  bool tuned = true;                        ///< run passes in their own ways for GPUs, where they have one that fits
   PFN_vkGetInstanceProcAddr get = nullptr;  ///< null: that of the system's loader
   std::string pipeline_folder;              ///< of compiled pipelines; empty: in the user's cache; "none": nowhere
 };

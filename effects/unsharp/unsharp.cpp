@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "core/effect.h"
+#include "effects/unsharp/unsharp_sums.h"
 #include "machine/kernel_frame.h"
 
 namespace umbrage {
@@ -20,6 +21,24 @@ constexpr std::uint32_t kLinearizeSpirv[] = {
 };
 constexpr std::uint32_t kUnsharpSpirv[] = {
 #include "spirv/unsharp.inc"
+};
+constexpr std::uint32_t kAcrossSpirv[] = {
+#include "spirv/unsharp_across.inc"
+};
+constexpr std::uint32_t kDownSpirv[] = {
+#include "spirv/unsharp_down.inc"
+};
+constexpr std::uint32_t kBlocks4Spirv[] = {
+#include "spirv/unsharp_blocks4.inc"
+};
+constexpr std::uint32_t kBlocks8Spirv[] = {
+#include "spirv/unsharp_blocks8.inc"
+};
+constexpr std::uint32_t kBlocks16Spirv[] = {
+#include "spirv/unsharp_blocks16.inc"
+};
+constexpr std::uint32_t kBlocksSpirv[] = {
+#include "spirv/unsharp_blocks.inc"
 };
 
 // The automatic far plane leaves the farthest geometry at 90 % of the depth range, the paper's largest threshold away
@@ -144,6 +163,52 @@ void set_radius(float radius, const PictureInfo& info, ParameterBytes& bytes) {
   as<UnsharpParams>(bytes).kernel = {float(side), 0};
 }
 
+bool has_no_threshold(const void* constants) {
+  const auto& c = *static_cast<const UnsharpConstants*>(constants);
+  return c.gaussian == 0 && c.threshold >= kUnsharpSteps;
+}
+
+bool has_blocks(const void* constants) {
+  const auto& c = *static_cast<const UnsharpConstants*>(constants);
+  const bool few_outside = c.border == kUnsharpBorderSkip || c.border == kUnsharpBorderZero;
+  return c.gaussian == 0 && few_outside && c.last_column - c.first_column + 1 >= kUnsharpLeastBlocks;
+}
+
+/// On a GPU a box is summed by other ways, whose cost hardly grows with it.
+const std::vector<GpuWay> kGpuWays = {
+    {.fits = has_no_threshold,
+     .steps = {{.name = "across",
+                .inputs = {"unsharp_depth"},
+                .outputs = {"unsharp_row_high", "unsharp_row_low"},
+                .spirv = kAcrossSpirv,
+                .group_width = kUnsharpSegment,
+                .group_height = 1},
+               {.name = "down",
+                .inputs = {"depth", "unsharp_depth", "unsharp_row_high", "unsharp_row_low"},
+                .outputs = {"ao"},
+                .spirv = kDownSpirv,
+                .group_width = kUnsharpStripWidth,
+                .group_height = kUnsharpStripHeight}}},
+    {.fits = has_blocks,
+     .steps = {
+         {.name = "blocks of 4",
+          .inputs = {"unsharp_depth"},
+          .outputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
+          .spirv = kBlocks4Spirv},
+         {.name = "blocks of 8",
+          .inputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
+          .outputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
+          .spirv = kBlocks8Spirv},
+         {.name = "blocks of 16",
+          .inputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
+          .outputs = {"unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
+          .spirv = kBlocks16Spirv},
+         {.name = "unsharp",
+          .inputs = {"depth", "unsharp_depth", "unsharp_least4", "unsharp_greatest4", "unsharp_sum4", "unsharp_least8",
+                     "unsharp_greatest8", "unsharp_sum8", "unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
+          .outputs = {"ao"},
+          .spirv = kBlocksSpirv}}}};
+
 }  // namespace
 
 const Effect& effect_unsharp() {
@@ -173,6 +238,7 @@ const Effect& effect_unsharp() {
                   .lanes = run_lanes_unsharp,
                   .tuned = run_tuned_unsharp,
                   .spirv = kUnsharpSpirv,
+                  .gpu_ways = kGpuWays,
                   .tile_width = 128,
                   .tile_height = 32}},
   };

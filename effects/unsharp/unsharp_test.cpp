@@ -8,6 +8,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "support.h"
+#include "vulkan_support.h"
 
 namespace umbrage {
 namespace {
@@ -319,6 +320,58 @@ TEST(Unsharp, TunedEqualsPlainForTheLargestWindowAndThreshold) {
     const Plane tuned = ao(g, settings, {.tuned = true});
     EXPECT_EQ(test::difference(plain, tuned, 0.0).most, 0.0) << kernel;
   }
+}
+
+/// What a Vulkan device makes of the picture.
+Plane ao_on(Device& device, const GBuffer& gbuffer, const Settings& settings) {
+  auto frame = device.upload(gbuffer);
+  const auto done = device.run(*find_effect("unsharp"), parameters(settings), *frame);
+  EXPECT_TRUE(done) << (done ? "" : done.error().message);
+  return device.download(*frame, {"ao"})->planes[0];
+}
+
+TEST(Unsharp, WaysOfAGpuEqualItsPlainKernelToTheBit) {
+  Device* const tuned = test::vulkan_device();
+  const auto plain = test::new_vulkan_device({.tuned = false});
+  UMBRAGE_NEEDS_VULKAN(tuned && plain);
+  const test::NoMessages no_messages;
+  // Windows of all remainders by 16 and 4, larger than the picture too; as wide as a workgroup's share of a row and
+  // wider.
+  const GBuffer small = hills(44, 29), wide = hills(300, 9);
+  const auto expect_equal = [&](const GBuffer& g, const Settings& settings) {
+    const Plane a = ao_on(*plain, g, settings), b = ao_on(*tuned, g, settings);
+    EXPECT_EQ(test::difference(a, b, 0.0).most, 0.0)
+        << settings[0].second << ' ' << settings[1].second << ' ' << settings[2].second << ' ' << settings[3].second;
+  };
+  for (const char* kernel : {"2", "13", "40", "71"})
+    for (const char* threshold : {"0", "0.002", "0.02", "0.6"})
+      for (const char* border : {"skip", "zero", "clamp", "repeat"}) {
+        const std::string background = kernel[0] == '4' ? "ignore" : "far";
+        expect_equal(small, {{"kernel", kernel},
+                             {"threshold", threshold},
+                             {"border", border},
+                             {"background", background},
+                             {"near", "2"},
+                             {"far", "15"}});
+      }
+  for (const char* border : {"skip", "zero", "clamp", "repeat"})
+    expect_equal(wide, {{"kernel", "239"}, {"threshold", "0"}, {"border", border}, {"background", "ignore"}});
+}
+
+TEST(Unsharp, WaysOfAGpuHaveRoomForTheLargestWindow) {
+  Device* const device = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(device);
+  const test::NoMessages no_messages;
+  // A million samples, each nearly the whole range away: the sums need all their bits. Against the CPU: lavapipe ends
+  // loops after 65535 turns, and with them the plain kernel.
+  const GBuffer g = depth_picture(48, 20, [](int x, int y) { return x < 4 && y < 9 ? 1.0 : 99990.0 - x; });
+  for (const char* threshold : {"0", "0.9999"})
+    for (const char* border : {"skip", "zero"}) {
+      const Settings settings = {
+          {"kernel", "1023"}, {"threshold", threshold}, {"border", border}, {"near", "1"}, {"far", "100000"}};
+      const Plane cpu = ao(g, settings), gpu = ao_on(*device, g, settings);
+      EXPECT_LE(test::difference(cpu, gpu, 0.0).most, 2e-5) << threshold << ' ' << border;
+    }
 }
 
 TEST(Unsharp, LargestWindowDoesNotOverflow) {

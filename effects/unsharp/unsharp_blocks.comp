@@ -1,0 +1,124 @@
+// `unsharp` with a threshold, on a GPU, last step: the window in blocks of 16, 8 and 4 samples to a side that each know
+// their least, greatest and sum. A block wholly inside the threshold counts at once, one wholly outside is skipped, the
+// rest is opened. Oracle: unsharp.kernel.h, whose formulas it takes; sums of whole steps are exact in any order.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "machine/glsl.h"
+
+#include "effects/unsharp/unsharp.h"
+UMBRAGE_CONSTANTS(UnsharpConstants)
+#include "effects/unsharp/unsharp_words.glsl"
+#include "machine/common.kernel.h"
+
+#include "effects/unsharp/unsharp.kernel.h"
+
+IN_REAL(unsharp_least4)
+IN_REAL(unsharp_greatest4)
+PLANE(UintPlane, unsharp_sum4, 0)
+IN_REAL(unsharp_least8)
+IN_REAL(unsharp_greatest8)
+PLANE(UintPlane, unsharp_sum8, 0)
+IN_REAL(unsharp_least16)
+IN_REAL(unsharp_greatest16)
+PLANE(UintPlane, unsharp_sum16, 0)
+
+// Of the samples that count; `low` may be large.
+uint sum_high = 0u, sum_low = 0u, number = 0u;
+float centre;
+
+// A block all of whose samples count: its least sample as often as it has samples, and what the others are more. That
+// fits a word also where the sum does not.
+void add_whole(uint sum, float least, uint samples) {
+  uint lowest = uint(int(least));
+  uint more = sum - lowest * samples;
+  sum_high += (lowest >> kSplit) * samples + (more >> kSplit);
+  sum_low += (lowest & kSplitMask) * samples + (more & kSplitMask);
+  sum_high += sum_low >> kSplit;
+  sum_low &= kSplitMask;
+  number += samples;
+}
+
+bool all_count(float least, float greatest) { return counts(least, centre) && counts(greatest, centre); }
+bool none_counts(float least, float greatest) {
+  return greatest < 0.0f || centre - greatest >= C.threshold || least - centre >= C.threshold;
+}
+
+// Rectangles of samples, by blocks of one size that fill them; right and bottom are the first outside.
+void add_samples(int left, int top, int right, int bottom) {
+  for (int y = top; y < bottom; ++y)
+    for (int x = left; x < right; ++x) {
+      float tap = read_unsharp_depth(y * F.stride + x);
+      if (!counts(tap, centre)) continue;
+      uint steps = uint(int(tap));
+      sum_high += steps >> kSplit;
+      sum_low += steps & kSplitMask;
+      ++number;
+    }
+}
+void add_blocks4(int left, int top, int right, int bottom) {
+  for (int y = top; y < bottom; y += 4)
+    for (int x = left; x < right; x += 4) {
+      int block = y * F.stride + x;
+      float least = read_unsharp_least4(block), greatest = read_unsharp_greatest4(block);
+      if (all_count(least, greatest))
+        add_whole(unsharp_sum4_plane().at[block], least, 16u);
+      else if (!none_counts(least, greatest))
+        add_samples(x, y, x + 4, y + 4);
+    }
+}
+void add_blocks8(int left, int top, int right, int bottom) {
+  for (int y = top; y < bottom; y += 8)
+    for (int x = left; x < right; x += 8) {
+      int block = y * F.stride + x;
+      float least = read_unsharp_least8(block), greatest = read_unsharp_greatest8(block);
+      if (all_count(least, greatest))
+        add_whole(unsharp_sum8_plane().at[block], least, 64u);
+      else if (!none_counts(least, greatest))
+        add_blocks4(x, y, x + 8, y + 8);
+    }
+}
+void add_blocks16(int left, int top, int right, int bottom) {
+  for (int y = top; y < bottom; y += 16)
+    for (int x = left; x < right; x += 16) {
+      int block = y * F.stride + x;
+      float least = read_unsharp_least16(block), greatest = read_unsharp_greatest16(block);
+      if (all_count(least, greatest))
+        add_whole(unsharp_sum16_plane().at[block], least, 256u);
+      else if (!none_counts(least, greatest))
+        add_blocks8(x, y, x + 16, y + 16);
+    }
+}
+
+void blocks_pixel(int px, int py) {
+  if (!is_finite(near_depth(0, 0))) {
+    store_ao(1.0f);
+    return;
+  }
+  centre = near_unsharp_depth(0, 0);
+  // The part of the window that lies in the picture: whole blocks of 16, right and below of them whole ones of 8, and so
+  // on.
+  int left = max(px + C.first_column, 0), right = min(px + C.last_column + 1, F.width);
+  int top = max(py + C.first_row, 0), bottom = min(py + C.last_row + 1, F.height);
+  int width = right - left, height = bottom - top;
+  int right16 = left + (width & ~15), right8 = left + (width & ~7), right4 = left + (width & ~3);
+  int bottom16 = top + (height & ~15), bottom8 = top + (height & ~7), bottom4 = top + (height & ~3);
+  add_blocks16(left, top, right16, bottom16);
+  add_blocks8(right16, top, right8, bottom16);
+  add_blocks8(left, bottom16, right8, bottom8);
+  add_blocks4(right8, top, right4, bottom8);
+  add_blocks4(left, bottom8, right4, bottom4);
+  add_samples(right4, top, right, bottom4);
+  add_samples(left, bottom4, right, bottom);
+  if (C.border == kUnsharpBorderZero && counts(C.border_depth, centre)) {
+    int side = C.last_column - C.first_column + 1;
+    uint outside = uint(side * side - width * height);
+    uint steps = uint(int(C.border_depth));
+    sum_high += outside * (steps >> kSplit) + (sum_low >> kSplit);
+    sum_low = (sum_low & kSplitMask) + outside * (steps & kSplitMask);
+    number += outside;
+  }
+  uint samples = max(number, 1u);
+  float excess = excess_from_sum(sum_high, sum_low, samples, uint(int(max(centre, 0.0f))));
+  store_ao(ao_from_excess(excess, to_real(samples)));
+}
+UMBRAGE_MAIN(blocks)
