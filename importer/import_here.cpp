@@ -1,5 +1,6 @@
-// Import of models: PLY and OFF by our own readers, all else through Assimp. Assimp only parses and triangulates; what
-// it could do beyond that (joining, normals, flattening) scene/finish.cpp does faster and by our own rules.
+// Import of models: PLY, OFF and points as text by our own readers, all else through Assimp. Assimp only parses and
+// triangulates; what it could do beyond that (joining, normals, flattening) scene/finish.cpp does faster and by our own
+// rules.
 #include "importer/import_here.h"
 
 #include <assimp/DefaultIOSystem.h>
@@ -31,6 +32,8 @@
 #include "scene/import_parts.h"
 #include "scene/off.h"
 #include "scene/ply.h"
+#include "scene/point_text.h"
+#include "scene/vertex_colors.h"
 
 namespace umbrage {
 namespace {
@@ -141,8 +144,7 @@ std::optional<Error> check_dae(const fs::path& file) {
 
 /// The text of an OBJ file with a zero before each number that begins with its point, or nothing where there is none:
 /// Assimp does not take ".5" for a number.
-std::string with_leading_zeros(const fs::path& file) {
-  const std::string text = text_of(file);
+std::string with_leading_zeros(const std::string& text) {
   std::string changed;
   std::size_t copied = 0;
   for (std::size_t i = text.find('.', 1); i < text.size(); i = text.find('.', i + 1)) {
@@ -191,8 +193,16 @@ glm::dmat4 matrix_of(const aiMatrix4x4& m) {
       glm::dmat4(m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2, m.d3, m.d4));
 }
 
-/// One mesh as one node places it. `keep_normals` is off for formats whose normals say no more than the faces do.
-Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals) {
+bool is_points(const aiMesh& source) { return source.mPrimitiveTypes == aiPrimitiveType_POINT; }
+
+bool all_white(const aiMesh& source) {
+  return std::all_of(source.mColors[0], source.mColors[0] + source.mNumVertices,
+                     [](const aiColor4D& c) { return c.r == 1.0f && c.g == 1.0f && c.b == 1.0f; });
+}
+
+/// One mesh as one node places it. `keep_normals` is off for formats whose normals say no more than the faces do,
+/// `linear_colors` for those that keep colours as they are shown on a screen.
+Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals, bool linear_colors) {
   Mesh mesh;
   mesh.name = source.mName.C_Str();
   mesh.material = int(source.mMaterialIndex);
@@ -227,6 +237,15 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals) {
       mesh.uvs[i] = {source.mTextureCoords[0][i].x, source.mTextureCoords[0][i].y};
     }
   }
+  if (source.mColors[0] && !all_white(source)) {
+    mesh.colors.resize(source.mNumVertices);
+    for (unsigned i = 0; i < source.mNumVertices; ++i) {
+      const aiColor4D& c = source.mColors[0][i];
+      mesh.colors[i] = linear_colors ? glm::vec3(c.r, c.g, c.b) : linear_color(glm::vec3(c.r, c.g, c.b));
+    }
+  }
+  mesh.points = is_points(source);
+  if (mesh.points) return mesh;
   mesh.indices.reserve(std::size_t(source.mNumFaces) * 3);
   for (unsigned i = 0; i < source.mNumFaces; ++i) {
     const aiFace& face = source.mFaces[i];
@@ -239,13 +258,15 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals) {
   return mesh;
 }
 
-/// Adds every mesh of every node, seen from `root`. Nodes are objects.
-void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_normals, Scene& scene) {
+/// Adds every mesh of every node, seen from `root`; points only where there are no triangles. Nodes are objects.
+void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_normals, bool linear_colors, Scene& scene) {
   struct Place {
     const aiNode* node;
     glm::dmat4 parent;
   };
   std::vector<Place> stack{{source.mRootNode, root}};
+  const bool wants_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
+                                        [](const aiMesh* mesh) { return is_points(*mesh); });
   int object = 0;
   while (!stack.empty()) {
     const Place place = stack.back();
@@ -255,9 +276,9 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_norma
     bool has_mesh = false;
     for (unsigned i = 0; i < place.node->mNumMeshes; ++i) {
       const unsigned index = place.node->mMeshes[i];
-      if (index >= source.mNumMeshes) continue;
-      Mesh mesh = mesh_of(*source.mMeshes[index], here, keep_normals);
-      if (mesh.indices.empty()) continue;
+      if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !wants_points)) continue;
+      Mesh mesh = mesh_of(*source.mMeshes[index], here, keep_normals, linear_colors);
+      if (mesh.indices.empty() && !mesh.points) continue;
       if (mesh.name.empty()) mesh.name = place.node->mName.C_Str();
       mesh.object = object;
       has_mesh = true;
@@ -281,30 +302,24 @@ glm::vec3 up_of(const aiScene& source, const std::string& format) {
   return up;
 }
 
-/// A Mesh has no colours at its vertices; says so where the file has them and they are not all white.
-void warn_of_vertex_colors(const aiScene& source, Scene& scene) {
-  bool seen = false;
-  for (unsigned i = 0; i < source.mNumMeshes; ++i) {
-    const aiMesh& mesh = *source.mMeshes[i];
-    for (unsigned v = 0; mesh.mColors[0] && v < mesh.mNumVertices && !seen; ++v) {
-      const aiColor4D& color = mesh.mColors[0][v];
-      seen = color.r != 1.0f || color.g != 1.0f || color.b != 1.0f;
-    }
-  }
-  if (seen) scene.warnings.push_back("the colours at the vertices are not used; surfaces show their material");
-}
-
 Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, bool process_ends) {
   if (format == "dae") {
     if (auto error = check_dae(file)) return std::move(*error);
+  }
+  std::string obj;
+  if (format == "obj") {
+    obj = text_of(file);
+    if (is_obj_of_points(obj)) return read_obj_points(file, obj);
+    obj = with_leading_zeros(obj);
   }
   std::vector<std::string> missing_libraries;
   auto owner = std::make_unique<Assimp::Importer>();
   // Its faces are freed one by one, which takes a tenth of the whole import.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
-  importer.SetIOHandler(
-      new Files(file.string(), format == "obj" ? with_leading_zeros(file) : "", missing_libraries));  // takes it
-  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  importer.SetIOHandler(new Files(file.string(), std::move(obj), missing_libraries));  // takes it
+  const bool is_gltf = format == "gltf" || format == "glb";
+  // Points of other formats are what is left over of broken faces.
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
@@ -319,8 +334,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   // Assimp lays 3DS files on their back, as if +z were up. Those that are around have +y up; they are left as they are.
   const glm::dmat4 root =
       format == "3ds" ? glm::inverse(matrix_of(source->mRootNode->mTransformation)) : glm::dmat4(1.0);
-  import_nodes(*source, root, keep_normals, scene);
-  warn_of_vertex_colors(*source, scene);
+  import_nodes(*source, root, keep_normals, is_gltf, scene);
   if (!missing_libraries.empty()) {
     scene.warnings.push_back(fmt::format("the material library {} is not there; surfaces are shown in a neutral colour",
                                          missing_libraries.front()));
@@ -332,7 +346,7 @@ Result<Scene> import_ply(const fs::path& file) {
   std::string texture;
   Result<Scene> scene = read_ply(file, texture);
   if (!scene) return scene;
-  Material& material = scene->materials.emplace_back();
+  Material& material = scene->materials.at(0);
   if (!texture.empty()) material.texture = import_texture(file, texture, *scene);
   if (material.texture != kNoTexture) material.albedo = glm::vec3(1.0f);
   return scene;
@@ -344,10 +358,13 @@ Result<Scene> import_here(const fs::path& file, const ImportSettings& settings, 
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
-    return complete_import(format == "ply"   ? import_ply(file)
-                           : format == "off" ? read_off(file)
-                                             : import_by_assimp(file, format, process_ends),
-                           file, settings);
+    Result<Scene> scene = format == "ply"   ? import_ply(file)
+                          : format == "off" ? read_off(file)
+                          : format == "xyz" ? read_xyz(file)
+                                            : import_by_assimp(file, format, process_ends);
+    // Points are completed by several threads, which have no room under the limits of such a process.
+    if (process_ends && scene && scene->point_count() > 0) return scene;
+    return complete_import(std::move(scene), file, settings);
   } catch (const std::bad_alloc&) {
     return too_large_to_read(file);
   } catch (const std::exception& e) {

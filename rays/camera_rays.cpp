@@ -45,10 +45,12 @@ bool within_reach(const CameraRays& rays, const PictureInfo& info) {
   return true;
 }
 
-glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py) {
+namespace {
+
+/// The texture averaged over the pixel. The mesh must have texture coordinates.
+glm::vec3 pixel_texel(const TracedScene& traced, const CameraRays& rays, const Surface& surface, int texture, float px,
+                      float py) {
   const Mesh& mesh = *surface.mesh;
-  const Material& material = *surface.material;
-  if (material.texture == kNoTexture || mesh.uvs.empty()) return material.albedo;
   const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
   const glm::vec3 p0 = mesh.positions[i[0]];
   const glm::vec3 e1 = (mesh.positions[i[1]] - p0) * traced.scale, e2 = (mesh.positions[i[2]] - p0) * traced.scale;
@@ -65,9 +67,26 @@ glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const 
     const glm::vec3 moved = origin + direction * t - surface.position;
     return glm::vec2(glm::dot(moved, gradient_u), glm::dot(moved, gradient_v));
   };
-  const glm::vec4 texel = sample_filtered(traced.textures[material.texture], t0 + t1 * surface.u + t2 * surface.v,
-                                          change(px + 1.0f, py), change(px, py + 1.0f));
-  return material.albedo * glm::vec3(texel);
+  return glm::vec3(sample_filtered(traced.textures[texture], t0 + t1 * surface.u + t2 * surface.v,
+                                   change(px + 1.0f, py), change(px, py + 1.0f)));
+}
+
+}  // namespace
+
+glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py) {
+  const Material& material = *surface.material;
+  glm::vec3 albedo = material.albedo;
+  if (!surface.mesh->colors.empty()) albedo *= mesh_color(surface);
+  if (material.texture != kNoTexture && !surface.mesh->uvs.empty())
+    albedo *= pixel_texel(traced, rays, surface, material.texture, px, py);
+  return albedo;
+}
+
+glm::vec3 pixel_emission(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px,
+                         float py) {
+  const Material& material = *surface.material;
+  if (material.emission_texture == kNoTexture || surface.mesh->uvs.empty()) return material.emission;
+  return material.emission * pixel_texel(traced, rays, surface, material.emission_texture, px, py);
 }
 
 }  // namespace umbrage

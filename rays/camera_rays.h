@@ -26,7 +26,11 @@ CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info);
 /// Whether every ray of the picture lies where Embree's numbers end later than ours: it ends the program otherwise.
 bool within_reach(const CameraRays& rays, const PictureInfo& info);
 
-/// Albedo of what the pixel with the centre (px, py) sees: the material's, times its texture averaged over the pixel.
+/// Albedo of what the pixel with the centre (px, py) sees: the material's, times the mesh's colour, times the texture
+/// averaged over the pixel.
 glm::vec3 pixel_albedo(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
+
+/// Light that it sends out by itself: the material's, times the texture of it averaged over the pixel.
+glm::vec3 pixel_emission(const TracedScene& traced, const CameraRays& rays, const Surface& surface, float px, float py);
 
 }  // namespace umbrage

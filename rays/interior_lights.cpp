@@ -47,7 +47,7 @@ std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& in
       const Surface surface = surface_at(traced, hit.hit.geomID, hit.hit.primID, hit.hit.u, hit.hit.v, origin,
                                          direction, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}, hit.ray.tfar);
       seen.push_back(
-          {surface, start_above(surface, rays.eye), glm::distance(surface.position, rays.eye) / traced.scale});
+          {surface, start_above(traced, surface, rays.eye), glm::distance(surface.position, rays.eye) / traced.scale});
     }
   return seen;
 }

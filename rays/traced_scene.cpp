@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/vec4.hpp>
 #include <limits>
 
 namespace umbrage {
@@ -57,12 +58,17 @@ glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v) {
 Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned triangle, float u, float v,
                    glm::vec3 origin, glm::vec3 direction, glm::vec3 across, float t) {
   const Mesh& mesh = traced.scene->meshes[mesh_index];
-  const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
   Surface surface{
       .mesh = &mesh, .material = &traced.scene->materials[mesh.material], .triangle = triangle, .u = u, .v = v};
   surface.position = origin + direction * t;
-  glm::vec3 geometric = across;
-  glm::vec3 normal = mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;
+  glm::vec3 geometric = across, normal = across;
+  if (mesh.points) {
+    // The normal of a sphere is that of its surface, and of no length in particular.
+    normal = geometric = mesh.spheres ? unit(across) : mesh.normals[triangle];
+  } else {
+    const std::uint32_t* i = mesh.indices.data() + std::size_t(triangle) * 3;
+    normal = mesh.normals[i[0]] * (1.0f - u - v) + mesh.normals[i[1]] * u + mesh.normals[i[2]] * v;
+  }
   if (glm::dot(geometric, direction) > 0.0f) geometric = -geometric;
   if (glm::dot(normal, geometric) < 0.0f) normal = -normal;
   surface.geometric = unit(geometric);
@@ -77,16 +83,29 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
   return surface;
 }
 
-glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from) {
+glm::vec3 start_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
   const glm::vec3 extent = glm::abs(surface.position) + glm::abs(surface.position - seen_from);
-  return surface.position + surface.geometric * (kStartOffset * std::max({extent.x, extent.y, extent.z}));
+  float height = kStartOffset * std::max({extent.x, extent.y, extent.z});
+  const Mesh& mesh = *surface.mesh;
+  if (mesh.points && !mesh.spheres) height += kAboveDisc * traced.scale * mesh.radii[surface.triangle];
+  return surface.position + surface.geometric * height;
+}
+
+glm::vec3 mesh_color(const Surface& surface) {
+  const Mesh& mesh = *surface.mesh;
+  if (mesh.colors.empty()) return glm::vec3(1.0f);
+  if (mesh.points) return mesh.colors[surface.triangle];
+  const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
+  return mesh.colors[i[0]] * (1.0f - surface.u - surface.v) + mesh.colors[i[1]] * surface.u +
+         mesh.colors[i[2]] * surface.v;
 }
 
 glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
   const Mesh& mesh = *surface.mesh;
+  if (mesh.points) return start_above(traced, surface, seen_from);
   const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
   const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
-  const glm::vec3 start = start_above(surface, seen_from);
+  const glm::vec3 start = start_above(traced, surface, seen_from);
   constexpr float kFlat = 1.0f - 1e-6f;  // cosine: a triangle is then cut off by less than 0.1 % of its size
   const auto is_flat = [&](int k) { return std::abs(glm::dot(mesh.normals[i[k]], surface.geometric)) > kFlat; };
   if (is_flat(0) && is_flat(1) && is_flat(2)) return start;
@@ -100,6 +119,39 @@ glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm:
   }
   return start + lift;
 }
+
+namespace {
+
+/// Hands a mesh over to Embree, moved to unit space. False where memory is short.
+bool fill_triangles(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
+  // Embree's own buffers: it reads 16 bytes per vertex, past the end of a shared array of 12.
+  void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
+                                           mesh.positions.size());
+  void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                          3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
+  if (!vertices || !indices) return false;
+  std::transform(mesh.positions.begin(), mesh.positions.end(), static_cast<glm::vec3*>(vertices),
+                 [&](glm::vec3 p) { return traced.unit_of(p); });
+  std::memcpy(indices, mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
+  return true;
+}
+
+bool fill_points(const TracedScene& traced, const Mesh& mesh, RTCGeometry geometry) {
+  const std::size_t count = mesh.positions.size();
+  auto* points = static_cast<glm::vec4*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, sizeof(glm::vec4), count));
+  if (!points) return false;
+  for (std::size_t i = 0; i < count; ++i)
+    points[i] = glm::vec4(traced.unit_of(mesh.positions[i]), mesh.radii[i] * traced.scale);
+  if (mesh.spheres) return true;
+  void* normals =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_NORMAL, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3), count);
+  if (!normals) return false;
+  std::memcpy(normals, mesh.normals.data(), count * sizeof(glm::vec3));
+  return true;
+}
+
+}  // namespace
 
 Result<TracedScenePtr> trace_ready(const Scene& scene, int threads) {
   tbb::task_arena arena(threads);
@@ -119,19 +171,14 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
   for (const Texture& texture : scene.textures) traced->textures.push_back(make_mips(texture));
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
-    const RTCGeometry geometry = rtcNewGeometry(traced->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    // Embree's own buffers: it reads 16 bytes per vertex, past the end of a shared array of 12.
-    void* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(glm::vec3),
-                                             mesh.positions.size());
-    void* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                            3 * sizeof(std::uint32_t), mesh.indices.size() / 3);
-    if (!vertices || !indices) {
+    const RTCGeometryType type = !mesh.points   ? RTC_GEOMETRY_TYPE_TRIANGLE
+                                 : mesh.spheres ? RTC_GEOMETRY_TYPE_SPHERE_POINT
+                                                : RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT;
+    const RTCGeometry geometry = rtcNewGeometry(traced->device, type);
+    if (!(mesh.points ? fill_points(*traced, mesh, geometry) : fill_triangles(*traced, mesh, geometry))) {
       rtcReleaseGeometry(geometry);
-      return device_error("{}: not enough memory for {} triangles", scene.name, scene.triangle_count());
+      return device_error("{}: not enough memory for {}", scene.name, size_text(scene));
     }
-    std::transform(mesh.positions.begin(), mesh.positions.end(), static_cast<glm::vec3*>(vertices),
-                   [&](glm::vec3 p) { return traced->unit_of(p); });
-    std::memcpy(indices, mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
     rtcSetGeometryUserData(geometry, traced.get());
     if (is_masked(*traced, mesh)) {
       rtcSetGeometryIntersectFilterFunction(geometry, cut_away);
@@ -143,8 +190,8 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
   }
   rtcCommitScene(traced->rtc);
   if (const RTCError error = rtcGetDeviceError(traced->device); error != RTC_ERROR_NONE)
-    return device_error("{}: Embree cannot build its hierarchy of {} triangles (error {})", scene.name,
-                        scene.triangle_count(), int(error));
+    return device_error("{}: Embree cannot build its hierarchy of {} (error {})", scene.name, size_text(scene),
+                        int(error));
   return traced;
 }
 

@@ -42,10 +42,10 @@ Result<TracedScenePtr> trace_ready(const Scene& scene, int threads);
 struct Surface {
   const Mesh* mesh = nullptr;
   const Material* material = nullptr;
-  unsigned triangle = 0;
+  unsigned triangle = 0;     ///< or point
   float u = 0.0f, v = 0.0f;  ///< barycentric weights of the triangle's second and third vertex
   glm::vec3 position{0.0f};
-  glm::vec3 geometric{0.0f};  ///< the triangle's normal, unit, on the side that the ray came from
+  glm::vec3 geometric{0.0f};  ///< the triangle's normal, or the point's, unit, on the side that the ray came from
   glm::vec3 normal{0.0f};     ///< the interpolated one, unit, on that side of both the triangle and the ray
 };
 
@@ -55,13 +55,20 @@ Surface surface_at(const TracedScene& traced, unsigned mesh, unsigned triangle, 
                    glm::vec3 direction, glm::vec3 across, float t);
 
 /// Where a ray that leaves the surface starts: far enough along the geometric normal that rounding does not let it meet
-/// the surface again. `seen_from` is the origin of the ray that found the surface.
-glm::vec3 start_above(const Surface& surface, glm::vec3 seen_from);
+/// the surface again; above a disc so far that those around it, which rise and dip a little, do not stop it.
+/// `seen_from` is the origin of the ray that found the surface.
+glm::vec3 start_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
 
 /// The same for a ray to a light: from where the smooth surface lies that the normals at the triangle's vertices
 /// suggest. The triangle itself cuts below it, and where light grazes it, neighbours would throw a jagged shadow on it.
 /// [Hanika 2021]
 glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
+
+/// The share of its radius by which a ray starts above a disc.
+inline constexpr float kAboveDisc = 0.3f;
+
+/// The colour that a mesh has at a hit by itself: white where it has none.
+glm::vec3 mesh_color(const Surface& surface);
 
 /// Texture coordinates of a hit. The mesh must have some.
 glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);

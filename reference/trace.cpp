@@ -266,13 +266,15 @@ LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::
   return {basis_around(toward) * local, std::max(to_ball, 0.0f), color * cone_gain(cone_height)};
 }
 
-/// Albedo of a surface that no pixel sees: the finest texels.
-glm::vec3 plain_albedo(const TracedScene& traced, const Surface& surface) {
-  const Material& material = *surface.material;
-  if (material.texture == kNoTexture || surface.mesh->uvs.empty()) return material.albedo;
+/// The finest texel of a surface that no pixel sees; white where it has no such texture.
+glm::vec3 plain_texel(const TracedScene& traced, const Surface& surface, int texture) {
+  if (texture == kNoTexture || surface.mesh->uvs.empty()) return glm::vec3(1.0f);
   const glm::vec2 uv = uv_at(*surface.mesh, surface.triangle, surface.u, surface.v);
-  return material.albedo *
-         glm::vec3(sample_filtered(traced.textures[material.texture], uv, glm::vec2(0.0f), glm::vec2(0.0f)));
+  return glm::vec3(sample_filtered(traced.textures[texture], uv, glm::vec2(0.0f), glm::vec2(0.0f)));
+}
+
+glm::vec3 plain_albedo(const TracedScene& traced, const Surface& surface) {
+  return surface.material->albedo * mesh_color(surface) * plain_texel(traced, surface, surface.material->texture);
 }
 
 /// Blinn-Phong's highlight of a sample, as effects/lighting has it.
@@ -334,7 +336,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
                         const std::vector<TracedLight>& lights, const SampleTable& table, int samples, float reach,
                         std::uint32_t seed) {
   glm::vec3 sum(0.0f);
-  const glm::vec3 start = start_above(surface, rays.eye);
+  const glm::vec3 start = start_above(traced, surface, rays.eye);
   const glm::mat3 basis = basis_around(surface.normal);
   for (int first = 0; first < samples; first += kPacket) {
     const int n = std::min(kPacket, samples - first);
@@ -350,7 +352,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
       if (!packet.hit(k)) continue;
       hits[k] = packet.surface(traced, k);
       albedo[k] = plain_albedo(traced, hits[k]);
-      sum += hits[k].material->emission;
+      sum += hits[k].material->emission * plain_texel(traced, hits[k], hits[k].material->emission_texture);
     }
     for (std::size_t l = 0; l < lights.size(); ++l) {
       Packet to_light;
@@ -389,7 +391,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
   const glm::mat3 view_from_world(info.camera.view_from_world);
   const auto done =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
-        const glm::vec3 start = start_above(surface, rays.eye);
+        const glm::vec3 start = start_above(traced, surface, rays.eye);
         const glm::vec3 normal = settings.normal == HemisphereNormal::kTriangle ? surface.geometric : surface.normal;
         const glm::mat3 basis = basis_around(normal);
         const std::uint32_t seed = hash(pixel_seed(info, x, y, settings.seed), kHemisphere);
@@ -449,7 +451,8 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
         const glm::vec3 to_eye = orthographic ? rays.world_from_view[2] : glm::normalize(rays.eye - surface.position);
         const glm::vec3 albedo = pixel_albedo(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
         const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);
-        direct.store(x, y, light.diffuse * albedo + light.highlight + surface.material->emission);
+        const glm::vec3 emission = pixel_emission(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
+        direct.store(x, y, light.diffuse * albedo + light.highlight + emission);
         shadow->at(x, y) = light.key_arrives;
       });
   if (!done) return done.error();

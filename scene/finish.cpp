@@ -156,11 +156,13 @@ void compact(Mesh& mesh, const std::vector<std::uint8_t>& used) {
     mesh.positions[count] = mesh.positions[v];
     if (!mesh.normals.empty()) mesh.normals[count] = mesh.normals[v];
     if (!mesh.uvs.empty()) mesh.uvs[count] = mesh.uvs[v];
+    if (!mesh.colors.empty()) mesh.colors[count] = mesh.colors[v];
     number_of[v] = count++;
   }
   mesh.positions.resize(count);
   if (!mesh.normals.empty()) mesh.normals.resize(count);
   if (!mesh.uvs.empty()) mesh.uvs.resize(count);
+  if (!mesh.colors.empty()) mesh.colors.resize(count);
   for (Index& index : mesh.indices) index = number_of[index];
 }
 
@@ -223,6 +225,7 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
   const std::vector<Index>& indices = mesh.indices;
   for (Index index : indices) check_less(index, mesh.positions.size(), "vertex index");
   const bool has_uvs = mesh.uvs.size() == mesh.positions.size() && !mesh.uvs.empty();
+  const bool has_colors = mesh.colors.size() == mesh.positions.size() && !mesh.colors.empty();
   const Index corner_count = Index(indices.size());
   const float crease_deg = std::clamp(crease_angle_deg, 0.0f, 180.0f);
   constexpr float kRounding = 1e-5f;  // faces that are parallel but for rounding stay together at a crease angle of 0
@@ -230,21 +233,29 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
   const float half_crease_cos = std::cos(glm::radians(crease_deg / 2.0f));
   const bool all_smooth = crease_deg >= 180.0f;
 
-  // Vertices at one place are one point; those that agree in texture coordinate too can become one vertex again.
+  // Vertices at one place are one point; those that agree in texture coordinate and colour too can become one vertex
+  // again.
   Index point_count = 0, vertex_count = 0;
   const std::vector<glm::vec3>& positions = mesh.positions;
   const std::vector<Index> point_of = numbered(
       positions.size(), point_count, [&](Index i) { return hash_of(positions[i]); },
       [&](Index i, Index j) { return same(positions[i], positions[j]); });
   std::vector<Index> joined;
-  if (has_uvs) {
+  if (has_uvs || has_colors) {
     joined = numbered(
-        positions.size(), vertex_count, [&](Index i) { return mixed(hash_of(mesh.uvs[i]) + point_of[i]); },
-        [&](Index i, Index j) { return point_of[i] == point_of[j] && same(mesh.uvs[i], mesh.uvs[j]); });
+        positions.size(), vertex_count,
+        [&](Index i) {
+          const std::uint64_t hash = has_uvs ? mixed(hash_of(mesh.uvs[i]) + point_of[i]) : point_of[i];
+          return has_colors ? mixed(hash_of(mesh.colors[i]) + hash) : hash;
+        },
+        [&](Index i, Index j) {
+          return point_of[i] == point_of[j] && (!has_uvs || same(mesh.uvs[i], mesh.uvs[j])) &&
+                 (!has_colors || same(mesh.colors[i], mesh.colors[j]));
+        });
   } else {
     vertex_count = point_count;
   }
-  const std::vector<Index>& vertex_of = has_uvs ? joined : point_of;
+  const std::vector<Index>& vertex_of = has_uvs || has_colors ? joined : point_of;
 
   std::vector<Face> faces(corner_count / 3);
   for (Index f = 0; f < faces.size(); ++f) {
@@ -264,6 +275,7 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
   made.positions.reserve(vertex_count);
   made.normals.reserve(vertex_count);
   if (has_uvs) made.uvs.reserve(vertex_count);
+  if (has_colors) made.colors.reserve(vertex_count);
   std::vector<Index> new_index(corner_count);
   // The new vertex that the latest group of corners made of each old one; groups are numbered one after the other.
   struct Latest {
@@ -289,6 +301,7 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
         made.positions.push_back(positions[old]);
         made.normals.push_back(normal);
         if (has_uvs) made.uvs.push_back(mesh.uvs[old]);
+        if (has_colors) made.colors.push_back(mesh.colors[old]);
       }
       new_index[members[i]] = made_of.vertex;
     }
@@ -328,19 +341,30 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
   mesh.positions = std::move(made.positions);
   mesh.normals = std::move(made.normals);
   mesh.uvs = std::move(made.uvs);
+  mesh.colors = std::move(made.colors);
   mesh.indices = std::move(new_index);
 }
 
-std::size_t finish_scene(Scene& scene, float crease_angle_deg) {
+std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettings& points) {
   std::size_t dropped = 0;
   if (scene.materials.empty()) scene.materials.emplace_back();
   for (Material& material : scene.materials) {
-    if (material.texture < 0 || material.texture >= int(scene.textures.size())) material.texture = kNoTexture;
+    for (int* texture : {&material.texture, &material.emission_texture}) {
+      if (*texture < 0 || *texture >= int(scene.textures.size())) *texture = kNoTexture;
+    }
   }
   for (Mesh& mesh : scene.meshes) {
     if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
     if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
+    if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
+    for (glm::vec3& color : mesh.colors) {
+      for (int c = 0; c < 3; ++c) color[c] = color[c] >= 0.0f ? std::min(color[c], 1.0f) : 0.0f;
+    }
     if (mesh.material < 0 || mesh.material >= int(scene.materials.size())) mesh.material = 0;
+    if (mesh.points) {
+      dropped += clean_points(mesh);
+      continue;
+    }
     dropped += clean_triangles(mesh);
     if (mesh.indices.empty()) continue;
     if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg);
@@ -348,7 +372,8 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg) {
       if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.0f);
     }
   }
-  std::erase_if(scene.meshes, [](const Mesh& mesh) { return mesh.indices.empty(); });
+  std::erase_if(scene.meshes,
+                [](const Mesh& mesh) { return mesh.points ? mesh.positions.empty() : mesh.indices.empty(); });
   glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
   for (const Mesh& mesh : scene.meshes) {
     for (const glm::vec3& p : mesh.positions) {
@@ -358,6 +383,15 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg) {
   }
   scene.bounds_min = scene.meshes.empty() ? glm::vec3(0.0f) : low;
   scene.bounds_max = scene.meshes.empty() ? glm::vec3(0.0f) : high;
+  const float radius = scene.radius();
+  for (Mesh& mesh : scene.meshes) {
+    if (!mesh.points) continue;
+    shape_points(mesh, points, radius);
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+      scene.bounds_min = glm::min(scene.bounds_min, mesh.positions[i] - mesh.radii[i]);
+      scene.bounds_max = glm::max(scene.bounds_max, mesh.positions[i] + mesh.radii[i]);
+    }
+  }
   return dropped;
 }
 

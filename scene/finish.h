@@ -1,5 +1,6 @@
 // What every scene goes through once its meshes stand: normals, clean triangles, bounds.
 #pragma once
+#include "scene/points.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -9,8 +10,9 @@ namespace umbrage {
 /// and split again along creases.
 void make_normals(Mesh& mesh, float crease_angle_deg);
 
-/// Drops triangles that are degenerate, out of range or not finite, makes missing normals, removes empty meshes, and
-/// fills in the bounds. Returns how many triangles were dropped.
-std::size_t finish_scene(Scene& scene, float crease_angle_deg = 80.0f);
+/// Drops triangles that are degenerate, out of range or not finite, and points that are not finite, makes missing
+/// normals, gives points their shape, removes empty meshes, and fills in the bounds. Returns how many triangles and
+/// points were dropped.
+std::size_t finish_scene(Scene& scene, float crease_angle_deg = 80.0f, const PointSettings& points = {});
 
 }  // namespace umbrage

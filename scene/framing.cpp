@@ -75,7 +75,17 @@ template <class Visit>
 void for_each_vertex(const Scene& scene, Visit visit) {
   for (const Mesh& mesh : scene.meshes) {
     if (scene.ground_object >= 0 && mesh.object == scene.ground_object) continue;
-    for (const glm::vec3& p : mesh.positions) visit(p);
+    if (!mesh.points) {
+      for (const glm::vec3& p : mesh.positions) visit(p);
+      continue;
+    }
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        glm::vec3 reach(0.0f);
+        reach[axis] = mesh.radii[i];
+        visit(mesh.positions[i] - reach);
+        visit(mesh.positions[i] + reach);
+      }
   }
   if (scene.meshes.empty()) {
     visit(scene.bounds_min);

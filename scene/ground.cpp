@@ -45,14 +45,22 @@ bool lacks_ground(const Scene& scene) {
   constexpr float kLow = 0.12f;        // share of the width within which a slab's top lies over the bottom
   constexpr float kLevel = 0.9f;       // cosine of a slope that one stands on
   constexpr float kMostOfPlan = 0.4f;  // a round slab fills 0.79 of its square, less what stands on it
-  if (scene.triangle_count() == 0) return false;
+  if (scene.meshes.empty()) return false;
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
   const glm::vec3 size = extent.most - extent.least;
   const float width = std::max(size.x, size.z);
   if (!(width > 0.0f) || !std::isfinite(width)) return false;
   double upward = 0.0, low = 0.0;
-  for (const Mesh& mesh : scene.meshes)
+  for (const Mesh& mesh : scene.meshes) {
+    // Discs overlap: each stands for about the square of its radius.
+    for (std::size_t i = 0; i < mesh.radii.size(); ++i) {
+      const float cosine = mesh.spheres ? 1.0f : std::fabs(glm::dot(mesh.normals[i], plan.up));
+      const double seen = double(mesh.radii[i]) * mesh.radii[i] * cosine;
+      upward += seen;
+      const float height = glm::dot(mesh.positions[i], plan.up) - extent.least.y;
+      if (height < kLow * width && cosine > kLevel) low += seen;
+    }
     for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
       const glm::vec3 a = mesh.positions[mesh.indices[k]], b = mesh.positions[mesh.indices[k + 1]],
                       c = mesh.positions[mesh.indices[k + 2]];
@@ -67,6 +75,7 @@ bool lacks_ground(const Scene& scene) {
       const float height = glm::dot(a + b + c, plan.up) / 3.0f - extent.least.y;
       if (height < kLow * width && std::fabs(cosine) > kLevel) low += seen;
     }
+  }
   const double filled = double(size.x) * size.z;
   const bool landscape = size.y < kFlat * width && upward > kFilled * filled;
   return !landscape && low <= kMostOfPlan * filled;

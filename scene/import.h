@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "core/result.h"
+#include "scene/points.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -12,12 +13,14 @@ struct ImportSettings {
   float crease_angle_deg = 80.0f;
   /// World up; the zero vector means: as the format says (+z for STL, what FBX and DAE name, otherwise +y).
   glm::vec3 up{0.0f};
+  PointSettings points;
 };
 
-/// Reads OBJ with MTL, STL, glTF/GLB, 3DS, DAE, FBX through Assimp, PLY and OFF by readers of our own, and textures
-/// through stb_image. Node transforms are applied; faces are triangulated; degenerate triangles and those with
-/// coordinates that are not finite are dropped; normals are made where the file has none. Missing textures give a
-/// warning and a neutral colour. Errors: kFile with one sentence that names the file and what is wrong with it.
+/// Reads OBJ with MTL, STL, glTF/GLB, 3DS, DAE, FBX through Assimp, PLY, OFF and XYZ by readers of our own, and
+/// textures through stb_image. Node transforms are applied; faces are triangulated; degenerate triangles and those with
+/// coordinates that are not finite are dropped; normals are made where the file has none. PLY, OFF, OBJ and XYZ files
+/// without faces, and points of glTF files without triangles, become points. Missing textures give a warning and a
+/// neutral colour. Errors: kFile with one sentence that names the file and what is wrong with it.
 Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettings& settings = {});
 
 /// The endings that import_scene reads, lower case without the dot.

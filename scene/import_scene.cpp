@@ -15,6 +15,7 @@
 #include "scene/import_parts.h"
 #include "scene/off.h"
 #include "scene/ply.h"
+#include "scene/point_text.h"
 
 namespace umbrage {
 namespace {
@@ -27,20 +28,20 @@ std::string list_of_formats() {
   return list;
 }
 
-/// PLY or OFF. Nothing where it has a texture, whose reader is not ours.
+/// PLY, OFF or XYZ. Nothing for other formats, and where it has a texture, whose reader is not ours.
 std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format) {
   if (format == "off") return read_off(file);
+  if (format == "xyz") return read_xyz(file);
+  if (format != "ply") return std::nullopt;
   if (!ply_texture(file).empty()) return std::nullopt;
   std::string texture;
-  Result<Scene> scene = read_ply(file, texture);
-  if (scene) scene->materials.emplace_back();
-  return scene;
+  return read_ply(file, texture);
 }
 
 }  // namespace
 
 const std::vector<std::string>& import_formats() {
-  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off"};
+  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off", "xyz"};
   return formats;
 }
 
@@ -82,17 +83,22 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
     scene.up = settings.up / length;
   }
-  if (scene.meshes.empty()) return file_error("{}: has no triangles", file.string());
-  const std::size_t triangles = scene.triangle_count();
-  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg);
+  if (scene.meshes.empty()) return file_error("{}: has no triangles and no points", file.string());
+  const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
+  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points);
+  if (scene.meshes.empty() && points > 0) {
+    return file_error("{}: has no points that can be drawn; all {} are not finite", file.string(), points);
+  }
   if (scene.meshes.empty()) {
     return file_error("{}: has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
                       triangles);
   }
   constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
-  if (dropped * kWorthSaying > triangles) {
+  if (dropped * kWorthSaying > triangles + points) {
     scene.warnings.push_back(
-        fmt::format("{} of {} triangles are degenerate or not finite and are left out", dropped, triangles));
+        points == 0
+            ? fmt::format("{} of {} triangles are degenerate or not finite and are left out", dropped, triangles)
+            : fmt::format("{} of {} points are not finite and are left out", dropped, points));
   }
   return imported;
 }
@@ -101,9 +107,10 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings)
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {
-    if (format == "ply" || format == "off")
-      if (auto own = import_own(file, format)) return complete_import(std::move(*own), file, settings);
-    return import_apart(file, settings);
+    if (auto own = import_own(file, format)) return complete_import(std::move(*own), file, settings);
+    auto scene = import_apart(file, settings);
+    if (scene && scene->point_count() > 0) return complete_import(std::move(scene), file, settings);
+    return scene;
   } catch (const std::bad_alloc&) {
     return too_large_to_read(file);
   }

@@ -3,12 +3,15 @@
 #include "scene/off.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <string>
 #include <string_view>
 #include <system_error>
+
+#include "scene/vertex_colors.h"
 
 namespace umbrage {
 namespace {
@@ -74,7 +77,7 @@ Result<Scene> read_off(const fs::path& path) {
   }
   const std::string_view prefix = kind.substr(0, kind.size() - 3);
   const bool has_normals = prefix.find('N') != std::string_view::npos;
-  const bool has_uvs = prefix.starts_with("ST");
+  const bool has_uvs = prefix.starts_with("ST"), has_colors = prefix.find('C') != std::string_view::npos;
   words.skip();
   if (words.text.starts_with("BINARY")) return file_error("{}: is a binary OFF file; only text can be read", file);
 
@@ -98,16 +101,21 @@ Result<Scene> read_off(const fs::path& path) {
     // A colour may follow, of three or four numbers; texture coordinates are the last two of the line.
     const std::size_t line_end = std::min(words.text.find('\n'), words.text.size());
     Words rest{words.text.substr(0, line_end)};
-    float before = 0.0f, last = 0.0f;
-    while (has_uvs && !rest.failed) {
+    std::array<float, 6> values{};
+    std::size_t count = 0;
+    while ((has_uvs || has_colors) && count < values.size()) {
       const float value = float(rest.number());
       if (rest.failed) break;
-      before = last;
-      last = value;
+      values[count++] = value;
     }
-    if (has_uvs) mesh.uvs.emplace_back(before, last);
+    if (has_uvs) mesh.uvs.emplace_back(count > 1 ? values[count - 2] : 0.0f, count > 0 ? values[count - 1] : 0.0f);
+    if (has_colors) mesh.colors.emplace_back(values[0], values[1], values[2]);
     words.rest_of_line();
   }
+  // From 0 to 1, or bytes.
+  float brightest = 0.0f;
+  for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
+  for (glm::vec3& c : mesh.colors) c = linear_color(brightest > 1.0f ? c / 255.0f : c);
   if (words.failed) {
     return file_error("{}: is cut short, or has something other than a number, at vertex {} of {}", file,
                       mesh.positions.size(), vertex_count);
@@ -127,10 +135,10 @@ Result<Scene> read_off(const fs::path& path) {
     }
     words.rest_of_line();
   }
-  if (prefix.find('C') != std::string_view::npos) {
-    scene.warnings.push_back("the colours at the vertices are not used; surfaces show their material");
-  }
-  if (!mesh.indices.empty()) scene.meshes.push_back(std::move(mesh));
+  mesh.points = face_count == 0;
+  scene.materials.emplace_back();
+  if (!mesh.colors.empty()) scene.materials[0].albedo = glm::vec3(1.0f);
+  if (mesh.points || !mesh.indices.empty()) scene.meshes.push_back(std::move(mesh));
   return scene;
 }
 

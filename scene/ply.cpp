@@ -14,6 +14,8 @@
 #include <system_error>
 #include <vector>
 
+#include "scene/vertex_colors.h"
+
 namespace umbrage {
 namespace {
 
@@ -190,35 +192,75 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
   return header;
 }
 
-/// Where a property of a vertex goes: a component of its position, normal or texture coordinate.
-enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kColor, kNowhere };
+/// Where a property of a vertex goes: a component of its position, normal, texture coordinate or colour.
+enum Slot { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kU, kV, kRed, kGreen, kBlue, kNowhere };
 
 Slot slot_of(std::string_view name) {
   struct Named {
     std::string_view name;
     Slot slot;
   };
-  static constexpr Named kNames[] = {
-      {"x", kX}, {"y", kY}, {"z", kZ}, {"nx", kNormalX},  {"ny", kNormalY},  {"nz", kNormalZ}, {"u", kU},
-      {"v", kV}, {"s", kU}, {"t", kV}, {"texture_u", kU}, {"texture_v", kV}, {"red", kColor},  {"diffuse_red", kColor}};
+  static constexpr Named kNames[] = {{"x", kX},
+                                     {"y", kY},
+                                     {"z", kZ},
+                                     {"nx", kNormalX},
+                                     {"ny", kNormalY},
+                                     {"nz", kNormalZ},
+                                     {"u", kU},
+                                     {"v", kV},
+                                     {"s", kU},
+                                     {"t", kV},
+                                     {"texture_u", kU},
+                                     {"texture_v", kV},
+                                     {"red", kRed},
+                                     {"green", kGreen},
+                                     {"blue", kBlue},
+                                     {"r", kRed},
+                                     {"g", kGreen},
+                                     {"b", kBlue},
+                                     {"diffuse_red", kRed},
+                                     {"diffuse_green", kGreen},
+                                     {"diffuse_blue", kBlue}};
   for (const Named& named : kNames) {
     if (named.name == name) return named.slot;
   }
   return kNowhere;
 }
 
-void read_vertices(const Element& element, Body& body, Mesh& mesh, bool& has_color) {
+/// What a number of a colour has to be divided by to lie between 0 and 1.
+float full_scale(Number number) {
+  switch (number) {
+    case Number::kInt8:
+    case Number::kUint8:
+      return 255.0f;
+    case Number::kInt16:
+    case Number::kUint16:
+      return 65535.0f;
+    case Number::kInt32:
+    case Number::kUint32:
+      return 255.0f;  // written by those who have no smaller type
+    case Number::kFloat32:
+    case Number::kFloat64:
+      return 1.0f;
+  }
+  return 1.0f;
+}
+
+void read_vertices(const Element& element, Body& body, Mesh& mesh) {
   std::vector<Slot> slots;
   std::array<bool, kNowhere + 1> has{};
+  float color_scale = 1.0f;
   for (const Property& property : element.properties) {
     slots.push_back(property.list_size ? kNowhere : slot_of(property.name));
     has[slots.back()] = true;
+    if (slots.back() == kRed) color_scale = full_scale(property.number);
   }
-  has_color = has[kColor];
+  const bool has_colors = has[kRed] && has[kGreen] && has[kBlue];
   const bool has_normals = has[kNormalX] && has[kNormalY] && has[kNormalZ], has_uvs = has[kU] && has[kV];
   mesh.positions.reserve(element.count);
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
+  if (has_colors) mesh.colors.reserve(element.count);
   for (std::size_t i = 0; i < element.count && !body.ended; ++i) {
     std::array<float, kNowhere + 1> value{};
     for (std::size_t k = 0; k < slots.size(); ++k) {
@@ -233,6 +275,9 @@ void read_vertices(const Element& element, Body& body, Mesh& mesh, bool& has_col
     mesh.positions.emplace_back(value[kX], value[kY], value[kZ]);
     if (has_normals) mesh.normals.emplace_back(value[kNormalX], value[kNormalY], value[kNormalZ]);
     if (has_uvs) mesh.uvs.emplace_back(value[kU], value[kV]);
+    if (has_colors) {
+      mesh.colors.push_back(linear_color(glm::vec3(value[kRed], value[kGreen], value[kBlue]) / color_scale));
+    }
   }
 }
 
@@ -315,7 +360,6 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name) {
 
   Scene scene;
   Mesh mesh;
-  bool has_color = false;
   Body body{text.data(), text.data() + text.size(), header->storage};
   for (const Element& element : header->elements) {
     // Each property takes at least a byte, and in text a blank after it: what the header claims has to be there.
@@ -327,7 +371,12 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name) {
           file, element.name, element.count, body.left());
     }
     if (element.name == "vertex") {
-      read_vertices(element, body, mesh, has_color);
+      for (const char* name : {"x", "y", "z"}) {
+        if (std::none_of(element.properties.begin(), element.properties.end(),
+                         [&](const Property& property) { return property.name == name && !property.list_size; }))
+          return file_error("{}: has vertices without '{}'", file, name);
+      }
+      read_vertices(element, body, mesh);
     } else {
       const bool strips = element.name == "tristrips";
       read_lists(element, body, strips, strips || element.name == "face" ? &mesh : nullptr);
@@ -337,9 +386,11 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name) {
                         element.name);
     }
   }
-  if (has_color) scene.warnings.push_back("the colours at the vertices are not used; surfaces show their material");
   mesh.name = path.stem().string();
-  if (!mesh.indices.empty()) scene.meshes.push_back(std::move(mesh));
+  mesh.points = mesh.indices.empty();
+  scene.materials.emplace_back();
+  if (!mesh.colors.empty()) scene.materials[0].albedo = glm::vec3(1.0f);
+  if (!mesh.positions.empty()) scene.meshes.push_back(std::move(mesh));
   return scene;
 }
 

@@ -7,9 +7,10 @@
 
 namespace umbrage {
 
-/// Reads a PLY file into a scene of one mesh, which is not finished yet. Polygons are cut into fans. Normals and
-/// texture coordinates are kept where every vertex has them; `comment TextureFile NAME` gives scene.materials[0] no
-/// texture but is returned in `texture_name`. Errors: kFile, with the field that is wrong.
+/// Reads a PLY file into a scene of one mesh, which is not finished yet. Polygons are cut into fans; without any, the
+/// vertices are points. Normals, texture coordinates and colours are kept where every vertex has them; `comment
+/// TextureFile NAME` gives its one material no texture but is returned in `texture_name`. Errors: kFile, with the
+/// field that is wrong.
 Result<Scene> read_ply(const std::filesystem::path& file, std::string& texture_name);
 
 /// The texture that a PLY file's header names; empty where there is none.

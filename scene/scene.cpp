@@ -17,4 +17,16 @@ std::size_t Scene::triangle_count() const {
   return count;
 }
 
+std::size_t Scene::point_count() const {
+  std::size_t count = 0;
+  for (const Mesh& mesh : meshes) count += mesh.points ? mesh.positions.size() : 0;
+  return count;
+}
+
+std::string size_text(const Scene& scene) {
+  const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
+  if (points == 0) return std::to_string(triangles) + " triangles";
+  return (triangles > 0 ? std::to_string(triangles) + " triangles and " : "") + std::to_string(points) + " points";
+}
+
 }  // namespace umbrage

@@ -30,24 +30,32 @@ struct Material {
   float specular_strength = 0.0f;   ///< peak of the Blinn-Phong highlight, 0 to 1
   float specular_exponent = 32.0f;  ///< Blinn-Phong exponent
   glm::vec3 emission{0.0f};
+  int emission_texture = kNoTexture;  ///< multiplies `emission`
 };
 
-/// An indexed triangle mesh with one material. Its index in Scene::meshes is its object id, unless `object` says
-/// otherwise.
+/// An indexed triangle mesh with one material, or points. Its index in Scene::meshes is its object id, unless `object`
+/// says otherwise.
 struct Mesh {
   std::string name;
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;      ///< one per position, unit; empty only before finish_scene
-  std::vector<glm::vec2> uvs;          ///< one per position, or empty
-  std::vector<std::uint32_t> indices;  ///< three per triangle
+  std::vector<glm::vec3> normals;      ///< one per position, unit; empty for spheres, else only before finish_scene
+  std::vector<glm::vec2> uvs;          ///< one per position, or empty; points have none
+  std::vector<glm::vec3> colors;       ///< one per position, linear, or empty; they multiply the material's albedo
+  std::vector<std::uint32_t> indices;  ///< three per triangle; points have none
+  bool points = false;                 ///< each position is a disc across its normal, or a sphere
+  bool spheres = false;                ///< of points
+  std::vector<float> radii;            ///< of points, one per position; empty only before finish_scene
   int material = 0;                    ///< index into Scene::materials
   int object = 0;                      ///< object id: parts of one object share it
 };
 
-/// A suggested view, used where the user names no camera.
+/// A place to look from, and at.
 struct View {
   glm::vec3 eye{0.0f}, target{0.0f};
   float angle_deg = 30.0f;  ///< vertical field of view
+  glm::vec3 up{0.0f};       ///< zero: Scene::up
+  float height = 0.0f;      ///< of the window of a parallel projection; 0: the projection is perspective
+  std::string name;
 };
 
 struct Scene {
@@ -56,7 +64,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Texture> textures;
   std::vector<Light> lights;  ///< in world space; the first one is the key light. Empty: a default rig is made
-  std::vector<View> views;    ///< suggested views; empty: automatic framing
+  std::vector<View> views;    ///< suggested, the first is used where nobody names a camera; empty: automatic framing
+  std::vector<View> cameras;  ///< those that the file holds, used where asked for
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   glm::vec3 ambient{0.3f};                       ///< radiance from everywhere
   glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
@@ -67,6 +76,10 @@ struct Scene {
   /// Radius of the bounding box's sphere.
   float radius() const;
   std::size_t triangle_count() const;
+  std::size_t point_count() const;
 };
+
+/// "12 triangles", "5 points", "12 triangles and 5 points".
+std::string size_text(const Scene& scene);
 
 }  // namespace umbrage

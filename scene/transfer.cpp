@@ -23,13 +23,15 @@ void pass(Archive& archive, Texture& texture) {
 }
 template <class Archive>
 void pass(Archive& archive, Material& material) {
-  auto& [name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission] = material;
-  archive(name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission);
+  auto& [name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
+         emission_texture] = material;
+  archive(name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
+          emission_texture);
 }
 template <class Archive>
 void pass(Archive& archive, Mesh& mesh) {
-  auto& [name, positions, normals, uvs, indices, material, object] = mesh;
-  archive(name, positions, normals, uvs, indices, material, object);
+  auto& [name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object] = mesh;
+  archive(name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object);
 }
 template <class Archive>
 void pass(Archive& archive, Light& light) {
@@ -38,14 +40,14 @@ void pass(Archive& archive, Light& light) {
 }
 template <class Archive>
 void pass(Archive& archive, View& view) {
-  auto& [eye, target, angle_deg] = view;
-  archive(eye, target, angle_deg);
+  auto& [eye, target, angle_deg, up, height, name] = view;
+  archive(eye, target, angle_deg, up, height, name);
 }
 template <class Archive>
 void pass(Archive& archive, Scene& scene) {
-  auto& [name, meshes, materials, textures, lights, views, up, ambient, bounds_min, bounds_max, ground_object,
+  auto& [name, meshes, materials, textures, lights, views, cameras, up, ambient, bounds_min, bounds_max, ground_object,
          warnings] = scene;
-  archive(name, meshes, materials, textures, lights, views, up, ambient, bounds_min, bounds_max, ground_object,
+  archive(name, meshes, materials, textures, lights, views, cameras, up, ambient, bounds_min, bounds_max, ground_object,
           warnings);
 }
 template <class Archive>
@@ -176,10 +178,11 @@ bool sound(const Scene& scene) {
     if (texture.rgba.size() != std::size_t(texture.width) * std::size_t(texture.height) * 4) return false;
   }
   for (const Material& material : scene.materials)
-    if (material.texture != kNoTexture && std::size_t(material.texture) >= scene.textures.size()) return false;
+    for (const int texture : {material.texture, material.emission_texture})
+      if (texture != kNoTexture && std::size_t(texture) >= scene.textures.size()) return false;
   for (const Mesh& mesh : scene.meshes) {
     if (std::size_t(mesh.material) >= scene.materials.size() || mesh.indices.size() % 3 != 0) return false;
-    for (const std::size_t size : {mesh.normals.size(), mesh.uvs.size()})
+    for (const std::size_t size : {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size()})
       if (size != 0 && size != mesh.positions.size()) return false;
     std::uint32_t most = 0;
     for (const std::uint32_t index : mesh.indices) most = std::max(most, index);

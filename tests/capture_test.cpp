@@ -219,6 +219,125 @@ TEST(Capture, SphereHasTheNormalsOfASphere) {
     }
 }
 
+/// Points with these radii, which nothing has measured.
+Scene points_of(std::vector<glm::vec3> positions, std::vector<glm::vec3> normals, float across,
+                std::vector<glm::vec3> colors = {}) {
+  Mesh mesh;
+  mesh.points = true;
+  mesh.positions = std::move(positions);
+  mesh.normals = std::move(normals);
+  mesh.colors = std::move(colors);
+  Scene scene;
+  scene.meshes = {mesh};
+  scene.materials.emplace_back().albedo = glm::vec3(0.5f);
+  EXPECT_EQ(finish_scene(scene, 80.0f, {mesh.normals.empty() ? PointShape::kSpheres : PointShape::kDiscs, {across, 0}}),
+            0u);
+  return scene;
+}
+
+TEST(Capture, PointsAreSpheres) {
+  const Scene scene = points_of({{0, 0, 0}}, {}, 4.0f);
+  const glm::vec3 eye(4, 5, 6);
+  for (const Camera& camera : {perspective_camera(eye, {0, 0, 0}, {0, 1, 0}, 30.0f, 1.0f),
+                               orthographic_camera(eye, {0, 0, 0}, {0, 1, 0}, 4.4f, 1.0f)}) {
+    const Picture picture = capture_with({97, 97, false, 3}, scene, camera);
+    const glm::dmat3 view(glm::mat3(camera.view_from_world));
+    long compared = 0;
+    for (int y = 0; y < 97; ++y)
+      for (int x = 0; x < 97; ++x) {
+        const Ray ray = ray_of(picture.info, x, y);
+        const double a = glm::dot(ray.direction, ray.direction), b = glm::dot(ray.direction, ray.origin);
+        const double root = b * b - a * (glm::dot(ray.origin, ray.origin) - 4.0);
+        if (std::abs(root) < 1e-3 * a) continue;  // the rim
+        if (root < 0.0) {
+          ASSERT_EQ(picture.depth(x, y), kInfinity);
+          continue;
+        }
+        ++compared;
+        const double depth = (-b - std::sqrt(root)) / a;
+        ASSERT_NEAR(picture.depth(x, y), depth, 2e-5) << x << ',' << y;
+        ASSERT_LT(degrees_between(picture.normal(x, y), view * (ray.at(depth) / 2.0)), 0.05) << x << ',' << y;
+        const double chord = 2.0 * std::sqrt(root) / a;
+        ASSERT_NEAR(picture["layer1.depth"].at(x, y) - picture.depth(x, y), chord, 1e-4) << x << ',' << y;
+        ASSERT_EQ(picture["layer2.depth"].at(x, y), kInfinity);
+      }
+    EXPECT_GT(compared, 4000);
+  }
+}
+
+TEST(Capture, PointsWithNormalsAreDiscs) {
+  const glm::vec3 normal = glm::normalize(glm::vec3(1, 2, 3));
+  // The other one shows its back.
+  const Scene scene = points_of({{-1, 0, 0}, {1, 0, 1}}, {normal, -normal}, 1.6f, {{1, 0, 0}, {0, 0.5f, 1}});
+  const Camera camera = from_above(4.0f);
+  const Picture picture = capture(scene, camera, 120, 120);
+  long seen[2] = {0, 0};
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 120; ++x) {
+      const Ray ray = ray_of(picture.info, x, y);
+      const int k = ray.origin.x > 0.0;
+      const glm::dvec3 center = k ? glm::dvec3(1, 0, 1) : glm::dvec3(-1, 0, 0);
+      const double depth =
+          glm::dot(center - ray.origin, glm::dvec3(normal)) / glm::dot(ray.direction, glm::dvec3(normal));
+      const double away = glm::distance(ray.at(depth), center);
+      if (std::abs(away - 0.8) < 1e-3) continue;
+      if (away > 0.8) {
+        ASSERT_EQ(picture.depth(x, y), kInfinity) << x << ',' << y;
+        continue;
+      }
+      ++seen[k];
+      ASSERT_NEAR(picture.depth(x, y), depth, 2e-5);
+      ASSERT_LT(degrees_between(picture.normal(x, y), glm::dvec3(normal)), 0.01);
+      const glm::vec3 color = k ? glm::vec3(0, 0.25f, 0.5f) : glm::vec3(0.5f, 0, 0);
+      ASSERT_EQ(glm::vec3(picture["albedo.r"].at(x, y), picture["albedo.g"].at(x, y), picture["albedo.b"].at(x, y)),
+                color);
+    }
+  EXPECT_GT(seen[0], 1200);
+  EXPECT_GT(seen[1], 1200);
+}
+
+TEST(Capture, DiscsOfARoundSurfaceDoNotShadeEachOther) {
+  // Points of a ball, lit from the camera: none of the discs, which overlap and tilt, may darken another.
+  std::vector<glm::vec3> positions, normals;
+  constexpr int kCount = 4000;
+  for (int k = 0; k < kCount; ++k) {
+    const double z = 1.0 - (2.0 * k + 1.0) / kCount, turn = k * std::numbers::pi * (3.0 - std::sqrt(5.0));
+    normals.emplace_back(std::sqrt(1.0 - z * z) * std::cos(turn), std::sqrt(1.0 - z * z) * std::sin(turn), z);
+    positions.push_back(normals.back());
+  }
+  Scene scene = points_of(positions, normals, 0.12f);
+  scene.lights = {key_light({0.5f, 0.3f, 1})};
+  const Picture picture = capture(scene, from_above(2.4f), 130, 130);
+  long lit = 0, dark = 0;
+  for (int y = 0; y < 130; ++y)
+    for (int x = 0; x < 130; ++x) {
+      if (!std::isfinite(picture.depth(x, y))) continue;
+      const glm::dvec3 n = picture.normal(x, y);
+      if (glm::dot(n, glm::normalize(glm::dvec3(0.5, 0.3, 1))) < 0.3) continue;
+      (picture["shadow"].at(x, y) > 0.5f ? lit : dark) += 1;
+    }
+  EXPECT_GT(lit, 5000);
+  EXPECT_EQ(dark, 0);
+}
+
+TEST(Capture, ColorsRunFromVertexToVertex) {
+  Mesh mesh = square(1.0f);
+  mesh.uvs.clear();
+  mesh.colors = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};  // red along x, green along y
+  Material grey;
+  grey.albedo = glm::vec3(0.5f);
+  Mesh plain = square(1.0f, 0.0f, {3.0f, 0.0f});
+  // The coloured mesh is not the first: its colours are found all the same.
+  const Scene scene = scene_of({plain, mesh}, {grey});
+  const Picture picture = capture(scene, from_above(2.0f), 100, 100);
+  for (int y = 2; y < 98; ++y)
+    for (int x = 2; x < 98; ++x) {
+      ASSERT_NEAR(picture["albedo.r"].at(x, y), 0.5f * (float(x) + 0.5f) / 100.0f, 1e-4f);
+      ASSERT_NEAR(picture["albedo.g"].at(x, y), 0.5f * (1.0f - (float(y) + 0.5f) / 100.0f), 1e-4f);
+      ASSERT_EQ(picture["albedo.b"].at(x, y), 0.0f);
+    }
+}
+
 TEST(Capture, OffCentreWindowIsAPartOfTheWhole) {
   const Scene scene = scene_of({shapes::sphere(2.0f, 48, 24), square(9.0f, -1.0f)});
   for (const bool orthographic : {false, true}) {

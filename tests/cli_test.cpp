@@ -392,7 +392,7 @@ TEST_F(Cli, RefusesModelsThatAreNone) {
   }
   fs::create_directory(folder_ / "folder.obj");
   write("notes.txt", "hello\n");
-  write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  write("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n");
   write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
   write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
   write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
@@ -400,7 +400,7 @@ TEST_F(Cli, RefusesModelsThatAreNone) {
   bad("no/where.obj -o out.png", 3, {"no/where.obj", "no such file"});
   bad("folder.obj -o out.png", 3, {"folder.obj", "folder"});
   bad("notes.txt -o out.png", 3, {"notes.txt", ".obj", ".ply"});
-  bad("points.obj -o out.png", 3, {"points.obj", "no triangles"});
+  bad("lines.obj -o out.png", 3, {"lines.obj", "no triangles"});
   bad("range.obj -o out.png", 3, {"range.obj", "out of range"});
   bad("nan.obj -o out.png", 3, {"nan.obj", "not finite"});
   bad("line.obj -o out.png", 3, {"line.obj", "degenerate"});

@@ -95,6 +95,29 @@ std::string triangle_gltf(const std::string& node, const std::string& material) 
 "textures":[{"source":0}],"images":[{"uri":"dots.tga"}]})";
 }
 
+/// A glTF file of the same triangle, with colours at its vertices.
+std::string colored_gltf() {
+  std::string text = triangle_gltf("", "{}");
+  const std::string bytes = bytes_of({0, 0, 0, 1, 0, 0, 0, 1, 0, .5f, .25f, 1, .5f, .25f, 1, .5f, .25f, 1});
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  replace("TEXCOORD_0", "COLOR_0");
+  replace(R"("count":3,"type":"VEC2")", R"("count":3,"type":"VEC3")");
+  replace(R"("byteLength":24)", R"("byteLength":36)");
+  replace(R"("byteLength":60)", R"("byteLength":72)");
+  const std::size_t data = text.find("base64,") + 7;
+  text.replace(data, text.find('"', data) - data, base64(bytes));
+  return text;
+}
+
+/// A glTF file of three points, the triangle's corners.
+std::string points_gltf() {
+  std::string text = triangle_gltf("", "{}");
+  const std::string from = R"("material":0})";
+  return text.replace(text.find(from), from.size(), R"("material":0,"mode":0})");
+}
+
 /// An uncompressed TGA of 2 x 1 texels: red and opaque, green and clear.
 std::string two_texels_tga() {
   std::string file(18, '\0');
@@ -231,6 +254,125 @@ TEST_F(Import, ReadsPlyAsTextAndBinaryAndStrips) {
                                          "0 0 0\n2 0 0\n0 1 0\n2 1 0\n8 0 1 2 3 -1 0 1 3\n");
   ASSERT_EQ(strips.triangle_count(), 3u);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(face_normal(strips.meshes[0], i), glm::vec3(0, 0, 1)) << i;
+}
+
+/// 0.5 on the screen.
+constexpr float kHalfLinear = 0.21404114f;
+
+void expect_near(const glm::vec3& a, const glm::vec3& b, const char* what) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 1e-5f) << what << ", channel " << c;
+}
+
+TEST_F(Import, ReadsColorsOfVertices) {
+  // Red, half grey as it is shown on a screen, and blue.
+  const glm::vec3 wanted[3] = {{1, 0, 0}, glm::vec3(kHalfLinear), {0, 0, 1}};
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float red\nproperty float green\nproperty float blue\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0 1 0 0\n1 0 0 0.5 0.5 0.5\n0 1 0 0 0 1\n3 0 1 2\n";
+  const Scene scenes[] = {read("a.obj", "v 0 0 0 1 0 0\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0 0 0 1\nf 1 2 3\n"),
+                          read("a.ply", ply),
+                          read("a.off", "COFF\n3 1 0\n0 0 0 1 0 0 1\n1 0 0 0.5 0.5 0.5 1\n0 1 0 0 0 1 1\n3 0 1 2\n")};
+  for (const Scene& scene : scenes) {
+    ASSERT_EQ(scene.triangle_count(), 1u) << scene.name;
+    const Mesh& mesh = scene.meshes[0];
+    ASSERT_EQ(mesh.colors.size(), 3u) << scene.name;
+    EXPECT_TRUE(scene.warnings.empty()) << scene.name;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t corner = mesh.positions[k].x == 1.0f ? 1 : mesh.positions[k].y == 1.0f ? 2 : 0;
+      const glm::vec3 seen = mesh.colors[k] * scene.materials[std::size_t(mesh.material)].albedo;
+      if (scene.name != "a.obj") expect_near(seen, wanted[corner], scene.name.c_str());
+      expect_near(mesh.colors[k], wanted[corner], scene.name.c_str());
+    }
+  }
+
+  // Bytes mean the same as shares of 255; glTF has linear light, in several types.
+  const std::string bytes =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n"
+      "0 0 0 51 0 0\n1 0 0 51 0 0\n0 1 0 51 0 0\n3 0 1 2\n";
+  expect_near(read("b.ply", bytes).meshes.at(0).colors.at(0), {0.03310477f, 0, 0}, "bytes");
+  expect_near(
+      read("b.off", "COFF\n3 1 0\n0 0 0 51 0 0\n1 0 0 255 0 0\n0 1 0 0 0 0\n3 0 1 2\n").meshes.at(0).colors.at(0),
+      {0.03310477f, 0, 0}, "bytes of OFF");
+  const Mesh linear = read("c.gltf", colored_gltf()).meshes.at(0);
+  ASSERT_EQ(linear.colors.size(), 3u);
+  expect_near(linear.colors[0], {0.5f, 0.25f, 1.0f}, "glTF");
+
+  // White everywhere says nothing.
+  EXPECT_TRUE(read("w.obj", "v 0 0 0 1 1 1\nv 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n").meshes.at(0).colors.empty());
+}
+
+TEST_F(Import, ColorsPartVerticesWhereTheyDiffer) {
+  // Two triangles share an edge, one is red and the other blue: normals join over it, colours do not.
+  const Scene scene = read("seam.obj",
+                           "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
+                           "v 1 0 0 0 0 1\nv 1 1 0 0 0 1\nv 0 1 0 0 0 1\nf 1 2 3\nf 4 5 6\n");
+  const Mesh& mesh = scene.meshes.at(0);
+  EXPECT_EQ(mesh.positions.size(), 6u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(mesh.colors[mesh.indices[i]], i < 3 ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1));
+    EXPECT_EQ(mesh.normals[mesh.indices[i]], glm::vec3(0, 0, 1));
+  }
+}
+
+TEST_F(Import, ReadsPoints) {
+  const std::string header =
+      " 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+      "property float ny\nproperty float nz\nend_header\n";
+  std::string big = bytes_of({0, 0, 0, 0, 0, 2, 1, 0, 0, 0, 0, 2, 0, 1, 0, 0, 0, 2});
+  const std::string little = big;
+  for (std::size_t i = 0; i < big.size(); i += 4)
+    std::reverse(big.begin() + std::ptrdiff_t(i), big.begin() + std::ptrdiff_t(i) + 4);
+  const Scene scenes[] = {read("t.ply", "ply\nformat ascii" + header + "0 0 0 0 0 2\n1 0 0 0 0 2\n0 1 0 0 0 2\n"),
+                          read("l.ply", "ply\nformat binary_little_endian" + header + little),
+                          read("b.ply", "ply\nformat binary_big_endian" + header + big),
+                          read("p.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 2\nvn 0 0 2\nvn 0 0 2\np 1 2 3\n"),
+                          read("p.off", "NOFF\n3 0 0\n0 0 0 0 0 2\n1 0 0 0 0 2\n0 1 0 0 0 2\n"),
+                          read("p.xyz", "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n"),
+                          read("p.gltf", points_gltf())};
+  for (const Scene& scene : scenes) {
+    EXPECT_EQ(scene.triangle_count(), 0u) << scene.name;
+    ASSERT_EQ(scene.point_count(), 3u) << scene.name;
+    const Mesh& mesh = scene.meshes[0];
+    EXPECT_FALSE(mesh.spheres) << scene.name;
+    ASSERT_EQ(mesh.normals.size(), 3u) << scene.name;
+    ASSERT_EQ(mesh.radii.size(), 3u) << scene.name;
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(std::abs(mesh.normals[i].z), 1.0f) << scene.name;
+      EXPECT_GT(mesh.radii[i], 0.3f) << scene.name;
+      EXPECT_LT(mesh.radii[i], 2.0f) << scene.name;
+    }
+    EXPECT_TRUE(scene.warnings.empty());
+  }
+}
+
+TEST_F(Import, ReadsWhatFollowsAPointInText) {
+  const auto mesh_of = [&](const std::string& text) { return read("a.xyz", text).meshes.at(0); };
+  const Mesh colored = mesh_of("# a scan\n0 0 0 255 0 0\n1,0,0,255,0,0\n0;1;0;51;0;0\n");
+  ASSERT_EQ(colored.colors.size(), 3u);
+  const Mesh both = mesh_of("3\n0 0 0 17 255 0 0 0 0 1\n1 0 0 18 255 0 0 0 0 1\n0 1 0 19.5 255 0 0 0 0 1\n");
+  ASSERT_EQ(both.colors.size(), 3u) << "after an intensity";
+  EXPECT_EQ(both.colors[0], glm::vec3(1, 0, 0));
+  EXPECT_EQ(both.normals.size(), 3u);
+  EXPECT_TRUE(mesh_of("0 0 0 0.5\n1 0 0 0.25\n0 1 0 1\n").colors.empty()) << "an intensity alone";
+}
+
+TEST_F(Import, PointSettingsGoBeforeWhatThePointsSay) {
+  const std::string text = "0 0 0\n2 0 0\n0 2 0\n2 2 0\n1 1 0\n";
+  ImportSettings settings;
+  settings.points = {PointShape::kSpheres, {0.5f, 0}};
+  const Mesh spheres = read("a.xyz", text, settings).meshes.at(0);
+  EXPECT_TRUE(spheres.spheres);
+  EXPECT_TRUE(spheres.normals.empty());
+  for (const float radius : spheres.radii) EXPECT_EQ(radius, 0.25f);
+  settings.points = {PointShape::kDiscs, {10.0f, 1}};
+  const Mesh discs = read("a.xyz", text, settings).meshes.at(0);
+  EXPECT_EQ(discs.radii.size(), 5u);
+  for (const float radius : discs.radii)
+    EXPECT_NEAR(radius, 0.05f * std::numbers::sqrt2_v<float>, 1e-6f) << "5 % of the scene's radius";
 }
 
 TEST_F(Import, ReadsStlWithUpAlongZ) {
@@ -396,11 +538,13 @@ TEST_F(Import, BadFilesGiveOneSentence) {
     for (char& c : noise) c = char(random());
     expect_error(write("noise." + format, noise), "");
   }
-  expect_error(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), "no triangles");
+  expect_error(write("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n"), "no triangles");
   expect_error(write("nan.obj", "v nan nan nan\nv nan 0 0\nv 0 nan 0\nf 1 2 3\n"), "");
   expect_error(write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "degenerate");
-  expect_error(write("points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
-               "no triangles");
+  expect_error(write("x.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n0\n"),
+               "without 'y'");
+  expect_error(write("nan.xyz", "nan 0 0\nnan 1 0\n"), "not finite");
+  expect_error(write("words.xyz", "1 2 3\n1 two 3\n"), "line 2");
   expect_error(write("many.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n0\n"),
                "cut short");
   expect_error(write("head.ply", "ply\nformat ascii 1.0\nelement vertex"), "end_header");

@@ -60,6 +60,14 @@ void add_scene_options(CLI::App& command, CommonOptions& o) {
       .add_option("--crease-angle", o.crease_angle,
                   "faces that meet at a larger angle keep their edge where a file has no normals, degrees [80]")
       ->group(scene);
+  command
+      .add_option("--point-size", o.point_size,
+                  "size of a file's points: scene units (0.01) or a share of the scene's radius (0.5%) [their spacing]")
+      ->group(scene);
+  command
+      .add_option("--point-sprites", o.point_shape,
+                  "what a file's points are drawn as: disc, sphere or auto: discs where they lie on surfaces [auto]")
+      ->group(scene);
   command.add_option("--up", o.up, "world up: +X -X +Y -Y +Z -Z or x,y,z [as the format says]")->group(scene);
   const auto camera = "Camera";
   command.add_option("--camera-position", o.position, "x,y,z of the eye")->group(camera);
@@ -252,6 +260,16 @@ Result<ImportSettings> import_settings(const CommonOptions& o) {
     if (!angle) return angle.error();
     settings.crease_angle_deg = float(*angle);
   }
+  if (!o.point_size.empty()) {
+    const auto size = parse_radius("--point-size", o.point_size);
+    if (!size) return size.error();
+    settings.points.size = *size;
+  }
+  constexpr std::string_view kShapes[] = {"auto", "disc", "sphere"};
+  const auto shape = std::find(std::begin(kShapes), std::end(kShapes), o.point_shape);
+  if (shape == std::end(kShapes))
+    return usage_error("--point-sprites cannot be '{}': it takes auto, disc or sphere", o.point_shape);
+  settings.points.shape = PointShape(shape - std::begin(kShapes));
   if (o.up.empty()) return settings;
   const auto up = parse_direction("--up", o.up);
   if (!up) return up.error();

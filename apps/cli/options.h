@@ -13,6 +13,7 @@ namespace umbrage::cli {
 struct CommonOptions {
   std::vector<std::string> models;
   std::string resolution = "1024,1024";
+  std::string point_size, point_shape = "auto";
   std::string up, crease_angle, position, focal_point, view_up, direction;
   std::string view_angle, azimuth = "0", elevation = "0", zoom = "1";
   bool orthographic = false;

@@ -263,7 +263,8 @@ Result<void> render(const RenderOptions& o) {
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
   times.done("load");
-  const std::size_t triangles = scene->triangle_count(), meshes = scene->meshes.size();
+  const std::size_t meshes = scene->meshes.size();
+  const std::string size = size_text(*scene);
   furnish(*scene, *draw_with);
   if (auto ready = (*device)->prepare(*scene); !ready) return ready;
   times.done("prepare");
@@ -280,8 +281,7 @@ Result<void> render(const RenderOptions& o) {
                scene->name);
   if (auto written = write_output(o, recipe->settings, **device, *frame); !written) return written;
   times.done("write");
-  if (o.verbose)
-    fmt::print(stderr, "{}: {} triangles in {} meshes\n{}\n", scene->name, triangles, meshes, (*device)->description());
+  if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, (*device)->description());
   if (o.verbose || o.json) print_times(times, added_up((*device)->take_pass_times()), o.json);
   return {};
 }

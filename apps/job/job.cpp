@@ -57,7 +57,8 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
     int objects = 0;
     for (const Mesh& mesh : all->meshes) objects = std::max(objects, mesh.object + 1);
     for (Material& material : next->materials) {
-      if (material.texture != kNoTexture) material.texture += textures;
+      for (int* texture : {&material.texture, &material.emission_texture})
+        if (*texture != kNoTexture) *texture += textures;
       all->materials.push_back(std::move(material));
     }
     for (Texture& texture : next->textures) all->textures.push_back(std::move(texture));

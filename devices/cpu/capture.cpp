@@ -195,8 +195,9 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, 
         {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]));
     surfaces.there[k] = true;
     const glm::vec3 n = view * surface.normal;
-    const glm::vec3 albedo = pixel_albedo(drawing.traced, drawing.rays, surface, float(x0 + k % kBlock) + 0.5f,
-                                          float(y0 + k / kBlock) + 0.5f);
+    const float px = float(x0 + k % kBlock) + 0.5f, py = float(y0 + k / kBlock) + 0.5f;
+    const glm::vec3 albedo = pixel_albedo(drawing.traced, drawing.rays, surface, px, py);
+    const glm::vec3 emission = pixel_emission(drawing.traced, drawing.rays, surface, px, py);
     out.depth[k] = rh.ray.tfar[k];
     out.nx[k] = n.x;
     out.ny[k] = n.y;
@@ -204,9 +205,9 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, 
     out.ar[k] = albedo.r;
     out.ag[k] = albedo.g;
     out.ab[k] = albedo.b;
-    out.er[k] = surface.material->emission.r;
-    out.eg[k] = surface.material->emission.g;
-    out.eb[k] = surface.material->emission.b;
+    out.er[k] = emission.r;
+    out.eg[k] = emission.g;
+    out.eb[k] = emission.b;
     out.specular[k] = surface.material->specular_strength;
     out.shininess[k] = surface.material->specular_exponent;
     out.object[k] = float(surface.mesh->object);

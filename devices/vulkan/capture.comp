@@ -25,6 +25,7 @@ shared int block_pixels[4], block_lit[4];
 
 const float kInfinity = 1.0f / 0.0f;
 const float kStartOffset = 4e-6f;  // rays/traced_scene.cpp
+const float kAboveDisc = 0.3f;     // rays/traced_scene.h
 const float kLayerStep = 1e-5f;    // devices/cpu/capture.cpp
 const float kEdgeRounding = 1.1920929e-7f;  // of a triangle: its rim belongs to it, as for Embree
 const int kMostTaps = 8;           // rays/mip_texture.cpp
@@ -102,18 +103,20 @@ float sample_alpha(int index, vec2 uv) {
 
 // ---- triangles ----
 
-// Four vectors: three corners, and in their last components the mesh and the corners' numbers.
+// Four vectors: three corners, and in their last components the mesh and the corners' numbers, and what it is. Of a
+// point, p0 is its place, p1 a disc's normal, p2.x its radius.
 struct Triangle {
   vec3 p0, p1, p2;
   int mesh;
   ivec3 corner;
+  int kind;
 };
 
 Triangle triangle_at(int k) {
   Vectors from = Vectors(table[kTrianglesSlot]);
   vec4 a = from.at[4 * k], b = from.at[4 * k + 1], c = from.at[4 * k + 2], d = from.at[4 * k + 3];
   return Triangle(a.xyz, b.xyz, c.xyz, floatBitsToInt(a.w),
-                  ivec3(floatBitsToInt(b.w), floatBitsToInt(c.w), floatBitsToInt(d.x)));
+                  ivec3(floatBitsToInt(b.w), floatBitsToInt(c.w), floatBitsToInt(d.x)), floatBitsToInt(d.y));
 }
 
 vec3 normal_at(int corner) {
@@ -145,10 +148,32 @@ bool cut_away(Triangle triangle, float u, float v) {
   return sample_alpha(mesh.texture_index, uv) < mesh.cutoff;
 }
 
+// The same of a disc, or of a sphere, on whichever side the ray meets it.
+bool meets_point(Ray ray, Triangle point, int k, inout Hit hit) {
+  vec3 to_center = point.p0 - ray.origin;
+  float radius = point.p2.x, t;
+  if (point.kind == kDisc) {
+    t = dot(to_center, point.p1) / dot(ray.direction, point.p1);
+    vec3 away = ray.direction * t - to_center;
+    if (!(dot(away, away) < radius * radius)) return false;
+  } else {
+    float along = dot(ray.direction, ray.direction), nearest = dot(to_center, ray.direction) / along;
+    vec3 away = ray.direction * nearest - to_center;
+    float inside = radius * radius - dot(away, away);
+    if (!(inside >= 0.0f)) return false;
+    float half_chord = sqrt(inside / along);
+    t = nearest - half_chord > ray.nearest ? nearest - half_chord : nearest + half_chord;
+  }
+  if (!(t > ray.nearest && t < hit.t)) return false;
+  hit = Hit(t, 0.0f, 0.0f, k);
+  return true;
+}
+
 // Whether the ray meets the triangle before `hit`, which it then becomes. By edges' signed volumes, which two triangles
 // that share an edge compute alike, so that no ray passes between them [Shoemake 1998].
 bool meets(Ray ray, int k, inout Hit hit) {
   Triangle triangle = triangle_at(k);
+  if (triangle.kind != kTriangle) return meets_point(ray, triangle, k, hit);
   vec3 v0 = triangle.p0 - ray.origin, v1 = triangle.p1 - ray.origin, v2 = triangle.p2 - ray.origin;
   vec3 e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
   precise float u = dot(cross(e0, v2 + v0), ray.direction);
@@ -232,9 +257,12 @@ Surface surface_at(Ray ray, Hit hit) {
   s.u = hit.u;
   s.v = hit.v;
   s.position = ray.origin + ray.direction * hit.t;
+  bool point = s.triangle.kind != kTriangle;
   vec3 geometric = cross(s.triangle.p1 - s.triangle.p0, s.triangle.p2 - s.triangle.p0);
+  if (point) geometric = s.triangle.kind == kDisc ? s.triangle.p1 : unit(s.position - s.triangle.p0);
   vec3 normal = normal_at(s.triangle.corner.x) * (1.0f - hit.u - hit.v) + normal_at(s.triangle.corner.y) * hit.u +
                 normal_at(s.triangle.corner.z) * hit.v;
+  if (point) normal = geometric;
   if (dot(geometric, ray.direction) > 0.0f) geometric = -geometric;
   if (dot(normal, geometric) < 0.0f) normal = -normal;
   s.geometric = unit(geometric);
@@ -249,6 +277,8 @@ Surface surface_at(Ray ray, Hit hit) {
 vec3 start_to_light(Surface s) {
   vec3 extent = abs(s.position) + abs(s.position - three(C.eye));
   vec3 start = s.position + s.geometric * (kStartOffset * largest_of(extent));
+  if (s.triangle.kind == kDisc) start += s.geometric * (kAboveDisc * s.triangle.p2.x);
+  if (s.triangle.kind != kTriangle) return start;
   const float kFlat = 1.0f - 1e-6f;
   vec3 n0 = normal_at(s.triangle.corner.x), n1 = normal_at(s.triangle.corner.y), n2 = normal_at(s.triangle.corner.z);
   float f0 = dot(n0, s.geometric), f1 = dot(n1, s.geometric), f2 = dot(n2, s.geometric);
@@ -273,17 +303,35 @@ vec2 uv_change(Surface s, vec2 pixel, vec3 across, vec3 gradient_u, vec3 gradien
   return vec2(dot(moved, gradient_u), dot(moved, gradient_v));
 }
 
-vec3 pixel_albedo(Surface s, CaptureMesh mesh, vec2 pixel) {
-  vec3 albedo = three(mesh.albedo);
-  if (mesh.texture_index < 0) return albedo;
+// A texture averaged over the pixel.
+vec3 pixel_texel(Surface s, int index, vec2 pixel) {
   vec3 e1 = s.triangle.p1 - s.triangle.p0, e2 = s.triangle.p2 - s.triangle.p0, across = cross(e1, e2);
   vec2 t0 = uv_at(s.triangle.corner.x), t1 = uv_at(s.triangle.corner.y) - t0, t2 = uv_at(s.triangle.corner.z) - t0;
   float inverse = 1.0f / dot(across, across);
   vec3 gradient1 = cross(e2, across) * inverse, gradient2 = cross(across, e1) * inverse;
   vec3 gradient_u = gradient1 * t1.x + gradient2 * t2.x, gradient_v = gradient1 * t1.y + gradient2 * t2.y;
-  return albedo * sample_filtered(mesh.texture_index, t0 + t1 * s.u + t2 * s.v,
-                                  uv_change(s, pixel + vec2(1.0f, 0.0f), across, gradient_u, gradient_v),
-                                  uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v)).rgb;
+  return sample_filtered(index, t0 + t1 * s.u + t2 * s.v,
+                         uv_change(s, pixel + vec2(1.0f, 0.0f), across, gradient_u, gradient_v),
+                         uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v)).rgb;
+}
+
+vec3 color_at(int vertex) {
+  Floats from = Floats(table[kColorsSlot]);
+  return vec3(from.at[3 * vertex], from.at[3 * vertex + 1], from.at[3 * vertex + 2]);
+}
+
+vec3 pixel_albedo(Surface s, CaptureMesh mesh, vec2 pixel) {
+  vec3 albedo = three(mesh.albedo);
+  if (mesh.colored != 0) {
+    ivec3 at = s.triangle.corner + mesh.color_shift;
+    albedo *= color_at(at.x) * (1.0f - s.u - s.v) + color_at(at.y) * s.u + color_at(at.z) * s.v;
+  }
+  return mesh.texture_index < 0 ? albedo : albedo * pixel_texel(s, mesh.texture_index, pixel);
+}
+
+vec3 pixel_emission(Surface s, CaptureMesh mesh, vec2 pixel) {
+  vec3 emission = three(mesh.emission);
+  return mesh.emission_texture < 0 ? emission : emission * pixel_texel(s, mesh.emission_texture, pixel);
 }
 
 // ---- shadows ----
@@ -352,8 +400,8 @@ void put3(int slot, int place, vec3 v) {
   put(slot + 2, place, v.z);
 }
 
-void put_surface(int first, int place, bool there, float depth, vec3 normal, vec3 albedo, float specular,
-                 CaptureMesh mesh) {
+void put_surface(int first, int place, bool there, float depth, vec3 normal, vec3 albedo, vec3 emission,
+                 float specular, CaptureMesh mesh) {
   put(first + kDepthSlot, place, there ? depth : kInfinity);
   mat3 to_view = transpose(mat3(C.to_view[0], C.to_view[1], C.to_view[2], C.to_view[3], C.to_view[4], C.to_view[5],
                                 C.to_view[6], C.to_view[7], C.to_view[8]));
@@ -361,7 +409,7 @@ void put_surface(int first, int place, bool there, float depth, vec3 normal, vec
   put3(first + kAlbedoSlot, place, there ? albedo : vec3(0.0f));
   put(first + kSpecularSlot, place, there ? specular : 0.0f);
   put(first + kShininessSlot, place, there ? mesh.shininess : 0.0f);
-  put3(first + kEmissionSlot, place, there ? three(mesh.emission) : vec3(0.0f));
+  put3(first + kEmissionSlot, place, there ? emission : vec3(0.0f));
   put(first + kObjectSlot, place, there ? mesh.object_id : -1.0f);
   put(first + kMaterialSlot, place, there ? mesh.material_id : -1.0f);
   for (int light = 0; light < kCaptureLights; ++light) put(first + kShadowSlot + light, place, 1.0f);
@@ -388,11 +436,12 @@ void main() {
   bool there = hit.triangle >= 0;
   Surface s;
   CaptureMesh mesh;
-  vec3 albedo = vec3(0.0f);
+  vec3 albedo = vec3(0.0f), emission = vec3(0.0f);
   if (there) {
     s = surface_at(ray, hit);
     mesh = Meshes(table[kMeshesSlot]).at[s.triangle.mesh];
     albedo = pixel_albedo(s, mesh, pixel);
+    emission = pixel_emission(s, mesh, pixel);
   }
   for (int side = 0; side <= C.back; ++side) {
     int first = side * kBackSlots;
@@ -400,7 +449,7 @@ void main() {
       s.geometric = -s.geometric;
       s.normal = -s.normal;
     }
-    if (inside) put_surface(first, place, there, hit.t, s.normal, albedo, side == 0 ? mesh.specular : 0.0f, mesh);
+    if (inside) put_surface(first, place, there, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
     for (int light = 0; light < C.light_count; ++light) {
       float lit = shadow_of(s, there, light, block, k);
       if (there) put(first + kShadowSlot + C.light_index[light], place, lit);

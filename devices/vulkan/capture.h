@@ -9,7 +9,7 @@ const int kEmissionSlot = 17, kObjectSlot = 20, kMaterialSlot = 21;
 const int kBackSlots = 22;
 const int kBeforeSlot = 44;
 const int kNodesSlot = 45, kTrianglesSlot = 46, kNormalsSlot = 47, kUvsSlot = 48, kMeshesSlot = 49;
-const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53;
+const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53, kColorsSlot = 54;
 // soften.comp
 const int kSoftFromSlot = 0, kSoftToSlot = 1, kSoftDepthSlot = 2, kSoftNormalSlot = 3;
 
@@ -38,11 +38,15 @@ struct CaptureConstants {
 // A mesh with its material.
 struct CaptureMesh {
   float albedo[3], specular, shininess, emission[3];
-  int texture_index;  // below 0: none
-  int masked;         // 1: cut away where the texture's alpha is below the cutoff
+  int texture_index, emission_texture;  // below 0: none
+  int masked;                           // 1: cut away where the texture's alpha is below the cutoff
   float cutoff;
+  int colored, color_shift;  // colored 1: the colour of a vertex stands at its number plus the shift
   float object_id, material_id;
 };
+
+// What stands where a triangle does in the hierarchy.
+const int kTriangle = 0, kDisc = 1, kSphere = 2;
 
 struct CaptureTexture {
   int first_level, levels;

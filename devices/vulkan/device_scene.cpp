@@ -41,8 +41,10 @@ Result<DevicePlanePtr> upload(Bytes bytes, Memory& memory, Commands& commands, c
   return to;
 }
 
+/// Colours of vertices are kept of the meshes that have them, one after the other.
 std::vector<CaptureMesh> meshes_of(const Scene& scene) {
   std::vector<CaptureMesh> meshes;
+  int vertices = 0, colors = 0;
   for (const Mesh& mesh : scene.meshes) {
     const Material& material = scene.materials[mesh.material];
     CaptureMesh out{};
@@ -53,10 +55,15 @@ std::vector<CaptureMesh> meshes_of(const Scene& scene) {
     out.specular = material.specular_strength;
     out.shininess = material.specular_exponent;
     out.texture_index = mesh.uvs.empty() ? kNoTexture : material.texture;
+    out.emission_texture = mesh.uvs.empty() ? kNoTexture : material.emission_texture;
     out.masked = material.alpha_mask && out.texture_index != kNoTexture ? 1 : 0;
     out.cutoff = material.alpha_cutoff;
     out.object_id = float(mesh.object);
     out.material_id = float(mesh.material);
+    out.colored = mesh.colors.empty() ? 0 : 1;
+    out.color_shift = colors - vertices;
+    vertices += int(mesh.positions.size());
+    colors += int(mesh.colors.size());
     meshes.push_back(out);
   }
   return meshes;
@@ -86,12 +93,15 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
   out.root = hierarchy->root;
   out.empty = hierarchy->empty();
 
-  std::vector<glm::vec3> normals;
+  std::vector<glm::vec3> normals, colors;
   std::vector<glm::vec2> uvs;
   for (const Mesh& mesh : scene.meshes) {
+    const std::size_t vertices = normals.size() + mesh.positions.size();
     normals.insert(normals.end(), mesh.normals.begin(), mesh.normals.end());
+    normals.resize(vertices, glm::vec3(0.0f));
     uvs.insert(uvs.end(), mesh.uvs.begin(), mesh.uvs.end());
-    uvs.resize(normals.size(), glm::vec2(0.0f));
+    uvs.resize(vertices, glm::vec2(0.0f));
+    colors.insert(colors.end(), mesh.colors.begin(), mesh.colors.end());
   }
   std::vector<CaptureTexture> textures;
   std::vector<CaptureLevel> levels;
@@ -108,7 +118,7 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
   const std::vector<float> points = tables();
   for (const Bytes bytes :
        {bytes_of(hierarchy->nodes), bytes_of(hierarchy->triangles), bytes_of(normals), bytes_of(uvs), bytes_of(meshes),
-        bytes_of(textures), bytes_of(levels), bytes_of(texels), bytes_of(points)}) {
+        bytes_of(textures), bytes_of(levels), bytes_of(texels), bytes_of(points), bytes_of(colors)}) {
     auto buffer = upload(bytes, memory, commands, gpu);
     if (!buffer) return buffer.error();
     out.buffers.push_back(std::move(*buffer));

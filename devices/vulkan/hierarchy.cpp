@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <glm/common.hpp>
+#include <glm/exponential.hpp>
 #include <memory>
 #include <new>
 
@@ -17,7 +18,7 @@ namespace {
 constexpr unsigned kMostInLeaf = 4;  // capture.comp has three bits for it
 constexpr unsigned kDepth = 40;      // beyond it Embree splits by halves: at most kHierarchyDepth
 
-/// What Embree's builder makes: either two children or triangles.
+/// What Embree's builder makes: either two children or triangles and points.
 struct BuiltNode {
   const BuiltNode* children[2] = {nullptr, nullptr};
   RTCBounds bounds[2];
@@ -35,6 +36,7 @@ struct Flattener {
   const Scene& scene;
   const std::vector<glm::vec3>& positions;
   const std::vector<int>& first_vertex;
+  float scale;
   Hierarchy& out;
 
   int add(const BuiltNode& node, int depth) {
@@ -43,6 +45,15 @@ struct Flattener {
       const int first = int(out.triangles.size());
       for (unsigned k = 0; k < node.count; ++k) {
         const Mesh& mesh = scene.meshes[node.meshes[k]];
+        if (mesh.points) {
+          const std::size_t point = node.triangles[k];
+          const int vertex = first_vertex[node.meshes[k]] + int(point);
+          out.triangles.push_back({glm::vec4(positions[vertex], bits(int(node.meshes[k]))),
+                                   glm::vec4(mesh.spheres ? glm::vec3(0.0f) : mesh.normals[point], bits(vertex)),
+                                   glm::vec4(mesh.radii[point] * scale, 0.0f, 0.0f, bits(vertex)),
+                                   glm::vec4(bits(vertex), bits(mesh.spheres ? kSphere : kDisc), 0.0f, 0.0f)});
+          continue;
+        }
         int corner[3];
         for (int c = 0; c < 3; ++c)
           corner[c] = first_vertex[node.meshes[k]] + int(mesh.indices[std::size_t(node.triangles[k]) * 3 + c]);
@@ -68,10 +79,18 @@ struct Flattener {
 };
 
 std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, const std::vector<glm::vec3>& positions,
-                                             const std::vector<int>& first_vertex) {
+                                             const std::vector<int>& first_vertex, float scale) {
   std::vector<RTCBuildPrimitive> primitives;
-  primitives.reserve(scene.triangle_count());
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
+  primitives.reserve(scene.triangle_count() + scene.point_count());
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    const Mesh& mesh = scene.meshes[m];
+    for (std::size_t k = 0; k < mesh.radii.size(); ++k) {
+      const glm::vec3 p = positions[std::size_t(first_vertex[m]) + k];
+      const glm::vec3 n = mesh.spheres ? glm::vec3(0.0f) : mesh.normals[k];
+      const glm::vec3 reach = mesh.radii[k] * scale * glm::sqrt(glm::max(1.0f - n * n, glm::vec3(0.0f)));
+      const glm::vec3 low = p - reach, high = p + reach;
+      primitives.push_back({low.x, low.y, low.z, unsigned(m), high.x, high.y, high.z, unsigned(k)});
+    }
     for (std::size_t t = 0; t < scene.meshes[m].indices.size() / 3; ++t) {
       glm::vec3 low(0.0f), high(0.0f);
       for (int c = 0; c < 3; ++c) {
@@ -81,6 +100,7 @@ std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, const std::vect
       }
       primitives.push_back({low.x, low.y, low.z, unsigned(m), high.x, high.y, high.z, unsigned(t)});
     }
+  }
   return primitives;
 }
 
@@ -94,7 +114,7 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     first_vertex.push_back(int(positions.size()));
     for (const glm::vec3& p : mesh.positions) positions.push_back((p - center) * scale);
   }
-  std::vector<RTCBuildPrimitive> primitives = primitives_of(scene, positions, first_vertex);
+  std::vector<RTCBuildPrimitive> primitives = primitives_of(scene, positions, first_vertex, scale);
   if (primitives.empty()) return out;
 
   struct Release {
@@ -131,10 +151,10 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
   };
   const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&how));
   if (!root)
-    return device_error("{}: Embree cannot build a hierarchy of {} triangles (error {})", scene.name,
-                        scene.triangle_count(), int(rtcGetDeviceError(device.get())));
+    return device_error("{}: Embree cannot build a hierarchy of {} (error {})", scene.name, size_text(scene),
+                        int(rtcGetDeviceError(device.get())));
   out.triangles.reserve(primitives.size());
-  out.root = Flattener{scene, positions, first_vertex, out}.add(*root, 1);
+  out.root = Flattener{scene, positions, first_vertex, scale, out}.add(*root, 1);
   return out;
 }
 

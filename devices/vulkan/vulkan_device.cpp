@@ -515,7 +515,7 @@ class VulkanDevice final : public Device {
     const Planes& planes = planes_of(frame);
     const auto pipeline = pipelines_->capture();
     if (!pipeline) return pipeline.error();
-    std::vector<VkDeviceAddress> table(kPointsSlot + 1);
+    std::vector<VkDeviceAddress> table(kColorsSlot + 1);
     for (const std::string& name : names) {
       table[std::size_t(capture_slot(name))] = planes.find(layer_plane(layer, name))->address;
       if (back > 0) table[std::size_t(kBackSlots + capture_slot(name))] = planes.find(layer_plane(back, name))->address;

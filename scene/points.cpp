@@ -1,0 +1,358 @@
+// Points get normals and sizes from their nearest neighbours, which a tree finds [Bentley 1975].
+#include "scene/points.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+namespace umbrage {
+namespace {
+
+constexpr int kNeighbors = 12;  // enough for a plane through noise, few enough to stay on one side of a wall
+constexpr float kLargestCoordinate = 1e15f;  // as for triangles
+constexpr float kShortestNormal = 1e-12f;
+// In units of the spacing: how far a hole may reach that is none of the surface's, and the widest disc. A few pinholes
+// are better than plates.
+constexpr double kWidestHole = 2.5, kWidestDisc = 1.5;
+// At the rim of a surface, beyond which there are no neighbours, a disc is so wide, in units of the mean distance of so
+// many that there are.
+constexpr double kRimRadius = 0.75;
+constexpr int kAtRim = 3;
+constexpr float kSlack = 1.05f;        // of a disc: those of a curved surface are tilted against each other
+constexpr float kSphereRadius = 0.5f;  // in units of the spacing: spheres on a grid touch
+// A lonely point has no neighbour to measure by: no disc is larger than so many times what nine of ten stay below.
+constexpr float kLargestOfMost = 3.0f;
+constexpr double kMost = 0.9;
+// Points lie on surfaces where the neighbours of the median one spread so little along their normal, as a share of
+// their whole variance: 1/3 would be a cloud, 0 a plane.
+constexpr float kFlat = 0.06f;
+
+struct Placed {
+  glm::vec3 position;
+  std::uint32_t index;
+};
+
+bool usable(const glm::vec3& p) {
+  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
+         std::abs(p.z) <= kLargestCoordinate;
+}
+
+/// Orders points as a balanced tree: the middle of each range divides it along the axis in which it is widest.
+struct Tree {
+  static constexpr std::size_t kLeaf = 12;  // points in a range that is searched one by one
+  std::vector<Placed> points;
+  std::vector<std::uint8_t> axes;  // of the middles
+
+  explicit Tree(std::vector<Placed> all) : points(std::move(all)), axes(points.size()) { divide(0, points.size()); }
+
+  void divide(std::size_t begin, std::size_t end) {
+    if (end - begin <= kLeaf) return;
+    glm::vec3 low = points[begin].position, high = low;
+    for (std::size_t i = begin; i < end; ++i) {
+      low = glm::min(low, points[i].position);
+      high = glm::max(high, points[i].position);
+    }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t i) { return points.begin() + std::ptrdiff_t(i); };
+    std::nth_element(at(begin), at(middle), at(end), [axis](const Placed& a, const Placed& b) {
+      return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.index < b.index;
+    });
+    axes[middle] = std::uint8_t(axis);
+    constexpr std::size_t kWorthAThread = 20000;
+    if (end - begin > kWorthAThread) {
+      tbb::parallel_invoke([&] { divide(begin, middle); }, [&] { divide(middle + 1, end); });
+    } else {
+      divide(begin, middle);
+      divide(middle + 1, end);
+    }
+  }
+};
+
+/// The nearest points found so far, nearest first.
+struct Nearest {
+  glm::vec3 from;
+  std::uint32_t self;
+  int count = 0;
+  std::array<float, kNeighbors> squares{};
+  std::array<std::uint32_t, kNeighbors> places{};
+
+  float worst() const { return count < kNeighbors ? std::numeric_limits<float>::infinity() : squares[kNeighbors - 1]; }
+
+  void look_at(const glm::vec3* positions, std::uint32_t place) {
+    if (place == self) return;
+    const glm::vec3 away = positions[place] - from;
+    const float square = glm::dot(away, away);
+    if (!(square < worst())) return;
+    int k = count < kNeighbors ? count++ : kNeighbors - 1;
+    for (; k > 0 && squares[std::size_t(k) - 1] > square; --k) {
+      squares[std::size_t(k)] = squares[std::size_t(k) - 1];
+      places[std::size_t(k)] = places[std::size_t(k) - 1];
+    }
+    squares[std::size_t(k)] = square;
+    places[std::size_t(k)] = place;
+  }
+
+  void search(const glm::vec3* positions, const std::vector<std::uint8_t>& axes, std::size_t begin, std::size_t end) {
+    if (end - begin <= Tree::kLeaf) {
+      for (std::size_t i = begin; i < end; ++i) look_at(positions, std::uint32_t(i));
+      return;
+    }
+    const std::size_t middle = begin + (end - begin) / 2;
+    const float beyond = from[axes[middle]] - positions[middle][axes[middle]];
+    const bool first = beyond < 0.0f;
+    search(positions, axes, first ? begin : middle + 1, first ? middle : end);
+    look_at(positions, std::uint32_t(middle));
+    if (beyond * beyond < worst()) search(positions, axes, first ? middle + 1 : begin, first ? end : middle);
+  }
+};
+
+/// A direction in which a symmetric matrix stretches least, and its share of the whole.
+struct Thinnest {
+  glm::vec3 direction{0.0f, 1.0f, 0.0f};
+  float share = 0.0f;
+};
+
+/// Eigenvalues in closed form [Smith 1961].
+Thinnest thinnest_of(const glm::dmat3& m) {
+  Thinnest thinnest;
+  const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
+  if (!(mean > 0.0) || !std::isfinite(mean)) return thinnest;
+  const glm::dmat3 deviation = m / mean - glm::dmat3(1.0);
+  double squares = 0.0;
+  for (int i = 0; i < 3; ++i) squares += glm::dot(deviation[i], deviation[i]);
+  const double spread = std::sqrt(squares / 6.0);
+  if (!(spread > 0.0)) {
+    thinnest.share = 1.0f / 3.0f;
+    return thinnest;
+  }
+  const double cosine = std::clamp(glm::determinant(deviation) / (2.0 * spread * spread * spread), -1.0, 1.0);
+  const double angle = std::acos(cosine) / 3.0;
+  const double least = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
+  thinnest.share = float(std::max(0.0, (1.0 + least) / 3.0));
+  // Across the two longest rows of what is left once the least is taken away.
+  const glm::dmat3 left = deviation - glm::dmat3(least);
+  glm::dvec3 best(0.0);
+  for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 2), std::pair(2, 0)}) {
+    const glm::dvec3 across = glm::cross(left[i], left[j]);
+    if (glm::dot(across, across) > glm::dot(best, best)) best = across;
+  }
+  if (glm::dot(best, best) > 1e-20) {
+    thinnest.direction = glm::vec3(glm::normalize(best));
+    return thinnest;
+  }
+  // The points lie on a line: any direction across it.
+  glm::dvec3 along = left[0];
+  for (int i = 1; i < 3; ++i)
+    if (glm::dot(left[i], left[i]) > glm::dot(along, along)) along = left[i];
+  const glm::dvec3 other = std::abs(along.x) < std::abs(along.y) ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 across = glm::cross(along, other);
+  if (glm::dot(across, across) > 0.0) thinnest.direction = glm::vec3(glm::normalize(across));
+  return thinnest;
+}
+
+float nth_of(std::vector<float> values, double share) {
+  const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+template <class T>
+void reorder(std::vector<T>& values, const std::vector<Placed>& order) {
+  if (values.empty()) return;
+  std::vector<T> ordered(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) ordered[i] = values[order[i].index];
+  values = std::move(ordered);
+}
+
+using Offsets = std::array<glm::dvec3, kNeighbors>;
+
+/// The least radius with which a disc covers what lies nearer to its point than to any neighbour, in its plane: the
+/// discs of all points then leave no hole. It is that of the Voronoi cell, which is cut out of a square one neighbour
+/// after the other. `spacing` is the mean distance of neighbours.
+double covering_radius(const Offsets& offsets, int count, const glm::dvec3& normal, double spacing) {
+  const glm::dvec3 other = std::abs(normal.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 right = glm::normalize(glm::cross(normal, other)), up = glm::cross(normal, right);
+  struct Corner {
+    double x, y;
+  };
+  constexpr int kMostCorners = 4 + kNeighbors;
+  std::array<Corner, kMostCorners> cell, cut;
+  const double side = kWidestHole * spacing;
+  cell[0] = {-side, -side}, cell[1] = {side, -side}, cell[2] = {side, side}, cell[3] = {-side, side};
+  int corners = 4;
+  for (int k = 0; k < count; ++k) {
+    const double x = glm::dot(offsets[std::size_t(k)], right), y = glm::dot(offsets[std::size_t(k)], up);
+    const double half = 0.5 * (x * x + y * y);
+    if (!(half > 0.0)) continue;
+    int kept = 0;
+    for (int i = 0; i < corners; ++i) {
+      const Corner a = cell[std::size_t(i)], b = cell[std::size_t(i + 1 == corners ? 0 : i + 1)];
+      const double beyond_a = a.x * x + a.y * y - half, beyond_b = b.x * x + b.y * y - half;
+      if (beyond_a <= 0.0) cut[std::size_t(kept++)] = a;
+      if ((beyond_a < 0.0 && beyond_b > 0.0) || (beyond_a > 0.0 && beyond_b < 0.0)) {
+        const double share = beyond_a / (beyond_a - beyond_b);
+        cut[std::size_t(kept++)] = {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+      }
+    }
+    std::swap(cell, cut);
+    corners = kept;
+  }
+  double rim = 0.0;
+  for (int k = 0; k < std::min(count, kAtRim); ++k) rim += glm::length(offsets[std::size_t(k)]);
+  rim *= kRimRadius / std::min(count, kAtRim);
+  double furthest = 0.0;
+  for (int i = 0; i < corners; ++i) {
+    const Corner& c = cell[std::size_t(i)];
+    // A side of the square is left: there is no neighbour in that direction.
+    const bool open = std::max(std::abs(c.x), std::abs(c.y)) >= side * (1.0 - 1e-9);
+    furthest = std::max(furthest, open ? rim : std::hypot(c.x, c.y));
+  }
+  return std::min(furthest, kWidestDisc * spacing);
+}
+
+/// What a point's neighbours say.
+struct Surroundings {
+  std::vector<float> spacing;  ///< mean distance of neighbours on a surface
+  std::vector<float> cover;    ///< see covering_radius
+  std::vector<Thinnest> planes;
+  int count = 0;
+};
+
+Surroundings surroundings_of(const Mesh& mesh) {
+  const std::size_t size = mesh.positions.size();
+  Surroundings around{std::vector<float>(size), std::vector<float>(size), std::vector<Thinnest>(size),
+                      int(std::min<std::size_t>(kNeighbors, size - 1))};
+  if (around.count == 0) return around;
+  std::vector<Placed> placed(size);
+  for (std::size_t i = 0; i < size; ++i) placed[i] = {mesh.positions[i], std::uint32_t(i)};
+  const Tree tree(std::move(placed));
+  std::vector<glm::vec3> positions(size);
+  for (std::size_t i = 0; i < size; ++i) positions[i] = tree.points[i].position;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, size, 1024), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      Nearest nearest{.from = positions[i], .self = std::uint32_t(i)};
+      nearest.search(positions.data(), tree.axes, 0, size);
+      const std::size_t out = tree.points[i].index;
+      // As many points as there are neighbours share the disc that reaches to the furthest of them.
+      const double reach = std::sqrt(double(nearest.squares[std::size_t(nearest.count) - 1]));
+      const double spacing = reach * std::sqrt(std::numbers::pi / nearest.count);
+      around.spacing[out] = float(spacing);
+      glm::dvec3 sum(0.0);
+      Offsets offsets;
+      for (int k = 0; k < nearest.count; ++k) {
+        offsets[std::size_t(k)] = glm::dvec3(positions[nearest.places[std::size_t(k)]]) - glm::dvec3(positions[i]);
+        sum += offsets[std::size_t(k)];
+      }
+      const glm::dvec3 middle = sum / double(nearest.count + 1);
+      glm::dmat3 variance = glm::outerProduct(middle, middle);  // of the point itself
+      for (int k = 0; k < nearest.count; ++k) {
+        const glm::dvec3 away = offsets[std::size_t(k)] - middle;
+        variance += glm::outerProduct(away, away);
+      }
+      around.planes[out] = thinnest_of(variance);
+      const glm::vec3 own = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[out];
+      const glm::vec3 normal = own == glm::vec3(0.0f) ? around.planes[out].direction : own;
+      around.cover[out] = float(covering_radius(offsets, nearest.count, glm::dvec3(normal), spacing));
+    }
+  });
+  return around;
+}
+
+}  // namespace
+
+std::size_t clean_points(Mesh& mesh) {
+  const std::size_t before = mesh.positions.size();
+  std::vector<Placed> order;
+  order.reserve(before);
+  for (std::size_t i = 0; i < before; ++i)
+    if (usable(mesh.positions[i])) order.push_back({mesh.positions[i], std::uint32_t(i)});
+  const std::size_t finite = order.size();
+  tbb::parallel_sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) {
+    return std::tie(a.position.x, a.position.y, a.position.z, a.index) <
+           std::tie(b.position.x, b.position.y, b.position.z, b.index);
+  });
+  order.erase(std::unique(order.begin(), order.end(),
+                          [](const Placed& a, const Placed& b) { return a.position == b.position; }),
+              order.end());
+  order = Tree(std::move(order)).points;
+  reorder(mesh.positions, order);
+  reorder(mesh.normals, order);
+  reorder(mesh.colors, order);
+  mesh.positions.resize(order.size());
+  mesh.uvs.clear();
+  mesh.indices.clear();
+  mesh.radii.clear();
+  return before - finite;
+}
+
+void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius) {
+  const std::size_t size = mesh.positions.size();
+  if (size == 0) return;
+  std::vector<std::size_t> lacking;
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
+    const glm::dvec3 normal(mesh.normals[i]);
+    const double length = glm::length(normal);
+    if (length > kShortestNormal && std::isfinite(length))
+      mesh.normals[i] = glm::vec3(normal / length);
+    else {
+      mesh.normals[i] = glm::vec3(0.0f);
+      lacking.push_back(i);
+    }
+  }
+  const bool has_normals = !mesh.normals.empty() && lacking.size() < size;
+  const bool given_size = settings.size.value > 0.0f;
+  const bool wants_planes = settings.shape != PointShape::kSpheres && (!has_normals || !lacking.empty());
+  Surroundings around;
+  if (wants_planes || !given_size) around = surroundings_of(mesh);
+  mesh.spheres = settings.shape == PointShape::kSpheres;
+  if (settings.shape == PointShape::kAuto && !has_normals) {
+    std::vector<float> shares(size);
+    std::transform(around.planes.begin(), around.planes.end(), shares.begin(),
+                   [](const Thinnest& plane) { return plane.share; });
+    mesh.spheres = nth_of(std::move(shares), 0.5) > kFlat;
+  }
+  if (mesh.spheres) {
+    mesh.normals.clear();
+  } else if (!has_normals) {
+    mesh.normals.resize(size);
+    for (std::size_t i = 0; i < size; ++i) mesh.normals[i] = around.planes[i].direction;
+  } else {
+    for (const std::size_t i : lacking) mesh.normals[i] = around.planes[i].direction;
+  }
+
+  if (given_size) {
+    const float across = settings.size.relative ? settings.size.value / 100.0f * scene_radius : settings.size.value;
+    mesh.radii.assign(size, 0.5f * across);
+    return;
+  }
+  if (around.count == 0) {
+    mesh.radii.assign(size, scene_radius > 0.0f ? 0.01f * scene_radius : 1.0f);
+    return;
+  }
+  if (mesh.spheres) {
+    // All alike: the points of a cloud are marks, and where they lie close they may overlap. As many as there are
+    // neighbours share the ball that reaches to the furthest of them.
+    const double reach = nth_of(around.spacing, 0.5) / std::sqrt(std::numbers::pi / around.count);
+    const double spacing = reach * std::cbrt(4.0 / 3.0 * std::numbers::pi / around.count);
+    mesh.radii.assign(size, float(kSphereRadius * spacing));
+    return;
+  }
+  mesh.radii = std::move(around.cover);
+  const float most = kLargestOfMost * nth_of(mesh.radii, kMost);
+  for (float& radius : mesh.radii) radius = kSlack * std::min(radius, most);
+}
+
+}  // namespace umbrage

@@ -1,0 +1,28 @@
+// Colours at vertices, as files have them.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <glm/vec3.hpp>
+
+#include "core/srgb.h"
+
+namespace umbrage {
+
+/// Linear light from a colour as it is shown on a screen, 0 to 1; what lies outside is cut off.
+inline glm::vec3 linear_color(const glm::vec3& shown) {
+  // Most files have bytes; their 256 values are looked up.
+  static const auto of_byte = [] {
+    std::array<float, 256> table{};
+    for (int k = 0; k < 256; ++k) table[std::size_t(k)] = linear_from_srgb(float(k) / 255.0f);
+    return table;
+  }();
+  glm::vec3 linear(0.0f);
+  for (int c = 0; c < 3; ++c) {
+    const float v = shown[c] >= 0.0f ? std::min(shown[c], 1.0f) : 0.0f;
+    const int byte = int(v * 255.0f + 0.5f);
+    linear[c] = float(byte) / 255.0f == v ? of_byte[std::size_t(byte)] : linear_from_srgb(v);
+  }
+  return linear;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,152 @@
+// Points: the sizes and normals that they get from each other.
+#include "scene/points.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "scene/finish.h"
+#include "scene/ground.h"
+
+namespace umbrage {
+namespace {
+
+/// A finished scene of these points.
+Scene scene_of(std::vector<glm::vec3> positions, const PointSettings& settings = {}) {
+  Scene scene;
+  Mesh mesh;
+  mesh.points = true;
+  mesh.positions = std::move(positions);
+  scene.meshes = {std::move(mesh)};
+  finish_scene(scene, 80.0f, settings);
+  return scene;
+}
+
+std::vector<glm::vec3> random_ball(int count, bool filled, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> unit;
+  std::vector<glm::vec3> points;
+  for (int k = 0; k < count; ++k) {
+    const glm::vec3 direction = glm::normalize(glm::vec3(normal(random), normal(random), normal(random)));
+    points.push_back(filled ? direction * std::cbrt(unit(random)) : direction);
+  }
+  return points;
+}
+
+TEST(Points, OfAGridAreDiscsThatJustCoverIt) {
+  std::vector<glm::vec3> grid;
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) grid.emplace_back(0.1f * float(x), 0.1f * float(y), 7.0f);
+  const Scene scene = scene_of(grid);
+  const Mesh& mesh = scene.meshes.at(0);
+  EXPECT_FALSE(mesh.spheres);
+  ASSERT_EQ(mesh.positions.size(), grid.size());
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    EXPECT_NEAR(std::abs(mesh.normals[i].z), 1.0f, 1e-5f);
+    const glm::vec3& p = mesh.positions[i];
+    const bool inside = p.x > 0.25f && p.x < 3.65f && p.y > 0.25f && p.y < 2.65f;
+    EXPECT_GE(mesh.radii[i], 0.0707f) << "half of a cell's diagonal";
+    EXPECT_LE(mesh.radii[i], inside ? 0.078f : 0.14f);
+  }
+}
+
+TEST(Points, OfARoughlyEvenSurfaceLeaveNoHole) {
+  const Scene scene = scene_of(random_ball(4000, false));
+  const Mesh& mesh = scene.meshes.at(0);
+  ASSERT_FALSE(mesh.spheres);
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    EXPECT_GT(std::abs(glm::dot(mesh.normals[i], mesh.positions[i])), 0.97f) << "the normal of a ball is its radius";
+  // Directions all around: how many meet no disc.
+  const std::vector<glm::vec3> directions = random_ball(3000, false, 2);
+  int open = 0;
+  double area = 0.0;
+  for (const glm::vec3& d : directions) {
+    bool met = false;
+    for (std::size_t i = 0; i < mesh.positions.size() && !met; ++i) {
+      const float t = glm::dot(mesh.positions[i], mesh.normals[i]) / glm::dot(d, mesh.normals[i]);
+      met = t > 0.0f && glm::distance(d * t, mesh.positions[i]) < mesh.radii[i];
+    }
+    open += !met;
+  }
+  for (const float radius : mesh.radii) area += std::numbers::pi * radius * radius;
+  EXPECT_LE(open, 6) << "of 3000";
+  EXPECT_LT(area, 5.0 * 4.0 * std::numbers::pi) << "each spot is covered a few times, not many";
+}
+
+TEST(Points, OfACloudAreSpheresOfOneSize) {
+  const Scene scene = scene_of(random_ball(3000, true));
+  const Mesh& mesh = scene.meshes.at(0);
+  EXPECT_TRUE(mesh.spheres);
+  EXPECT_TRUE(mesh.normals.empty());
+  // 3000 in a ball of volume 4.19: one in a cube of side 0.112.
+  for (const float radius : mesh.radii) EXPECT_EQ(radius, mesh.radii[0]);
+  EXPECT_NEAR(mesh.radii[0], 0.056f, 0.008f);
+}
+
+TEST(Points, ScaleWithTheirScene) {
+  for (const float scale : {1e-6f, 1e-3f, 1e4f}) {
+    std::vector<glm::vec3> small = random_ball(500, false), scaled = small;
+    for (glm::vec3& p : scaled) p *= scale;
+    const Scene a = scene_of(small), b = scene_of(scaled);
+    double sum_a = 0.0, sum_b = 0.0;
+    for (const float r : a.meshes.at(0).radii) sum_a += r;
+    for (const float r : b.meshes.at(0).radii) sum_b += r;
+    EXPECT_NEAR(sum_b / sum_a / scale, 1.0, 1e-3) << scale;
+    EXPECT_EQ(a.meshes[0].spheres, b.meshes[0].spheres);
+  }
+}
+
+TEST(Points, AFarOneStaysSmall) {
+  std::vector<glm::vec3> points = random_ball(500, false);
+  points.emplace_back(1000.0f, 0.0f, 0.0f);
+  const Scene scene = scene_of(points);
+  for (const float radius : scene.meshes.at(0).radii) EXPECT_LT(radius, 1.0f);
+}
+
+TEST(Points, FewAreDrawnToo) {
+  for (const std::vector<glm::vec3>& points :
+       {std::vector<glm::vec3>{{3, 4, 5}}, {{0, 0, 0}, {1, 0, 0}}, {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}}}) {
+    const Scene scene = scene_of(points);
+    ASSERT_EQ(scene.point_count(), points.size());
+    EXPECT_GT(scene.radius(), 0.0f);
+    for (const float radius : scene.meshes[0].radii) {
+      EXPECT_GT(radius, 0.0f);
+      EXPECT_LT(radius, 3.0f);
+    }
+    for (const glm::vec3& normal : scene.meshes[0].normals) EXPECT_NEAR(glm::length(normal), 1.0f, 1e-5f);
+  }
+}
+
+TEST(Points, TwinsAndNumbersThatAreNoneAreLeftOut) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  std::vector<glm::vec3> points = random_ball(100, false);
+  const std::vector<glm::vec3> once = points;
+  for (int k = 0; k < 20; ++k) points.insert(points.end(), once.begin(), once.end());
+  points.emplace_back(kNan, 0.0f, 0.0f);
+  points.emplace_back(0.0f, 1e30f, 0.0f);
+  Scene scene;
+  Mesh mesh;
+  mesh.points = true;
+  mesh.positions = points;
+  mesh.colors.assign(points.size(), glm::vec3(0.25f));
+  scene.meshes = {mesh};
+  EXPECT_EQ(finish_scene(scene), 2u);
+  EXPECT_EQ(scene.point_count(), 100u);
+  EXPECT_EQ(scene.meshes[0].colors.size(), 100u);
+}
+
+TEST(Points, StandOnAGroundUnlessTheyBringOne) {
+  EXPECT_TRUE(lacks_ground(scene_of(random_ball(2000, false))));
+  std::vector<glm::vec3> with_floor = random_ball(2000, false);
+  for (int z = -40; z <= 40; ++z)
+    for (int x = -40; x <= 40; ++x) with_floor.emplace_back(0.05f * float(x), -1.0f, 0.05f * float(z));
+  EXPECT_FALSE(lacks_ground(scene_of(with_floor)));
+}
+
+}  // namespace
+}  // namespace umbrage
