@@ -1,5 +1,6 @@
 // Device: where effects run. Looks get one handed in; devices/ has those that there are.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -86,6 +87,11 @@ class Device {
   /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
   /// for one that is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
+
+  /// Asked now and then during a capture and each pass of an effect, by the thread that called, whether to go on; told
+  /// the share of it that is done. After false they end with kInterrupted, and what they were making is not whole.
+  /// Null: they go on.
+  std::function<bool(double)> go_on;
 };
 
 }  // namespace umbrage

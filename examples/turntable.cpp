@@ -13,8 +13,9 @@ int main(int argc, char** argv) {
   }
   const int frames = std::atoi(argv[2]);
   umbrage::FrameRenderer renderer;
-  const umbrage::RenderRequest request = {.model = argv[1], .look = "ao", .width = 320, .height = 240};
-  if (const auto opened = renderer.open(request, argc > 3 ? argv[3] : "auto"); opened.code != 0) {
+  const umbrage::RenderRequest request = {
+      .model = argv[1], .look = "ao", .width = 320, .height = 240, .device = argc > 3 ? argv[3] : "auto"};
+  if (const auto opened = renderer.open(request); opened.code != 0) {
     std::fprintf(stderr, "turntable: %s\n", opened.message.c_str());
     return opened.code;
   }

@@ -3,7 +3,27 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
 namespace {
+
+const std::string kSolids = "scene:solids?detail=3000";
+
+/// The values of a pass; fails where the picture has none of that name and number of channels.
+const std::vector<float>& pass(const umbrage::Picture& picture, const std::string& name, int channels) {
+  static const std::vector<float> none;
+  for (const auto& each : picture.passes)
+    if (each.name == name) {
+      EXPECT_EQ(each.channels, channels) << name;
+      EXPECT_EQ(each.values.size(), std::size_t(picture.width) * std::size_t(picture.height) * std::size_t(channels));
+      return each.values;
+    }
+  ADD_FAILURE() << "no pass " << name;
+  return none;
+}
 
 TEST(Public, DrawsAPicture) {
   umbrage::Picture picture;
@@ -20,15 +40,426 @@ TEST(Public, DrawsAPicture) {
 }
 
 TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
-  umbrage::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}};
-  const auto outcome = [&](const umbrage::RenderRequest& request) { return umbrage::render(request, picture); };
-  EXPECT_EQ(outcome({.model = "missing.obj"}).code, 3);
-  EXPECT_NE(outcome({.model = "missing.obj"}).message.find("missing.obj"), std::string::npos);
-  EXPECT_EQ(outcome({.model = "scene:solid"}).code, 2);
-  EXPECT_EQ(outcome({.model = "scene:solids", .look = "aoo"}).code, 2);
-  EXPECT_EQ(outcome({.model = "scene:solids", .settings = {"unsharp.kernel=-1"}}).code, 2);
-  EXPECT_EQ(outcome({.model = "scene:solids", .width = 0}).code, 2);
-  EXPECT_EQ(picture.rgba[1], 0.5f);
+  umbrage::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
+  const auto refused = [&](const umbrage::RenderRequest& request, int code, const std::string& text) {
+    const umbrage::Outcome outcome = umbrage::render(request, picture);
+    EXPECT_EQ(outcome.code, code) << text;
+    EXPECT_NE(outcome.message.find(text), std::string::npos) << outcome.message;
+    EXPECT_EQ(picture.rgba[1], 0.5f);
+  };
+  refused({.model = "missing.obj"}, 3, "missing.obj");
+  refused({.model = "scene:solid"}, 2, "solids");
+  refused({.model = ""}, 2, "empty");
+  refused({.model = kSolids, .look = "aoo"}, 2, "aoo");
+  refused({.model = kSolids, .occlusion = "bitmusk"}, 2, "bitmask");
+  refused({.model = kSolids, .settings = {"unsharp.kernel=-1"}}, 2, "unsharp.kernel");
+  refused({.model = kSolids, .width = 0}, 2, "0 pixels");
+  refused({.model = kSolids, .width = 16384, .height = 16384}, 2, "16384 x 16384");
+  refused({.model = kSolids, .device = "gpu"}, 2, "gpu");
+  refused({.model = kSolids, .camera = {.view_up = {{0, 0, 0}}}}, 2, "--camera-view-up");
+  refused({.model = kSolids, .camera = {.position = {{0, NAN, 0}}}}, 2, "--camera-position");
+  refused({.model = kSolids, .camera = {.view_angle_deg = 180.0f}}, 2, "--camera-view-angle");
+  refused({.model = kSolids, .camera = {.zoom = 0.0f}}, 2, "--camera-zoom-factor");
+  refused({.model = kSolids, .up = {{0, 0, 0}}}, 2, "--up");
+  refused({.model = kSolids, .crease_angle_deg = -1.0f}, 2, "--crease-angle");
+  refused({.model = kSolids, .quality = "hi"}, 2, "--quality");
+  refused({.model = kSolids, .anti_aliasing = 0}, 2, "--anti-aliasing");
+  refused({.model = kSolids, .occlusion_radius = "-1"}, 2, "--ao-radius");
+  refused({.model = kSolids, .occlusion_scale = "third"}, 2, "--ao-scale");
+  refused({.model = kSolids, .ground = "maybe"}, 2, "--ground");
+  refused({.model = kSolids, .background = {{0, 2, 0}}}, 2, "--background-color");
+  refused({.model = kSolids, .layers = 17}, 2, "--layers");
+  refused({.model = kSolids, .extra_views = 5}, 2, "--extra-views");
+  refused({.model = kSolids, .guard_band = 101.0f}, 2, "--guard-band");
+  refused({.model = kSolids, .passes = {"dept"}}, 2, "depth");
+}
+
+TEST(Public, HandsOutPasses) {
+  umbrage::Picture picture;
+  const auto outcome = umbrage::render({.model = kSolids,
+                                        .look = "ao",
+                                        .width = 40,
+                                        .height = 30,
+                                        .camera = {.position = {{6, 3, 6}}, .focal_point = {{0, 0.5f, 0}}},
+                                        .layers = 2,
+                                        .passes = {"normal", "depth", "layer1.depth", "ao"}},
+                                       picture);
+  ASSERT_EQ(outcome.code, 0) << outcome.message;
+  ASSERT_EQ(picture.passes.size(), 4u);
+  EXPECT_EQ(picture.passes[0].name, "normal");
+  const auto &normal = pass(picture, "normal", 3), &depth = pass(picture, "depth", 1),
+             &behind = pass(picture, "layer1.depth", 1);
+  pass(picture, "ao", 1);
+  int surfaces = 0;
+  for (std::size_t k = 0; k < depth.size(); ++k) {
+    EXPECT_LE(depth[k], behind[k]);
+    const float length = std::hypot(normal[3 * k], normal[3 * k + 1], normal[3 * k + 2]);
+    EXPECT_NEAR(length, std::isfinite(depth[k]) ? 1.0f : 0.0f, 1e-4f);
+    surfaces += std::isfinite(depth[k]);
+  }
+  EXPECT_GT(surfaces, 300);
+  umbrage::Picture all;
+  ASSERT_EQ(umbrage::render({.model = kSolids, .look = "ao", .width = 8, .height = 6, .passes = {"all"}}, all).code, 0);
+  pass(all, "albedo", 3);
+  pass(all, "object_id", 1);
+}
+
+TEST(Public, TakesTheCommandLinesOptions) {
+  const auto drawn = [](umbrage::RenderRequest request) {
+    request.model = kSolids;
+    request.width = 48;
+    request.height = 36;
+    request.device = "cpu";
+    umbrage::Picture picture;
+    const auto outcome = umbrage::render(request, picture);
+    EXPECT_EQ(outcome.code, 0) << outcome.message;
+    return picture.rgba;
+  };
+  const auto plain = drawn({});
+  EXPECT_EQ(drawn({}), plain);
+  EXPECT_NE(drawn({.camera = {.azimuth_deg = 30.0f}}), plain);
+  EXPECT_NE(drawn({.camera = {.zoom = 2.0f}}), plain);
+  EXPECT_NE(drawn({.camera = {.orthographic = true}}), plain);
+  EXPECT_NE(drawn({.up = {{1, 0, 0}}}), plain);
+  EXPECT_NE(drawn({.quality = "draft"}), plain);
+  EXPECT_NE(drawn({.anti_aliasing = 2}), plain);
+  EXPECT_NE(drawn({.occlusion_radius = "2%"}), plain);
+  EXPECT_NE(drawn({.occlusion_scale = "quarter"}), plain);
+  EXPECT_NE(drawn({.background = {{1, 0, 0}}}), plain);
+  EXPECT_NE(drawn({.guard_band = 10.0f}), plain);
+  const auto cut = drawn({.transparent = true});
+  float least = 1.0f;
+  for (std::size_t k = 3; k < cut.size(); k += 4) least = std::min(least, cut[k]);
+  EXPECT_LT(least, 1e-6f);
+}
+
+// What was rendered, handed back as arrays in all the ways in which arrays may lie in memory, is shaded as it was.
+TEST(Public, ShadesArraysAsItShadesModels) {
+  const int width = 64, height = 48;
+  const std::size_t pixels = std::size_t(width) * height;
+  for (const bool orthographic : {false, true}) {
+    umbrage::Picture rendered;
+    const auto outcome = umbrage::render({.model = kSolids,
+                                          .look = "ao",
+                                          .occlusion = "bitmask",
+                                          .settings = {"bitmask.radius=0.7"},
+                                          .width = width,
+                                          .height = height,
+                                          .device = "cpu",
+                                          .camera = {.position = {{0, 1, 8}},
+                                                     .focal_point = {{0, 1, 0}},
+                                                     .view_angle_deg = 40.0f,
+                                                     .orthographic = orthographic},
+                                          .passes = {"depth", "normal", "ao"}},
+                                         rendered);
+    ASSERT_EQ(outcome.code, 0) << outcome.message;
+    const auto &depth = pass(rendered, "depth", 1), &normal = pass(rendered, "normal", 3),
+               &ao = pass(rendered, "ao", 1);
+    umbrage::ShadeRequest request;
+    request.width = width;
+    request.height = height;
+    // As orthographic_camera has it: as high as what is seen at the focal point.
+    request.top = std::tan(20.0f * 3.14159265f / 180.0f) * (orthographic ? 8.0f : 1.0f);
+    request.bottom = -request.top;
+    request.right = request.top * float(width) / float(height);
+    request.left = -request.right;
+    request.orthographic = orthographic;
+    request.effects = {"bitmask"};
+    request.settings = {"bitmask.radius=0.7"};
+    request.device = "cpu";
+    const auto equals = [&](const std::vector<float>& depths, const umbrage::PixelArray& normals, double tolerance) {
+      request.arrays = {{.name = "depth", .values = depths.data()}, normals};
+      umbrage::Picture shaded;
+      const auto done = umbrage::shade(request, shaded);
+      ASSERT_EQ(done.code, 0) << done.message;
+      EXPECT_TRUE(shaded.rgba.empty());
+      ASSERT_EQ(shaded.passes.size(), 1u);
+      double sum = 0.0;
+      const auto& again = pass(shaded, "ao", 1);
+      for (std::size_t k = 0; k < pixels; ++k) sum += std::fabs(again[k] - ao[k]);
+      EXPECT_LE(sum / double(pixels), tolerance) << orthographic << int(request.depth_kind);
+    };
+    const umbrage::PixelArray packed = {.name = "normal", .values = normal.data()};
+    equals(depth, packed, 1e-7);
+    // Planes one after the other, bottom up, in world space with -z up, not of length 1.
+    std::vector<float> planes(3 * pixels);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const float* n = &normal[3 * (std::size_t(y) * width + std::size_t(x))];
+        const std::size_t at = std::size_t(height - 1 - y) * width + std::size_t(x);
+        planes[at] = 3.0f * n[0];
+        planes[pixels + at] = 3.0f * n[2];
+        planes[2 * pixels + at] = -3.0f * n[1];
+      }
+    request.view_from_normal = {1, 0, 0, 0, 0, -1, 0, 1, 0};
+    equals(depth,
+           {.name = "normal",
+            .values = planes.data() + pixels - width,
+            .row_stride = -width,
+            .channel_stride = std::ptrdiff_t(pixels)},
+           1e-5);
+    request.view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    // Other kinds of depth.
+    request.near_plane = 0.5f;
+    for (const float far_plane : {50.0f, std::numeric_limits<float>::infinity()}) {
+      if (orthographic && std::isinf(far_plane)) continue;
+      request.far_plane = far_plane;
+      std::vector<float> window(pixels), reversed(pixels), ray(pixels);
+      for (std::size_t k = 0; k < pixels; ++k) {
+        const double d = depth[k], n = 0.5, f = far_plane;
+        double z = (d - n) / (f - n);
+        if (!orthographic) z = std::isinf(far_plane) ? 1.0 - n / d : f * (d - n) / (d * (f - n));
+        if (std::isinf(depth[k])) z = 1.0;
+        window[k] = float(z);
+        reversed[k] = float(1.0 - z);
+        const double x = request.left + (request.right - request.left) * (double(k % width) + 0.5) / width;
+        const double y = request.top + (request.bottom - request.top) * (double(k / width) + 0.5) / height;
+        ray[k] = std::isinf(depth[k]) ? -1.0f : float(orthographic ? d : d * std::sqrt(1.0 + x * x + y * y));
+      }
+      request.depth_kind = umbrage::DepthKind::kWindow;
+      equals(window, packed, 2e-3);
+      request.depth_kind = umbrage::DepthKind::kReversed;
+      equals(reversed, packed, 2e-3);
+      request.depth_kind = umbrage::DepthKind::kRay;
+      equals(ray, packed, 2e-3);
+    }
+  }
+}
+
+/// A ball before a wall: depth alone.
+std::vector<float> ball_depth(int side) {
+  std::vector<float> depth(std::size_t(side) * std::size_t(side));
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const float u = 2.4f * (float(x) + 0.5f) / float(side) - 1.2f, v = 2.4f * (float(y) + 0.5f) / float(side) - 1.2f;
+      const float inside = 1.0f - u * u - v * v;
+      depth[std::size_t(y) * std::size_t(side) + std::size_t(x)] = inside > 0.0f ? 5.0f - std::sqrt(inside) : 5.2f;
+    }
+  return depth;
+}
+
+TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
+  const int side = 48;
+  const auto depth = ball_depth(side);
+  umbrage::ShadeRequest request;
+  request.width = request.height = side;
+  request.arrays = {{.name = "depth", .values = depth.data()}};
+  request.orthographic = true;
+  request.left = request.bottom = -1.2f;
+  request.right = request.top = 1.2f;
+  for (const char* look : {"studio", "bleeding", "cartoon", "unsharp", "lit", "ao"}) {
+    request.look = look;
+    request.passes = {"ao"};
+    umbrage::Picture picture;
+    const auto outcome = umbrage::shade(request, picture);
+    ASSERT_EQ(outcome.code, 0) << look << ": " << outcome.message;
+    ASSERT_EQ(picture.rgba.size(), std::size_t(side) * side * 4);
+    float least = 1.0f, most = 0.0f;
+    for (std::size_t k = 0; k < picture.rgba.size(); k += 4) {
+      ASSERT_TRUE(std::isfinite(picture.rgba[k])) << look;
+      least = std::min(least, picture.rgba[k]), most = std::max(most, picture.rgba[k]);
+    }
+    EXPECT_GT(most - least, 0.1f) << look;
+    if (look != std::string("studio") && look != std::string("bleeding")) continue;
+    // The wall beside the ball is darker than the wall in the corner.
+    const auto& ao = pass(picture, "ao", 1);
+    EXPECT_LT(ao[side / 2 * side + 2], ao[3 * side + 3]) << look;
+  }
+  // A picture of nothing at all is one, too.
+  const std::vector<float> empty(std::size_t(side) * side, std::numeric_limits<float>::infinity());
+  request.arrays[0].values = empty.data();
+  umbrage::Picture picture;
+  EXPECT_EQ(umbrage::shade(request, picture).code, 0);
+}
+
+TEST(Public, SaysWhatIsWrongWithArrays) {
+  const auto depth = ball_depth(8);
+  umbrage::ShadeRequest good;
+  good.width = good.height = 8;
+  good.arrays = {{.name = "depth", .values = depth.data()}};
+  good.look = "ao";
+  umbrage::Picture picture;
+  ASSERT_EQ(umbrage::shade(good, picture).code, 0);
+  const auto refused = [&](const auto& change, const std::string& text) {
+    umbrage::ShadeRequest request = good;
+    change(request);
+    umbrage::Picture untouched;
+    const auto outcome = umbrage::shade(request, untouched);
+    EXPECT_EQ(outcome.code, 2) << text;
+    EXPECT_NE(outcome.message.find(text), std::string::npos) << outcome.message;
+    EXPECT_EQ(untouched.width, 0);
+  };
+  using Request = umbrage::ShadeRequest;
+  refused([](Request& r) { r.width = 0; }, "0 pixels");
+  refused([](Request& r) { r.arrays.clear(); }, "'depth'");
+  refused([](Request& r) { r.arrays[0].name = "dept"; }, "depth");
+  refused([](Request& r) { r.arrays[0].values = nullptr; }, "no values");
+  refused([](Request& r) { r.arrays.push_back(r.arrays[0]); }, "two arrays");
+  refused([](Request& r) { r.arrays.push_back({.name = "layer2.depth", .values = r.arrays[0].values}); },
+          "layer1.depth");
+  refused([](Request& r) { r.depth_kind = umbrage::DepthKind::kWindow, r.near_plane = 0.0f; }, "near_plane");
+  refused([](Request& r) { r.depth_kind = umbrage::DepthKind::kReversed, r.orthographic = true; }, "far_plane");
+  refused([](Request& r) { r.right = r.left; }, "window");
+  refused([](Request& r) { r.scene_radius = -1.0f; }, "scene_radius");
+  refused([](Request& r) { r.view_from_normal[4] = NAN; }, "view_from_normal");
+  refused([](Request& r) { r.look = "aoo"; }, "aoo");
+  refused([](Request& r) { r.occlusion = "reference"; }, "reference");
+  refused([](Request& r) { r.effects = {"bitmusk"}; }, "bitmask");
+  refused([](Request& r) { r.effects = {"output"}; }, "lit.r");
+  refused([](Request& r) { r.passes = {"nothing"}; }, "nothing");
+  refused([](Request& r) { r.device = "gpu"; }, "gpu");
+}
+
+TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
+  for (const char* occlusion : {"bitmask", "reference"}) {
+    std::vector<double> told;
+    const auto thread = std::this_thread::get_id();
+    umbrage::Picture picture;
+    const auto outcome = umbrage::render({.model = kSolids,
+                                          .look = "lit",
+                                          .occlusion = occlusion,
+                                          .width = 160,
+                                          .height = 120,
+                                          .device = "cpu",
+                                          .anti_aliasing = 2,
+                                          .progress =
+                                              [&](double done) {
+                                                EXPECT_EQ(std::this_thread::get_id(), thread);
+                                                told.push_back(done);
+                                                return true;
+                                              }},
+                                         picture);
+    ASSERT_EQ(outcome.code, 0) << outcome.message;
+    ASSERT_GT(told.size(), 6u);
+    EXPECT_EQ(told.front(), 0.0);
+    EXPECT_EQ(told.back(), 1.0);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    EXPECT_GT(std::count_if(told.begin(), told.end(), [](double d) { return d > 0.1 && d < 0.9; }), 2);
+  }
+}
+
+// Wherever it is ended, nothing is told any more, the picture stays, and the next one is as if nothing had been.
+TEST(Public, EndsWhereverItIsToldTo) {
+  int calls = 0, last = 0;
+  umbrage::RenderRequest request = {.model = kSolids,
+                                    .look = "bleeding",
+                                    .width = 96,
+                                    .height = 64,
+                                    .device = "cpu",
+                                    .anti_aliasing = 2,
+                                    .progress = [&](double) { return ++calls != last; }};
+  umbrage::FrameRenderer renderer;
+  ASSERT_EQ(renderer.open(request).code, 0);
+  umbrage::Picture whole;
+  calls = 0;
+  ASSERT_EQ(renderer.draw({}, whole).code, 0);
+  const int all = calls;
+  ASSERT_GT(all, 10);
+  for (last = 1; last <= all; last += 3) {
+    umbrage::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
+    calls = 0;
+    const auto outcome = renderer.draw({}, picture);
+    if (calls < last) continue;  // how often it asks within a pass depends on time
+    EXPECT_EQ(outcome.code, 130);
+    EXPECT_EQ(calls, last);
+    EXPECT_EQ(picture.rgba.size(), 4u);
+  }
+  last = 0;
+  umbrage::Picture again;
+  ASSERT_EQ(renderer.draw({}, again).code, 0);
+  EXPECT_EQ(again.rgba, whole.rgba);
+  // Before a model is read.
+  last = 1;
+  calls = 0;
+  request.model = "missing.obj";
+  EXPECT_EQ(umbrage::render(request, again).code, 130);
+}
+
+// A long pass ends within: what is left of it is not done.
+TEST(Public, EndsWithinAPass) {
+  using Clock = std::chrono::steady_clock;
+  const auto drawn = [&](bool end) {
+    const auto start = Clock::now();
+    Clock::time_point ended = start;
+    umbrage::RenderRequest request = {.model = kSolids,
+                                      .look = "ao",
+                                      .occlusion = "bitmask",
+                                      .settings = {"bitmask.slices=8", "bitmask.steps=32"},
+                                      .width = 512,
+                                      .height = 512,
+                                      .threads = 1,
+                                      .device = "cpu",
+                                      .progress = [&](double done) {
+                                        ended = Clock::now();
+                                        return !end || done < 0.45;
+                                      }};
+    umbrage::Picture picture;
+    EXPECT_EQ(umbrage::render(request, picture).code, end ? 130 : 0);
+    return std::chrono::duration<double>(end ? Clock::now() - ended : Clock::now() - start).count();
+  };
+  const double whole = drawn(false);
+  EXPECT_LT(drawn(true), 0.25 * whole);
+}
+
+TEST(Public, LetsTheCallersExceptionsThrough) {
+  umbrage::Picture picture;
+  int calls = 0;
+  const umbrage::RenderRequest request = {
+      .model = kSolids, .look = "ao", .width = 64, .height = 48, .device = "cpu", .progress = [&](double) {
+        if (++calls == 4) throw 7;
+        return true;
+      }};
+  EXPECT_THROW(umbrage::render(request, picture), int);
+  EXPECT_EQ(umbrage::render(request, picture).code, 0);
+}
+
+class PublicFiles : public testing::Test {
+ protected:
+  std::filesystem::path folder_;
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "umbrage-public-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string start_of(const std::string& name) const {
+    std::string text(4, ' ');
+    std::ifstream(folder_ / name, std::ios::binary).read(text.data(), 4);
+    return text;
+  }
+};
+
+TEST_F(PublicFiles, SavesInTheFormatOfTheName) {
+  umbrage::Picture picture;
+  ASSERT_EQ(umbrage::render({.model = kSolids, .look = "ao", .width = 20, .height = 10, .passes = {"depth", "normal"}},
+                            picture)
+                .code,
+            0);
+  const auto save = [&](const std::string& name, const umbrage::SaveRequest& request = {}) {
+    return umbrage::save(picture, (folder_ / name).string(), request);
+  };
+  EXPECT_EQ(save("a.png").code, 0);
+  EXPECT_EQ(start_of("a.png"), "\x89PNG");
+  EXPECT_EQ(save("b.png", {.bits = 16}).code, 0);
+  EXPECT_EQ(save("c.pfm").code, 0);
+  EXPECT_EQ(start_of("c.pfm").substr(0, 2), "PF");
+  EXPECT_EQ(save("d.exr", {.half = true}).code, 0);
+  EXPECT_EQ(start_of("d.exr").substr(0, 4), "v/1\x01");
+  std::ifstream exr(folder_ / "d.exr", std::ios::binary);
+  const std::string header = std::string(std::istreambuf_iterator<char>(exr), {}).substr(0, 600);
+  for (const char* channel : {"depth.Z", "normal.X", "normal.Z"})
+    EXPECT_NE(header.find(channel), std::string::npos) << channel;
+  EXPECT_EQ(save("e.gif").code, 2);
+  EXPECT_EQ(save("f.png", {.bits = 9}).code, 2);
+  EXPECT_EQ(save("no/folder.png").code, 3);
+  picture.passes.resize(1);
+  picture.rgba.clear();
+  EXPECT_EQ(save("depth.pfm").code, 0);
+  EXPECT_EQ(start_of("depth.pfm").substr(0, 2), "Pf");
+  picture.passes[0].values.pop_back();
+  EXPECT_EQ(save("g.exr").code, 2);
+  EXPECT_EQ(umbrage::save({}, (folder_ / "h.png").string()).code, 2);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 5);
 }
 
 TEST(Public, HasAVersion) { EXPECT_EQ(std::string(umbrage::version()).find('.'), 1u); }

@@ -589,7 +589,7 @@ TEST(Reference, HardShadowsAreTheCaptures) {
                                            shapes::moved(shapes::sphere(1.0f, 48, 24), {-2.0f, 1.0f, 1.0f})},
                                           {Material{}}, {key}));
     const PictureInfo info = stage.info(perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f), 100, 100);
-    const Image drawn = capture_planes(*stage, info, {.width = 100, .height = 100});
+    const Image drawn = *capture_planes(*stage, info, {.width = 100, .height = 100});
     const Image traced = light(stage, info, {.samples = 4, .bounce = false});
     long dark = 0;
     for_each_pixel(info, [&](int x, int y) { dark += drawn.plane("shadow").at(x, y) == 0.0f; });
@@ -817,7 +817,7 @@ TEST(Reference, FurnaceGivesItsRadianceEverywhere) {
     const Image image = light(stage, info, {.samples = samples});
     long off = 0;  // interpolated normals of the sphere: what lies below its triangles gives nothing
     for_each_pixel(info, [&](int x, int y) { off += std::fabs(image.plane("indirect.g").at(x, y) - 0.7f) > 1e-6f; });
-    const Image ball = capture_planes(*stage, info, {.width = 32, .height = 32});
+    const Image ball = *capture_planes(*stage, info, {.width = 32, .height = 32});
     long on_ball = 0;
     for_each_pixel(info, [&](int x, int y) { on_ball += ball.plane("object_id").at(x, y) == 1.0f; });
     EXPECT_GT(on_ball, 30);
@@ -920,7 +920,7 @@ TEST(Reference, CapturedShadowsAreTheCaptures) {
   const Stage stage = stage_of(scene_of({level_square(8.0f), level_square(1.0f, 2.0f)}, {matt(glm::vec3(0.8f))},
                                         {lamp({0.5f, -0.5f, 4.0f}, 0.0f, glm::vec3(1.0f), 0.5f), fill}));
   const PictureInfo info = stage.info(from_above(6, 6, {-1, 1}, 1.5f), 60, 60);  // below the plate
-  const Image drawn = capture_planes(*stage, info, {.width = 60, .height = 60});
+  const Image drawn = *capture_planes(*stage, info, {.width = 60, .height = 60});
   const Image traced = light(stage, info, {.samples = 16, .bounce = false, .captured_shadows = true});
   const Image soft = light(stage, info, {.samples = 16, .bounce = false});
   long dark = 0, dimmer = 0;

@@ -342,14 +342,16 @@ TEST(VulkanShading, SaysWhatIsWrong) {
 }
 
 TEST(FrameRenderer, DrawsFramesAsRenderDoes) {
-  const RenderRequest request = {.model = "scene:solids?detail=3000", .look = "ao", .width = 64, .height = 48};
+  RenderRequest request = {
+      .model = "scene:solids?detail=3000", .look = "ao", .width = 64, .height = 48, .device = "cpu"};
   Picture alone;
   ASSERT_EQ(render(request, alone).code, 0);
   for (const char* device : {"cpu", "vulkan"}) {
+    request.device = device;
     FrameRenderer renderer;
     Picture picture;
     EXPECT_EQ(renderer.draw({}, picture).code, 2);
-    const Outcome opened = renderer.open(request, device);
+    const Outcome opened = renderer.open(request);
     if (opened.code == 4 && !std::getenv("CI")) continue;
     ASSERT_EQ(opened.code, 0) << opened.message;
     EXPECT_EQ(renderer.device().rfind(device, 0), 0u);
@@ -375,11 +377,12 @@ TEST(FrameRenderer, DrawsFramesAsRenderDoes) {
     camera.placed = true;
     camera.angle_deg = 0.0f;
     EXPECT_EQ(renderer.draw(camera, picture).code, 2);
-    EXPECT_EQ(renderer.open({.model = "missing.obj"}, device).code, 3);
+    EXPECT_EQ(renderer.open({.model = "missing.obj", .device = device}).code, 3);
     EXPECT_EQ(renderer.draw({}, picture).code, 0);  // what was open stays
   }
   FrameRenderer renderer;
-  EXPECT_EQ(renderer.open(request, "vulcan").code, 2);
+  request.device = "vulcan";
+  EXPECT_EQ(renderer.open(request).code, 2);
 }
 
 }  // namespace

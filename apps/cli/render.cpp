@@ -6,6 +6,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "apps/job/passes.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
@@ -23,84 +24,6 @@ struct RenderOptions : CommonOptions {
 };
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
-
-/// The word that --passes takes for a plane: `normal` for normal.x, `layer1.depth` for itself.
-std::string group_of(std::string_view plane) {
-  const bool channel = plane.size() > 2 && plane[plane.size() - 2] == '.';
-  return std::string(channel ? plane.substr(0, plane.size() - 2) : plane);
-}
-
-/// Planes of a frame by the word that --passes takes for them.
-std::map<std::string, std::vector<std::string>> groups_of(const Image& image) {
-  std::map<std::string, std::vector<std::string>> groups;
-  for (const std::string& name : image.names) groups[group_of(name)].push_back(name);
-  return groups;
-}
-
-/// The layers that a picture must have for a pass, where they are all that it lacks, or 0.
-int layers_for(std::string_view pass, std::span<const std::string> names) {
-  for (int layer = 1; layer < kMostLayers; ++layer) {
-    const std::string start = layer_plane(layer, "");
-    if (!pass.starts_with(start)) continue;
-    return std::find(names.begin(), names.end(), pass.substr(start.size())) != names.end() ? layer + 1 : 0;
-  }
-  return 0;
-}
-
-/// Checks the words of --passes against what the look will make, before any work.
-Result<void> check_passes(const RenderOptions& o, const DrawSettings& draw, int captured_layers) {
-  if (!o.passes || *o.passes == "all") return {};
-  const auto recipe = make_recipe(draw);
-  if (!recipe) return recipe.error();
-  std::vector<std::string> captured = {"depth",     "normal",    "albedo",      "specular",
-                                       "shininess", "object_id", "material_id", "emission"};
-  for (int light = 0; light < kMostShadows; ++light) captured.push_back(shadow_plane(light));
-  std::vector<std::string> names;
-  for (int layer = 0; layer < captured_layers; ++layer)
-    for (const std::string& name : captured) names.push_back(layer_plane(layer, name));
-  const auto all = every_effect();
-  for (std::string_view effect : recipe->look->effects) {
-    if (effect == "occlusion") effect = recipe->occlusion;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const Effect* each) { return each->name == effect; });
-    // What the technique and its filters make at reduced resolution stays there but for what is upsampled.
-    const bool reduced = found != all.end() && recipe->occlusion_every > 1 &&
-                         ((*found)->kind == EffectKind::kOcclusion || (*found)->kind == EffectKind::kFilter);
-    if (found != all.end())
-      for (const Pass& pass : (*found)->passes) {
-        if (pass.needed && !pass.needed(recipe->settings.find((*found)->name)->second)) continue;
-        for (std::string_view plane : pass.outputs) {
-          if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
-          const std::string group = group_of(plane);
-          if (reduced && group != "ao" && group != "indirect") continue;
-          if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
-        }
-      }
-  }
-  if (recipe->occlusion == kNoOcclusion) names.push_back("ao");  // 1 everywhere
-  names.push_back("all");
-  const std::vector<std::string> words = split(*o.passes);
-  for (const std::string& word : words) {
-    if (std::find(names.begin(), names.end(), word) == names.end()) {
-      const int layers = layers_for(word, captured);
-      if (layers > 0 && (draw.extra_views.value_or(0) > 0 || recipe->look->back_sides || recipe->look->extra_views > 0))
-        return usage_error("there is no pass '{}': this picture has {} layers, counted from 0", word, captured_layers);
-      if (layers > 0)
-        return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, captured_layers,
-                           layers);
-      // Of further layers only what is misspelt: there are too many to list.
-      std::string hint = suggestion(word, names);
-      if (!hint.starts_with(" (did")) {
-        std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0; });
-        hint = suggestion(word, names);
-      }
-      return usage_error("the look '{}' writes no pass '{}'{}", recipe->look->name, word, hint);
-    }
-    if (std::count(words.begin(), words.end(), word) > 1) return usage_error("--passes names '{}' twice", word);
-  }
-  if (words.size() > 1 && std::find(words.begin(), words.end(), "all") != words.end())
-    return usage_error("--passes all stands alone: it names every pass");
-  return {};
-}
 
 /// One pass as a picture: vectors from [-1, 1] to [0, 1], depth from white (near) to black (far).
 Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
@@ -149,39 +72,15 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
   }
   const auto all = device.download(frame, {});
   if (!all) return all.error();
-  if (*o.passes == "all") {
-    // Of layers that nobody captured there are but neutral planes.
-    std::vector<std::string> names;
-    for (const std::string& name : all->names)
-      if (layer_of_plane(name) <= int(frame.info.more_layers.size())) names.push_back(name);
-    const auto image = device.download(frame, names);
-    return image ? write_image(o.output, *image, settings) : image.error();
-  }
-  const auto groups = groups_of(*all);
+  const auto chosen = chosen_planes(split(*o.passes), all->names, frame.info);
+  if (!chosen) return chosen.error();
   std::vector<std::string> names;
-  for (const std::string& word : split(*o.passes)) {
-    const auto group = groups.find(word);
-    if (group == groups.end())
-      return usage_error("there is no pass '{}' in this picture: nothing in the scene makes it", word);
-    names.insert(names.end(), group->second.begin(), group->second.end());
-  }
+  for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
   if (extension == "png" && *o.passes == "outline")
     return write_image(o.output, picture_of_lines(all->plane("outline"), effect_settings), settings);
   if (extension == "png") return write_image(o.output, picture_of_pass(*all, names, frame.info), settings);
   const auto image = device.download(frame, names);
   return image ? write_image(o.output, *image, settings) : image.error();
-}
-
-/// Of the passes asked for, those that are averaged where the picture is of several frames: light and occlusion, not
-/// what a pixel shows.
-std::vector<std::string> averaged_passes(const std::vector<std::string>& words) {
-  std::vector<std::string> planes;
-  for (const std::string& word : words) {
-    if (word == "ao" || word == "outline" || word == "cover" || word.starts_with("shadow")) planes.push_back(word);
-    if (word == "direct" || word == "ambient" || word == "indirect" || word == "lit")
-      for (const char* channel : {".r", ".g", ".b"}) planes.push_back(word + channel);
-  }
-  return planes;
 }
 
 /// Whether any pixel has a surface.
@@ -235,20 +134,13 @@ Result<void> render(const RenderOptions& o) {
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
-  if (o.passes) {
-    const auto words = split(*o.passes);
-    for (int light = 0; light < kMostShadows; ++light)
-      if (std::any_of(words.begin(), words.end(), [&](const std::string& word) {
-            return word == "all" || word == shadow_plane(light) || word.ends_with("." + shadow_plane(light));
-          }))
-        draw_with->shadows = light + 1;
-  }
-  if (o.passes) draw_with->averaged = averaged_passes(split(*o.passes));
+  if (o.passes) want_passes(split(*o.passes), *draw_with);
   const auto recipe = make_recipe(*draw_with);
   if (!recipe) return recipe.error();
   const auto capture_with = capture_settings(*draw_with, *recipe->look, kMostShadows);
   if (!capture_with) return capture_with.error();
-  if (auto fine = check_passes(o, *draw_with, *layer_count(*capture_with)); !fine) return fine;
+  if (o.passes)
+    if (auto fine = check_passes(split(*o.passes), *draw_with); !fine) return fine;
   const std::string_view extension = (*format)->extension;
   if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
     return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", *o.passes);
@@ -270,7 +162,7 @@ Result<void> render(const RenderOptions& o) {
   times.done("prepare");
   ProgressLine line;
   draw_with->progress = [&](double done) {
-    line.show(fmt::format("tracing rays: {:.0f} %", 100.0 * done));
+    line.show(fmt::format("drawing: {:.0f} %", 100.0 * done));
     return true;
   };
   const auto frame = draw(**device, *scene, *draw_with, times);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <glm/vector_relational.hpp>
+#include <thread>
 
 #include "core/check.h"
 #include "core/suggest.h"
@@ -122,6 +123,15 @@ std::vector<const Effect*> every_effect() {
   return all;
 }
 
+Result<EffectSettings> effect_settings(std::span<const std::string> assignments) {
+  EffectSettings settings;
+  for (const Effect* effect : every_effect())
+    settings[std::string(effect->name)] = initial_parameters(effect->parameters, effect->params_size);
+  for (const std::string& assignment : assignments)
+    if (auto done = apply_setting(settings, assignment, handed_in()); !done) return done.error();
+  return settings;
+}
+
 Result<Length> parse_radius(std::string_view option, const std::string& text) {
   const bool share = text.ends_with('%');
   const std::string_view digits = std::string_view(text).substr(0, text.size() - (share ? 1 : 0));
@@ -209,14 +219,26 @@ int wanted_shadows(const Recipe& recipe) {
 }
 
 /// Applies --ao-radius to every technique that has one.
-Result<void> apply_radius(const std::string& text, const PictureInfo& info, EffectSettings& settings) {
-  const auto length = parse_radius("--ao-radius", text);
+Result<void> apply_radius(const DrawSettings& draw, const PictureInfo& info, EffectSettings& settings) {
+  if (draw.radius.empty()) return {};
+  const auto length = parse_radius("--ao-radius", draw.radius);
   if (!length) return length.error();
   const auto radius = radius_in_scene("--ao-radius", *length, info);
   if (!radius) return radius.error();
   for (const Effect* effect : every_effect())
     if (effect->set_radius) effect->set_radius(*radius, info, settings.find(effect->name)->second);
+  // What --set says of a technique holds whatever the radius.
+  for (const std::string& setting : draw.settings)
+    if (!setting.starts_with("output."))
+      if (auto done = apply_setting(settings, setting, handed_in()); !done) return done;
   return {};
+}
+
+/// The shade on an unseen ground that is written with alpha is mixed by who shows it, in the file's values.
+void blend_as_written(EffectSettings& settings) {
+  const auto& finish = as<OutputParams>(settings.find("output")->second);
+  if (!finish.transparent || finish.transfer != 0) return;
+  if (auto done = apply_setting(settings, "ground.blend=display", handed_in()); !done) fail_check(done.error().message);
 }
 
 /// Gives lights to a scene that has none.
@@ -382,6 +404,54 @@ Result<void> finish_average(Device& device, const PictureSum& total, ParameterBy
   return device.add(with_band(mean_planes(total), frame.info.guard), frame);
 }
 
+/// The reference tells whoever traces; this tells the thread that made it alone, and not more often than people see.
+std::function<bool(double)> own_thread_only(const std::function<bool(double)>& go_on) {
+  using Clock = std::chrono::steady_clock;
+  return [&go_on, own = std::this_thread::get_id(), last = Clock::time_point()](double done) mutable {
+    constexpr std::chrono::milliseconds kOften(40);
+    if (std::this_thread::get_id() != own || Clock::now() - last < kOften) return true;
+    last = Clock::now();
+    return go_on(done);
+  };
+}
+
+/// What a device's share of one step is of the whole drawing. It listens to the device as long as it lives.
+class DrawProgress {
+ public:
+  /// A frame has a step for its capture and one for each effect; others that come between are part of the next one's.
+  DrawProgress(Device& device, const std::function<bool(double)>& progress, int effects, int frames)
+      : device_(device), progress_(progress), steps_(1 + effects), frames_(frames) {
+    device_.go_on = [this](double share) { return tell(share); };
+  }
+  ~DrawProgress() { device_.go_on = nullptr; }
+  DrawProgress(const DrawProgress&) = delete;
+
+  void step_done() { ++step_; }
+  void frame_done() {
+    ++frame_;
+    step_ = 0;
+  }
+  /// Errors: kInterrupted.
+  Result<void> end() {
+    if (progress_(1.0)) return {};
+    return Error{ErrorKind::kInterrupted, "interrupted"};
+  }
+
+ private:
+  bool tell(double share) {
+    const double of_frame = std::min((step_ + share) / steps_, 1.0);
+    // An effect of several passes, or on several layers, begins again with each: what was told stays.
+    told_ = std::max(told_, std::min((frame_ + of_frame) / frames_, 1.0));
+    return progress_(told_);
+  }
+
+  Device& device_;
+  const std::function<bool(double)>& progress_;
+  const int steps_, frames_;
+  int step_ = 0, frame_ = 0;
+  double told_ = 0.0;
+};
+
 }  // namespace
 
 Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
@@ -393,32 +463,33 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
   auto capture_with = capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();
-  int frames_done = 0;
+  DrawProgress progress(device, settings.progress, int(recipe->look->effects.size()), recipe->frames);
   TracedScenePtr hierarchy;  // of the reference, for all frames
-  const auto progress = [&](double done) { return settings.progress((frames_done + done) / recipe->frames); };
   const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
     if (!hierarchy) {
       auto traced = trace_ready(scene, device.threads());
       if (!traced) return traced.error();
       hierarchy = std::move(*traced);
     }
-    const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), progress});
+    const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), own_thread_only(device.go_on)});
     return planes ? device.add(*planes, on) : planes.error();
   };
   LookRun run{.look = recipe->look,
               .occlusion = recipe->occlusion,
               .occlusion_every = recipe->occlusion_every,
               .settings = &recipe->settings,
-              .after = [&](std::string_view name) { times.done(name); },
+              .after =
+                  [&](std::string_view name) {
+                    times.done(name);
+                    progress.step_done();
+                  },
               .stops = {},
               .handed_in = handed_in(),
               .run_handed_in = run_reference};
   const auto set = [&](const std::string& setting) {
     if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) fail_check(done.error().message);
   };
-  if (const auto& finish = as<OutputParams>(recipe->settings.find("output")->second);
-      finish.transparent && finish.transfer == 0)
-    set("ground.blend=display");
+  blend_as_written(recipe->settings);
   const bool averages = recipe->frames > 1;
   const ParameterBytes output = recipe->settings.find("output")->second;
   if (averages) {
@@ -435,29 +506,115 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
         shifted_camera(camera, frame_offset(k, recipe->frames), settings.width, settings.height), *capture_with);
     if (!frame) return frame;
     times.done("capture");
-    if (total.count == 0 && !settings.radius.empty()) {
-      if (auto done = apply_radius(settings.radius, frame->info, recipe->settings); !done) return done.error();
-      // What --set says of a technique holds whatever the radius.
-      for (const std::string& setting : settings.settings)
-        if (!setting.starts_with("output."))
-          if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) return done.error();
-    }
+    progress.step_done();
+    if (total.count == 0)
+      if (auto done = apply_radius(settings, frame->info, recipe->settings); !done) return done.error();
     if (averages && !noise.parameter.empty())
       set(fmt::format("{}={}", noise.parameter, (noise.first + k) % kMostFrames));
     const auto stops = run_look(run, device, *frame);
     if (!stops) return stops.error();
     run.stops = *stops;  // one exposure for all
-    if (!averages) return frame;
+    if (!averages) {
+      if (auto done = progress.end(); !done) return done.error();
+      return frame;
+    }
     const auto picture = device.download(*frame, averaged_planes(settings));
     if (!picture) return picture.error();
     add_picture(total, *picture);
-    ++frames_done;
+    progress.frame_done();
     times.done("average");
     if (k > 0) continue;
     if (auto done = finish_average(device, total, output, *frame); !done) return done.error();
     times.done("average");
+    if (auto done = progress.end(); !done) return done.error();
     return frame;
   }
+}
+
+namespace {
+
+/// Uploads a G-buffer and makes the normals that it may lack.
+Result<Frame> uploaded(Device& device, const GBuffer& gbuffer, const EffectSettings& settings) {
+  auto frame = device.upload(gbuffer);
+  if (!frame) return frame;
+  const Effect& normals = *find_effect("normals");
+  for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
+    if (!gbuffer.layers[layer].find("normal.x"))
+      if (auto done = device.run(normals, settings.find(normals.name)->second, *frame, int(layer)); !done)
+        return done.error();
+  return frame;
+}
+
+Result<Frame> shade_with_effects(Device& device, const GBuffer& gbuffer, const DrawSettings& draw,
+                                 std::span<const std::string> names, StageTimes& times) {
+  std::vector<const Effect*> wanted;
+  for (const std::string& name : names) {
+    if (find_effect(name)) {
+      wanted.push_back(find_effect(name));
+      continue;
+    }
+    std::vector<std::string_view> all;
+    for (const Effect* effect : effects()) all.push_back(effect->name);
+    return usage_error("there is no effect '{}'{}", name, suggestion(name, all));
+  }
+  const auto initial = effect_settings(draw.settings);
+  if (!initial) return initial.error();
+  EffectSettings settings = *initial;
+  DrawProgress progress(device, draw.progress, int(wanted.size()), 1);
+  auto frame = uploaded(device, gbuffer, settings);
+  if (!frame) return frame;
+  progress.step_done();
+  times.done("upload");
+  if (auto done = apply_radius(draw, frame->info, settings); !done) return done.error();
+  for (const Effect* effect : wanted) {
+    if (auto done = device.run(*effect, settings.find(effect->name)->second, *frame); !done) return done.error();
+    progress.step_done();
+    times.done(effect->name);
+  }
+  if (auto done = progress.end(); !done) return done.error();
+  return frame;
+}
+
+}  // namespace
+
+Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const DrawSettings& draw,
+                           std::span<const std::string> effects, StageTimes& times) {
+  if (!effects.empty()) return shade_with_effects(device, gbuffer, draw, effects, times);
+  DrawSettings single = draw;
+  single.frames = 1;  // the camera that would be moved is another's
+  auto recipe = make_recipe(single);
+  if (!recipe) return recipe.error();
+  if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
+    return usage_error("--ao {} needs the model: it cannot shade a G-buffer", recipe->occlusion);
+  blend_as_written(recipe->settings);
+  DrawProgress progress(device, draw.progress, int(recipe->look->effects.size()), 1);
+  if (gbuffer.info.lights.empty()) {
+    // View space is the camera's own: what is above and to the left of it does not depend on where it stands.
+    Camera at_origin = gbuffer.info.camera;
+    at_origin.view_from_world = glm::mat4(1.0f);
+    gbuffer.info.lights = recipe->look->studio_lights ? studio_lights(at_origin) : default_lights({}, at_origin);
+    if (recipe->look->studio_lights) gbuffer.info.ambient = glm::vec3(kStudioAmbient);
+  }
+  auto frame = uploaded(device, gbuffer, recipe->settings);
+  if (!frame) return frame;
+  progress.step_done();
+  times.done("upload");
+  if (auto done = apply_radius(single, frame->info, recipe->settings); !done) return done.error();
+  const LookRun run{.look = recipe->look,
+                    .occlusion = recipe->occlusion,
+                    .occlusion_every = recipe->occlusion_every,
+                    .settings = &recipe->settings,
+                    .after =
+                        [&](std::string_view name) {
+                          times.done(name);
+                          progress.step_done();
+                        },
+                    .stops = {},
+                    .handed_in = handed_in(),
+                    .run_handed_in = {}};
+  if (const auto stops = run_look(run, device, *frame); !stops) return stops.error();
+  if (auto done = progress.end(); !done) return done.error();
+  return frame;
 }
 
 }  // namespace umbrage

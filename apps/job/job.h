@@ -58,7 +58,8 @@ struct DrawSettings {
   std::vector<std::string> averaged;  ///< planes besides the picture that are averaged, too, where it is of frames
   std::optional<int> extra_views;     ///< further cameras; nothing: as many as the look wants
   float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
-  std::function<bool(double)> progress = [](double) { return true; };  ///< see TraceControl
+  /// Told the share that is done, now and then, by the thread that draws; false ends the work. See Device::go_on.
+  std::function<bool(double)> progress = [](double) { return true; };
 };
 
 /// Occlusion techniques that no device runs, since they need the scene: the ray-traced reference.
@@ -87,6 +88,9 @@ Result<int> parse_scale(std::string_view option, std::string_view text);
 /// Applies the words of a variant, "kernel=15 window=gaussian", to an effect's settings. Errors: kUsage.
 Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::string_view variant);
 
+/// Every effect's own settings with these assignments, "effect.parameter=value", applied. Errors: kUsage.
+Result<EffectSettings> effect_settings(std::span<const std::string> assignments);
+
 /// The look's settings with everything the user said. Errors: kUsage.
 struct Recipe {
   const Look* look = nullptr;
@@ -105,7 +109,15 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
 void furnish(Scene& scene, const DrawSettings& draw);
 
 /// Draws a prepared scene: captures, runs the look. Scene must be the one that the device was prepared with; lights are
-/// added to it where it has none.
+/// added to it where it has none. Errors: kInterrupted, where the progress ends it, besides those of recipe and device.
 Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times);
+
+/// Shades what another renderer drew, with the look, or with `effects` in its place, one after the other. Without
+/// normals they are made of the depth. Of the settings those of the picture's making count: look, occlusion, radius,
+/// scale, quality, settings, progress. Where gbuffer.info has no lights a look gets some, as they stand to the camera
+/// of a model without lights. Errors: kUsage for names that there are not, planes that are missing, and what needs the
+/// model; kInterrupted.
+Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const DrawSettings& settings,
+                           std::span<const std::string> effects, StageTimes& times);
 
 }  // namespace umbrage

@@ -12,9 +12,11 @@
 
 namespace umbrage {
 
+inline namespace v0 {
 struct VulkanShading::State {
   std::unique_ptr<Device> device;
 };
+}  // namespace v0
 
 namespace {
 
@@ -97,11 +99,9 @@ Result<void> shade_images(Device& device, const VulkanGBuffer& g, const VulkanSh
     if (!effect) return effect.error();
     wanted.push_back(*effect);
   }
-  EffectSettings settings;
-  for (const Effect* effect : effects())
-    settings[std::string(effect->name)] = initial_parameters(effect->parameters, effect->params_size);
-  for (const std::string& setting : request.settings)
-    if (auto done = apply_setting(settings, setting); !done) return done;
+  const auto initial = effect_settings(request.settings);
+  if (!initial) return initial.error();
+  const EffectSettings& settings = *initial;
 
   auto frame = empty_frame(device, info_of(g));
   if (!frame) return frame.error();
@@ -134,6 +134,8 @@ Result<void> shade_images(Device& device, const VulkanGBuffer& g, const VulkanSh
 
 }  // namespace
 
+inline namespace v0 {
+
 VulkanShading::VulkanShading() = default;
 VulkanShading::~VulkanShading() = default;
 VulkanShading::VulkanShading(VulkanShading&&) noexcept = default;
@@ -161,4 +163,5 @@ Outcome VulkanShading::finish() { return state_ ? outcome_of(state_->device->fin
 
 uint64_t VulkanShading::device_bytes() const { return state_ ? vulkan_memory(*state_->device).device_bytes : 0; }
 
+}  // namespace v0
 }  // namespace umbrage

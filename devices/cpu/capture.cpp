@@ -17,6 +17,7 @@
 #include <new>
 
 #include "devices/cpu/soften.h"
+#include "devices/cpu/watch.h"
 #include "devices/shared/capture_info.h"
 #include "rays/camera_rays.h"
 #include "rays/extra_cameras.h"
@@ -298,7 +299,7 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
 
 /// Draws what the picture's camera, or that of layer `view`, sees.
 void draw_view(const TracedScene& traced, const PictureInfo& info, const std::vector<DrawnPlane>& planes,
-               const CaptureSettings& settings, int view, const DrawnLayers& layers, Image& image) {
+               const CaptureSettings& settings, int view, const DrawnLayers& layers, Watch& watch, Image& image) {
   Drawing drawing{.traced = traced,
                   .info = layer_info(info, view),
                   .rays = {},
@@ -320,15 +321,23 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const std::ve
   }
   const int columns = (info.width + kBlock - 1) / kBlock, rows = (info.height + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
+    if (watch.ended()) return;
     for (int r = range.rows().begin(); r < range.rows().end(); ++r)
       for (int c = range.cols().begin(); c < range.cols().end(); ++c)
         draw_block(drawing, layers, c * kBlock, r * kBlock, image);
+    watch.done(long(range.rows().size()) * long(range.cols().size()));
   });
+}
+
+/// How many blocks a picture has.
+long blocks_of(const PictureInfo& info) {
+  return long((info.width + kBlock - 1) / kBlock) * long((info.height + kBlock - 1) / kBlock);
 }
 
 }  // namespace
 
-Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings) {
+Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
+                             const std::function<bool(double)>& go_on) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings.shadows);
   const int all = 1 + int(info.more_layers.size());
   Image image(info.width, info.height);
@@ -341,10 +350,14 @@ Image capture_planes(const TracedScene& traced, const PictureInfo& info, const C
     if (kind == LayerKind::kBehind) ++own.count;
     if (kind == LayerKind::kBack && own.backs < 0) own.backs = layer;
   }
-  draw_view(traced, info, planes, settings, 0, own, image);
+  const auto others = std::count_if(info.more_layers.begin(), info.more_layers.end(),
+                                    [](const LayerInfo& layer) { return layer.kind == LayerKind::kOther; });
+  Watch watch(go_on, blocks_of(info) * (1 + long(others)));
+  draw_view(traced, info, planes, settings, 0, own, watch, image);
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
-      draw_view(traced, info, planes, settings, layer, {.first = layer}, image);
+      draw_view(traced, info, planes, settings, layer, {.first = layer}, watch, image);
+  if (watch.ended()) return watch.result().error();
   if (const auto soft = softened_planes(info, settings); !soft.empty()) soften_shadows(info, soft, image);
   return image;
 }

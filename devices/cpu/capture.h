@@ -1,5 +1,7 @@
 // Capture on the CPU: a Scene drawn into the planes of a G-buffer by Embree, sixteen rays at a time.
 #pragma once
+#include <functional>
+
 #include "core/device.h"
 #include "core/image.h"
 #include "devices/shared/capture_info.h"
@@ -11,7 +13,8 @@ namespace umbrage {
 /// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a hundred-
 /// thousandth of their distances from the eye and from the scene's middle, added up, are one; which of them it is,
 /// rounding decides. Of the settings only those of shadows count. Uses all threads of the calling task arena; the
-/// result does not depend on their number.
-Image capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings);
+/// result does not depend on their number. `go_on`: see Device. Errors: kInterrupted.
+Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
+                             const std::function<bool(double)>& go_on = {});
 
 }  // namespace umbrage

@@ -10,6 +10,7 @@
 
 #include "core/check.h"
 #include "devices/cpu/capture.h"
+#include "devices/cpu/watch.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
 #include "machine/cpu_target.h"
@@ -74,8 +75,9 @@ class CpuDevice final : public Device {
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
     add_layers(*traced_, settings, frame.info);
-    frame.storage = std::make_shared<Planes>(
-        Planes{arena_.execute([&] { return capture_planes(*traced_, frame.info, settings); })});
+    auto planes = arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, go_on); });
+    if (!planes) return planes.error();
+    frame.storage = std::make_shared<Planes>(Planes{std::move(*planes)});
     return frame;
   }
 
@@ -220,19 +222,21 @@ class CpuDevice final : public Device {
     const int tile_width = std::min(pass.tile_width, stride);
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (info.height + pass.tile_height - 1) / pass.tile_height;
+    Watch watch(go_on, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<int>(0, rows * columns, 1),
           [&](const tbb::blocked_range<int>& range) {
-            for (int t = range.begin(); t < range.end(); ++t) {
+            for (int t = range.begin(); t < range.end() && !watch.ended(); ++t) {
               const int x0 = t % columns * tile_width, y0 = t / columns * pass.tile_height;
               kernel(kernel_frame,
                      {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + pass.tile_height, info.height)});
+              watch.done(1);
             }
           },
           tbb::simple_partitioner());
     });
-    return {};
+    return watch.result();
   }
 
   CpuSettings settings_;

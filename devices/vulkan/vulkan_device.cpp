@@ -104,7 +104,9 @@ class VulkanDevice final : public Device {
   }
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
+    if (!capture_ && is_ended()) return interrupted();
     if (!capture_) return capture_here(camera, settings);
+    capture_->go_on = go_on;
     auto drawn = capture_->capture(camera, settings);
     if (!drawn) return drawn;
     Frame whole = *drawn;
@@ -133,8 +135,9 @@ class VulkanDevice final : public Device {
   }
 
   Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer) override {
-    return run_passes(effect, params, frame, layer,
-                      [&](const PassRun& pass) { return run_pass(pass, planes_of(frame)); });
+    return run_passes(effect, params, frame, layer, [&](const PassRun& pass) {
+      return is_ended() ? interrupted() : run_pass(pass, planes_of(frame));
+    });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -250,6 +253,9 @@ class VulkanDevice final : public Device {
   }
 
  private:
+  bool is_ended() const { return go_on && !go_on(0.0); }
+  static Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
+
   static Error unknown_format(const DeviceImage& image) {
     return usage_error("images of format {} cannot be used: {} can", int(image.format), texel_format_names());
   }

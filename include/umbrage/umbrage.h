@@ -1,41 +1,108 @@
-// Umbrage's public interface: a model in, a picture out.
+// Umbrage's public interface: a model in, a picture out; or what another renderer drew in, shaded planes out.
 //
-// This header needs nothing but the standard library. It grows with the project; what it holds stays.
+// This header needs nothing but the standard library, C++17 or later. docs/library.md is its guide.
+//
+// Words: a *look* is a recipe for a finished picture (`umbrage list looks`), an *effect* is one technique of it
+// (`umbrage list effects`), a *pass* is what one of them leaves for each pixel, such as `depth` or `ao`. Options bear
+// the names of the command line's, and messages name those.
+//
+// Space: world space is the model's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
+// the positive distance along the view axis, infinity where there is nothing; normals are unit vectors in view space,
+// towards the camera, zero where there is nothing. Row 0 of a picture is the top one. Light is linear Rec.709; finished
+// colours are as an 8-bit file holds them (sRGB) unless a setting says otherwise.
+//
+// Threads: different threads may call anything at the same time, as long as each uses objects of its own.
+//
+// Errors: nothing here throws, except std::bad_alloc and what a caller's own callback throws.
 #pragma once
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace umbrage {
+/// What programs see, and the only names that the shared library exports. The number is that of the shared library: it
+/// rises when programs have to be built anew, and those that were not are told so by the linker.
+inline namespace v0 {
+#pragma GCC visibility push(default)
+
+/// How it went. `code` is 0, or the exit code that the command line would give: 1 internal, 2 a wrong request, 3 a file
+/// that cannot be used, 4 a device that cannot do it, 130 ended by a Progress; `message` is then one sentence for
+/// people.
+struct Outcome {
+  int code = 0;
+  std::string message{};
+  std::vector<std::string> warnings{};  ///< such as missing textures
+};
+
+/// Called now and then during long work, by the thread that called Umbrage and by no other, with about the share that
+/// is done: from 0 to 1, never falling. Returns whether to go on: after false it is not called again, the work ends
+/// soon, and its outcome has code 130. Reading a model and making it ready ask before and after, not in between.
+using Progress = std::function<bool(double done)>;
+
+/// What one pass holds: `channels` floats of each pixel, one after the other.
+struct Pixels {
+  std::string name{};           ///< "depth", "normal", "layer1.depth"
+  int channels = 1;             ///< 3 for normals (x, y, z) and colours (red, green, blue)
+  std::vector<float> values{};  ///< width * height * channels
+};
+
+/// A picture as it would be written to an 8-bit file: red, green, blue, alpha from 0 to 1, alpha not multiplied in.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<float> rgba{};     ///< width * height * 4; empty where no colour was asked for
+  std::vector<Pixels> passes{};  ///< those asked for, in that order
+};
+
+/// Where the camera stands. What is not said is chosen: the model's own view, or else the whole model from slightly
+/// above and to the side. World space, scene units, degrees.
+struct CameraRequest {
+  std::optional<std::array<float, 3>> position{};     ///< the eye
+  std::optional<std::array<float, 3>> focal_point{};  ///< what is looked at
+  std::optional<std::array<float, 3>> view_up{};      ///< what points up in the picture; not 0
+  std::optional<std::array<float, 3>> direction{};    ///< in which the camera looks; not 0
+  std::optional<float> view_angle_deg{};              ///< vertical field of view, 0.1 to 179
+  float azimuth_deg = 0.0f;                           ///< then turned around the model,
+  float elevation_deg = 0.0f;                         ///< and risen over it
+  float zoom = 1.0f;                                  ///< above 1: nearer; 0.001 to 1000
+  bool orthographic = false;
+};
 
 /// What to draw. Everything but the model has a value that serves.
 struct RenderRequest {
-  std::string model;                  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
-  std::string look = "studio";        ///< a recipe: see `umbrage list looks`
-  std::string occlusion;              ///< an occlusion technique, or "none"; empty: the look's own
-  std::vector<std::string> settings;  ///< "effect.parameter=value": see `umbrage list effects`
-  int width = 1024, height = 1024;    ///< pixels, 1 to 16384 each
-  int threads = 0;                    ///< 0: as many as the machine has
+  std::string model{};          ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
+  std::string look = "studio";  ///< a recipe: see `umbrage list looks`
+  std::string occlusion{};      ///< an occlusion technique, "reference" or "none"; empty: the look's own
+  std::vector<std::string> settings{};  ///< "effect.parameter=value": see `umbrage list effects`
+  int width = 1024, height = 1024;      ///< pixels, 1 to 16384 each, together at most 67 108 864
+  int threads = 0;                      ///< 0: as many as the machine has
+  std::string device = "auto";          ///< "cpu", "vulkan", "vulkan:N", or "auto": a graphics card if there is one
+  CameraRequest camera{};
+  std::optional<std::array<float, 3>> up{};  ///< the model's up; as its format says
+  std::optional<float> crease_angle_deg{};   ///< 0 to 180: edges of larger angles stay where normals are made; 80
+  std::string quality{};                     ///< "draft", "normal", "high", "ultra"; empty: the look's own
+  std::optional<int> anti_aliasing{};        ///< pictures that are averaged, 1 to 256; as the quality says
+  std::string occlusion_radius{};            ///< "0.3" scene units, or "5%" of the scene; empty: the technique's own
+  std::string occlusion_scale{};             ///< "full", "half", "quarter" resolution; empty: the look's own
+  std::string ground = "auto";               ///< a ground that shows the shade alone: "auto", "on", "off"
+  std::optional<std::array<float, 3>> background{};  ///< 0 to 1, as in the file; the look's own
+  bool transparent = false;                          ///< alpha 0 where there is no surface
+  std::optional<int> layers{};                       ///< surfaces captured along each ray, 1 to 16; as the look wants
+  std::optional<int> extra_views{};                  ///< further cameras, 0 to 4; as the look wants
+  float guard_band = 0.0f;                           ///< drawn beyond each side, in percent of the longer one; 0 to 100
+  std::vector<std::string> passes{};                 ///< to hand out besides the picture: "depth", "normal", "ao", ...
+  Progress progress{};
 };
 
-/// A picture as it would be written to an 8-bit file: row 0 at the top, red, green, blue, alpha from 0 to 1.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<float> rgba;  ///< width * height * 4
-};
-
-/// How it went. `code` is 0, or the exit code that the command line would give: 1 internal, 2 a wrong request, 3 a file
-/// that cannot be used, 4 a device that cannot do it; `message` is then one sentence for people.
-struct Outcome {
-  int code = 0;
-  std::string message;
-  std::vector<std::string> warnings;  ///< such as missing textures
-};
-
-/// Draws one picture on the CPU. On failure the picture is left as it was. Does not throw, except std::bad_alloc.
+/// Draws one picture. Errors: code 2 for names and values that there are not, before the model is read; 3 for the
+/// model; 4 for the device, and where its memory is short; 130. On failure the picture is left as it was.
 Outcome render(const RenderRequest& request, Picture& picture);
 
-/// A camera of one frame. Where `placed` is false the model is framed as `render` does.
+/// A camera of one frame. Where `placed` is false it stands as the request says.
 struct FrameCamera {
   bool placed = false;
   float eye[3] = {0, 0, 1}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
@@ -51,11 +118,11 @@ class FrameRenderer {
   FrameRenderer(FrameRenderer&&) noexcept;
   FrameRenderer& operator=(FrameRenderer&&) noexcept;
 
-  /// `device`: "cpu", "vulkan", "vulkan:N", or "auto", a GPU if there is one. Errors: as of render. On failure what was
-  /// open stays.
-  Outcome open(const RenderRequest& request, const std::string& device = "auto");
-  /// One picture. A model without lights is lit as its first frame's camera stands. Errors: code 4 where memory is
-  /// short or the device is lost; the picture is then left as it was, and other frames may be tried.
+  /// Errors: as of render. On failure what was open stays.
+  Outcome open(const RenderRequest& request);
+  /// One picture, with the passes of the request, telling its progress. A model without lights is lit as its first
+  /// frame's camera stands. Errors: code 2 for a camera that cannot be, 4 where memory is short or the device is lost,
+  /// 130; the picture is then left as it was, and other frames may be tried.
   Outcome draw(const FrameCamera& camera, Picture& picture);
   /// "vulkan:0: NVIDIA ..."; empty: nothing is open.
   std::string device() const;
@@ -67,7 +134,82 @@ class FrameRenderer {
   std::unique_ptr<State> state_;
 };
 
+/// What the floats of an array of depth are. In all of them NaN and infinity say that there is nothing.
+enum class DepthKind {
+  kView,      ///< distance along the view axis, scene units; 0 and below, too, where there is nothing
+  kRay,       ///< distance from the eye along the pixel's ray, scene units; the same
+  kWindow,    ///< 0 at the near plane, 1 at the far plane and where there is nothing, as depth buffers have it
+  kReversed,  ///< 1 at the near plane, 0 at the far plane and where there is nothing
+};
+
+/// A caller's floats, of the picture's size. They are read during the call and not kept.
+struct PixelArray {
+  /// What they are. One channel: depth, specular (peak of the highlight, 0 to 1), shininess (Blinn-Phong exponent),
+  /// shadow (share of the key light that arrives), shadow1 to shadow7 (of the lights after it), object_id, material_id,
+  /// ao. Three: normal, albedo (diffuse reflectance), emission, direct and ambient (light that surfaces send to the
+  /// eye, by where it comes from), indirect, lit (all of it). A name such as layer1.depth is that of the surface
+  /// behind; every other plane that an effect reads has its own name too.
+  std::string name{};
+  const float* values = nullptr;  ///< of the upper left pixel, first channel
+  /// Floats from a pixel to the next one; 0: as many as there are channels, or 1 where channel_stride is given.
+  std::ptrdiff_t pixel_stride = 0;
+  std::ptrdiff_t row_stride = 0;      ///< floats from a row to the next; 0: width times pixel_stride. May be negative
+  std::ptrdiff_t channel_stride = 1;  ///< floats from a channel to the next; width * height for plane after plane
+};
+
+/// What to shade, and how.
+struct ShadeRequest {
+  int width = 0, height = 0;         ///< as of RenderRequest
+  std::vector<PixelArray> arrays{};  ///< depth always; without normals they are made of the depth
+  DepthKind depth_kind = DepthKind::kView;
+  float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< of kWindow and kReversed
+  /// Normals are turned by the rows of this rotation to view space: the upper left part of a view matrix where they are
+  /// in world space. They need not be of length 1, nor face the camera.
+  std::array<float, 9> view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  bool orthographic = false;
+  /// The window that the picture fills: at distance 1, or in scene units for an orthographic camera. Of a perspective
+  /// camera top is tan(angle / 2), right is top * width / height.
+  float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
+  /// Of a ball around what is shaded: lengths given as shares are shares of it. 0: half the diagonal of the box, along
+  /// the camera's axes, that holds nearly all of what is seen.
+  float scene_radius = 0.0f;
+
+  /// The look that makes the picture, on lights of its own: behind the camera, above it and to the left.
+  std::string look = "studio";
+  /// In place of the look: these effects alone, one after the other, such as "bitmask", "denoise".
+  std::vector<std::string> effects{};
+  std::string occlusion{}, occlusion_radius{}, occlusion_scale{},
+      quality{};  ///< as of RenderRequest, where there is a look
+  std::vector<std::string> settings{};
+  std::optional<std::array<float, 3>> background{};
+  bool transparent = false;
+  /// To hand out: names as of RenderRequest. With `effects` and no name at all: what the last one of them makes.
+  std::vector<std::string> passes{};
+  std::string device = "auto";
+  int threads = 0;
+  Progress progress{};
+};
+
+/// Shades what another renderer drew. With `effects` the picture has colour where one of them is "output". Errors: code
+/// 2 for names, values and arrays that cannot be, among them effects that need a plane which is missing, and looks
+/// whose occlusion is "reference", which needs the model; 4 for the device; 130. On failure the picture is left as it
+/// was.
+Outcome shade(const ShadeRequest& request, Picture& picture);
+
+/// How a file is written.
+struct SaveRequest {
+  int bits = 8;       ///< per channel, of .png: 8 or 16
+  bool half = false;  ///< .exr: half instead of float where that suffices
+};
+
+/// Writes a picture, whole or not at all, in the format that the file's ending names: .png, .pfm (no alpha) or .exr,
+/// which holds the passes too. Colours are written as they are; alpha where any pixel is not opaque. Errors: code 2 for
+/// a picture of the wrong size or an ending that there is not, 3 for a file that cannot be written.
+Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {});
+
 /// "0.1.0"
 const char* version();
 
+#pragma GCC visibility pop
+}  // namespace v0
 }  // namespace umbrage

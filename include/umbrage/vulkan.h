@@ -12,6 +12,8 @@
 #include "umbrage/umbrage.h"
 
 namespace umbrage {
+inline namespace v0 {
+#pragma GCC visibility push(default)
 
 /// The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled.
 struct VulkanContext {
@@ -94,4 +96,6 @@ class VulkanShading {
   std::unique_ptr<State> state_;
 };
 
+#pragma GCC visibility pop
+}  // namespace v0
 }  // namespace umbrage

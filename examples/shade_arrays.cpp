@@ -1,0 +1,38 @@
+// Arrays that another program has drawn become shaded: here the depth of a ball in a corner. shade_arrays OUT.png
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "umbrage/umbrage.h"
+
+int main(int argc, char** argv) {
+  const int width = 320, height = 240;
+  std::vector<float> depth;  // along the view axis, row by row from the top
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      // A ball of radius 1 about (0, 0, -5), a floor at y = -1, a wall at z = -7; rays (a, b, -1) from the eye.
+      const float a = 0.8f * (2.0f * (float(x) + 0.5f) / width - 1.0f),
+                  b = 0.6f * (1.0f - 2.0f * (float(y) + 0.5f) / height);
+      const float square = a * a + b * b + 1.0f, inside = 25.0f - 24.0f * square;
+      float nearest = b < 0.0f ? std::min(7.0f, -1.0f / b) : 7.0f;
+      if (inside > 0.0f) nearest = std::min(nearest, (5.0f - std::sqrt(inside)) / square);
+      depth.push_back(nearest);
+    }
+  umbrage::ShadeRequest request;
+  request.width = width;
+  request.height = height;
+  request.left = -0.8f, request.right = 0.8f, request.bottom = -0.6f, request.top = 0.6f;  // at distance 1
+  request.arrays.push_back({"depth", depth.data()});
+  request.passes = {"ao"};  // besides the picture that the look makes
+
+  umbrage::Picture picture;
+  umbrage::Outcome outcome = umbrage::shade(request, picture);
+  if (outcome.code == 0) {
+    const std::vector<float>& ao = picture.passes[0].values;
+    std::printf("the least open pixel: %.2f\n", double(*std::min_element(ao.begin(), ao.end())));
+  }
+  if (outcome.code == 0 && argc > 1) outcome = umbrage::save(picture, argv[1]);
+  if (outcome.code != 0) std::fprintf(stderr, "%s\n", outcome.message.c_str());
+  return outcome.code;
+}
