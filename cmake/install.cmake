@@ -1,0 +1,58 @@
+# What `cmake --install` puts where, in three components: program, library (the shared one), development.
+include(CMakePackageConfigHelpers)
+install(TARGETS umbrage RUNTIME COMPONENT program)
+# What the program and the library start to read models.
+install(TARGETS umbrage-import RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/umbrage COMPONENT program)
+if(TARGET umbrage_shared)
+  install(TARGETS umbrage_shared EXPORT umbrage-shared LIBRARY COMPONENT library NAMELINK_COMPONENT development)
+endif()
+if(TARGET umbrage_static)
+  install(TARGETS umbrage_static EXPORT umbrage-static ARCHIVE COMPONENT development)
+endif()
+install(DIRECTORY include/umbrage TYPE INCLUDE COMPONENT development)
+install(FILES LICENSE README.md CHANGELOG.md TYPE DOC COMPONENT program)
+install(DIRECTORY docs TYPE DOC COMPONENT program)
+install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development
+        FILES_MATCHING PATTERN "*.cpp" PATTERN CMakeLists.txt)
+
+# find_package(umbrage)
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/umbrage)
+foreach(kind ${UMBRAGE_KINDS})
+  install(EXPORT umbrage-${kind} FILE umbrage-${kind}.cmake NAMESPACE umbrage:: DESTINATION ${package} COMPONENT development)
+endforeach()
+configure_package_config_file(cmake/umbrage-config.cmake.in generated/umbrage-config.cmake INSTALL_DESTINATION ${package}
+                              NO_SET_AND_CHECK_MACRO)
+# Before 1.0 a minor version may change what programs were written for.
+write_basic_package_version_file(generated/umbrage-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/generated/umbrage-config.cmake ${PROJECT_BINARY_DIR}/generated/umbrage-config-version.cmake
+        DESTINATION ${package} COMPONENT development)
+
+# pkg-config. Paths are told from where the file itself lies, so that the tree may be moved; folders outside of the
+# prefix stay as they are.
+set(pkgconfig ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+cmake_path(IS_ABSOLUTE CMAKE_INSTALL_LIBDIR absolute_lib)
+cmake_path(IS_ABSOLUTE CMAKE_INSTALL_INCLUDEDIR absolute_include)
+set(pc_prefix ${CMAKE_INSTALL_PREFIX})
+if(NOT absolute_lib)
+  file(RELATIVE_PATH up /${pkgconfig} /)
+  string(REGEX REPLACE "/$" "" up ${up})
+  set(pc_prefix "\${pcfiledir}/${up}")
+endif()
+set(pc_lib "\${prefix}/${CMAKE_INSTALL_LIBDIR}")
+set(pc_include "\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}")
+if(absolute_lib)
+  set(pc_lib ${CMAKE_INSTALL_LIBDIR})
+endif()
+if(absolute_include)
+  set(pc_include ${CMAKE_INSTALL_INCLUDEDIR})
+endif()
+# What a program that links statically has to name itself. Not Requires.private: that wants the other libraries' headers
+# even of programs that link dynamically.
+pkg_check_modules(PC_PRIVATE QUIET fmt libhwy libpng OpenEXR tbb)
+if(NOT PC_PRIVATE_FOUND)
+  message(STATUS "pkg-config knows not all libraries: umbrage.pc will not do for static linking")
+endif()
+list(JOIN PC_PRIVATE_LDFLAGS " " pc_private)
+string(APPEND pc_private " -lembree3 -lstdc++ -lm -ldl -pthread")
+configure_file(cmake/umbrage.pc.in generated/umbrage.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/generated/umbrage.pc DESTINATION ${pkgconfig} COMPONENT development)

@@ -1,0 +1,36 @@
+# libumbrage: the public interface and all that it stands on, as one library. Both kinds are made of the same objects;
+# BUILD_SHARED_LIBS, where it is set, leaves out one of them.
+set(UMBRAGE_ABI 0) # the number of the inline namespace in umbrage.h, and of the shared library
+set(objects "")
+foreach(folder core machine effects looks scene rays reference devices_shared devices_cpu devices_vulkan io job)
+  list(APPEND objects $<TARGET_OBJECTS:umbrage_${folder}>)
+endforeach()
+
+# What the objects need besides. Highway comes without a CMake package that others could find: by its name alone.
+function(umbrage_library kind)
+  add_library(umbrage_${kind} ${ARGN} ${objects})
+  set_target_properties(umbrage_${kind} PROPERTIES OUTPUT_NAME umbrage EXPORT_NAME ${kind} LINKER_LANGUAGE CXX)
+  target_compile_features(umbrage_${kind} INTERFACE cxx_std_17)
+  target_include_directories(umbrage_${kind} INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                                                       $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(
+    umbrage_${kind} PRIVATE embree fmt::fmt OpenEXR::OpenEXR PNG::PNG TBB::tbb
+                            $<BUILD_INTERFACE:PkgConfig::HWY> $<INSTALL_INTERFACE:hwy> ${CMAKE_DL_LIBS})
+endfunction()
+
+include(GNUInstallDirs)
+set(UMBRAGE_KINDS "")
+if(BUILD_SHARED_LIBS OR NOT DEFINED BUILD_SHARED_LIBS)
+  umbrage_library(shared SHARED)
+  set(map ${CMAKE_CURRENT_LIST_DIR}/library.map)
+  # What templates of others leave in the objects is hidden too.
+  target_link_options(umbrage_shared PRIVATE LINKER:--version-script=${map} LINKER:--no-undefined LINKER:--exclude-libs,ALL)
+  set_target_properties(umbrage_shared PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${UMBRAGE_ABI} LINK_DEPENDS ${map})
+  list(APPEND UMBRAGE_KINDS shared)
+endif()
+if(NOT BUILD_SHARED_LIBS)
+  umbrage_library(static STATIC)
+  list(APPEND UMBRAGE_KINDS static)
+endif()
+list(GET UMBRAGE_KINDS 0 kind)
+add_library(umbrage::umbrage ALIAS umbrage_${kind})

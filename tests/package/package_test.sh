@@ -1,0 +1,159 @@
+#!/usr/bin/env bash
+# One test of the installed library: package_test.sh NAME PLACE. Install puts it into PLACE; the others use it there.
+set -euo pipefail
+name=$1 place=$2
+prefix=$place/moved
+
+fail() {
+  echo "package_test: $*" >&2
+  exit 1
+}
+
+# runs FOLDER: the examples that are there do what they are for. The model is one that umbrage-import reads.
+runs() {
+  printf 'v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$1/model.obj"
+  "$1/render_file" "$1/model.obj" "$1/render_file.png"
+  [ "$(head -c 4 "$1/render_file.png" | tail -c 3)" = PNG ] || fail "render_file wrote no PNG file"
+  [ -e "$1/shade_arrays" ] || return 0
+  "$1/shade_arrays" "$1/shade_arrays.png"
+  [ "$(head -c 4 "$1/shade_arrays.png" | tail -c 3)" = PNG ] || fail "shade_arrays wrote no PNG file"
+  local code=0
+  "$1/progress" 'scene:solids?detail=3000' 0.2 || code=$?
+  [ "$code" = 130 ] || fail "progress ended with $code and not with 130"
+}
+
+# links FOLDER: whether its programs need the shared library, as yes or no.
+links() { if [[ $(ldd "$1/render_file") == *libumbrage.so* ]]; then echo yes; else echo no; fi; }
+
+# with_cmake FOLDER OPTIONS...: the examples as a project of their own.
+with_cmake() {
+  local folder=$1
+  shift
+  rm -rf "$folder"
+  "$CMAKE" -S "$SOURCE/examples" -B "$folder" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$CXX" \
+    -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF "$@" >"$folder.log" 2>&1 || { cat "$folder.log"; fail "cmake refused it"; }
+  grep -q "umbrage_DIR:PATH=$prefix/" "$folder/CMakeCache.txt" || fail "another umbrage was found"
+  "$CMAKE" --build "$folder" --target render_file shade_arrays progress >"$folder.log" 2>&1 ||
+    { cat "$folder.log"; fail "it does not build"; }
+}
+
+# with_pkg_config FOLDER FLAGS OPTIONS...: an example by the compiler alone, which gets what pkg-config says.
+with_pkg_config() {
+  local folder=$1 flags=$2
+  shift 2
+  rm -rf "$folder"
+  mkdir -p "$folder"
+  export PKG_CONFIG_PATH=$PREFIX_USED/$LIB/pkgconfig
+  # shellcheck disable=SC2046,SC2086
+  "$CXX" -std=c++17 -Wall -Wextra -Werror "$SOURCE/examples/render_file.cpp" -o "$folder/render_file" \
+    $(pkg-config $flags --cflags --libs umbrage) "$@"
+}
+
+case $name in
+  Install)
+    rm -rf "$place"
+    "$CMAKE" --install "$BUILD" --prefix "$place/first" >/dev/null
+    mv "$place/first" "$prefix"
+    for file in bin/umbrage include/umbrage/umbrage.h include/umbrage/vulkan.h "$LIB/pkgconfig/umbrage.pc" \
+      "$LIB/cmake/umbrage/umbrage-config.cmake" share/doc/umbrage/LICENSE share/doc/umbrage/docs/library.md \
+      share/doc/umbrage/examples/render_file.cpp; do
+      [ -s "$prefix/$file" ] || fail "$file is not installed"
+    done
+    if grep -rIl -e "$place/first" -e "$BUILD" -e "$SOURCE" "$prefix" | grep .; then fail "these name folders of the build"; fi
+    ;;
+  Program)
+    [ "$("$prefix/bin/umbrage" --version)" = "umbrage $VERSION" ] || fail "wrong version"
+    "$prefix/bin/umbrage" 'scene:solids?detail=3000' --resolution 64x48 -o "$place/program.png"
+    if ldd "$prefix/bin/umbrage" | grep libumbrage; then fail "the program needs the shared library"; fi
+    ;;
+  Headers)
+    # Alone, in both languages' versions that they are for.
+    for standard in c++17 c++20; do
+      for header in umbrage vulkan; do
+        echo "#include <umbrage/$header.h>" |
+          "$CXX" -std=$standard -Wall -Wextra -Wpedantic -Werror -fsyntax-only -I "$prefix/include" -x c++ -
+      done
+    done
+    # That of everyone includes nothing but the standard library.
+    if grep '#include' "$prefix/include/umbrage/umbrage.h" | grep -v '<[a-z]*>$'; then fail "includes of others"; fi
+    grep -q "inline namespace v$ABI {" "$prefix/include/umbrage/umbrage.h" || fail "the header is not of ABI $ABI"
+    ;;
+  Symbols)
+    library=$prefix/$LIB/libumbrage.so.$ABI
+    [ -e "$library" ] || fail "the shared library is not called libumbrage.so.$ABI"
+    readelf -d "$library" | grep "SONAME.*\[libumbrage\.so\.$ABI\]" || fail "wrong name within"
+    if nm -DC --defined-only "$library" | grep -v -e " umbrage::v$ABI::" -e " UMBRAGE_$ABI\$"; then
+      fail "these are not of the public interface"
+    fi
+    for symbol in 'render(' 'shade(' 'save(' 'version()' 'FrameRenderer::draw(' 'VulkanShading::shade('; do
+      nm -DC --defined-only "$library" | grep -F "T umbrage::v$ABI::$symbol" || fail "no $symbol"
+    done
+    ;;
+  CMake)
+    with_cmake "$place/cmake"
+    runs "$place/cmake"
+    case $KINDS in *shared*) [ "$(links "$place/cmake")" = yes ] || fail "not linked with the shared library" ;; esac
+    # A version that is too new, and a component that there is not, are refused.
+    for wish in 99.0 "$VERSION COMPONENTS fancy"; do
+      rm -rf "$place/wish"
+      mkdir "$place/wish"
+      printf 'cmake_minimum_required(VERSION 3.18)\nproject(wish NONE)\nfind_package(umbrage %s QUIET)\nif(umbrage_FOUND)\n  message(FATAL_ERROR "found")\nendif()\n' \
+        "$wish" >"$place/wish/CMakeLists.txt"
+      "$CMAKE" -S "$place/wish" -B "$place/wish/build" -DCMAKE_PREFIX_PATH="$prefix" >"$place/wish.log" 2>&1 ||
+        { cat "$place/wish.log"; fail "umbrage $wish was found"; }
+    done
+    ;;
+  CMakeStatic)
+    with_cmake "$place/cmake-static" -DBUILD_SHARED_LIBS=OFF
+    # Nothing says where the library of a program lies that has it within.
+    UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import runs "$place/cmake-static"
+    [ "$(links "$place/cmake-static")" = no ] || fail "linked with the shared library"
+    ;;
+  PkgConfig)
+    export PREFIX_USED=$prefix
+    flags=
+    case $KINDS in *shared*) ;; *) flags=--static ;; esac
+    with_pkg_config "$place/pkg-config" "$flags" -Wl,-rpath,"$prefix/$LIB"
+    [ "$(PKG_CONFIG_PATH=$prefix/$LIB/pkgconfig pkg-config --modversion umbrage)" = "$VERSION" ] || fail "wrong version"
+    runs "$place/pkg-config"
+    ;;
+  PkgConfigStatic)
+    # As where only the static library is installed.
+    export PREFIX_USED=$place/static
+    rm -rf "$place/static"
+    mkdir -p "$place/static"
+    cp -r "$prefix/include" "$prefix/$(cut -d/ -f1 <<<"$LIB")" "$place/static/"
+    rm -f "$place/static/$LIB"/libumbrage.so*
+    with_pkg_config "$place/pkg-config-static" --static
+    UMBRAGE_IMPORT=$prefix/libexec/umbrage/umbrage-import runs "$place/pkg-config-static"
+    [ "$(links "$place/pkg-config-static")" = no ] || fail "linked with the shared library"
+    ;;
+  Debian)
+    # As scripts/package makes them, but for the folder of the libraries, which follows the prefix.
+    rm -rf "$place/debian"
+    mkdir -p "$place/debian"
+    cpack --config "$BUILD/CPackConfig.cmake" -B "$place/debian" >"$place/debian.log" 2>&1 ||
+      { cat "$place/debian.log"; fail "cpack failed"; }
+    cd "$place/debian"
+    for package in umbrage "libumbrage$ABI" libumbrage-dev; do
+      file=$(echo "${package}"_*.deb)
+      [ -s "$file" ] || fail "there is no package $package"
+      [ "$(dpkg-deb -f "$file" Version)" = "$VERSION-1" ] || fail "$file has another version"
+      dpkg-deb -c "$file" | awk '{ print $6 }' >"$package.list"
+      grep -qx "./usr/share/doc/$package/copyright" "$package.list" || fail "$file has no licence"
+      if grep -v -e '/$' -e '^\./usr/' "$package.list"; then fail "$file puts these where Debian does not"; fi
+    done
+    # Each file is in one package.
+    if cat ./*.list | grep -v '/$' | sort | uniq -d | grep .; then fail "these are in two packages"; fi
+    grep -qx ./usr/bin/umbrage umbrage.list || fail "the program is missing"
+    grep -q "/libumbrage\.so\.$ABI\$" "libumbrage$ABI.list" || fail "the shared library is missing"
+    for file in umbrage.h libumbrage.so libumbrage.a umbrage.pc umbrage-config.cmake; do
+      grep -q "/$file\$" libumbrage-dev.list || fail "libumbrage-dev lacks $file"
+    done
+    dpkg-deb -f umbrage_*.deb Depends | grep libembree3 || fail "the program does not depend on what it is linked with"
+    dpkg-deb -f libumbrage-dev_*.deb Depends | grep -F "libumbrage$ABI (= $VERSION-1)" || fail "wrong dependency"
+    dpkg-deb -x umbrage_*.deb unpacked
+    unpacked/usr/bin/umbrage 'scene:solids?detail=3000' --resolution 64x48 -o "$place/unpacked.png"
+    ;;
+  *) fail "there is no test $name" ;;
+esac
