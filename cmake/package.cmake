@@ -1,0 +1,77 @@
+# Debian packages by CPack, as Debian parts them: umbrage, the programs and their pages; libumbrage0, the shared library;
+# libumbrage-dev, what programs are compiled with. scripts/package makes them.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The Umbrage authors <umbrage@localhost>")
+set(CPACK_PACKAGE_VENDOR "Umbrage")
+set(CPACK_COMPONENTS_ALL program library development)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY >=)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME umbrage)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
+# Vulkan is loaded where there is one.
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libvulkan1)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libumbrage${UMBRAGE_ABI})
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS libvulkan1)
+# It has models read by a program, of the same version, that comes with the other one.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "umbrage (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libumbrage-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "libumbrage${UMBRAGE_ABI} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+# For static linking, and for umbrage/vulkan.h.
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
+    "libembree-dev, libfmt-dev, libhwy-dev, libopenexr-dev, libpng-dev, libtbb-dev, libvulkan-dev")
+
+# Below the project's own description, which is the first line of each.
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
+    "Umbrage draws 3D models so that their shape can be read: ambient occlusion,
+light between surfaces, soft shadows, toon bands, outlines. It reads OBJ, PLY,
+STL, glTF and more, writes PNG, OpenEXR and PFM, and runs on any CPU, without
+a display, or on a Vulkan GPU.")
+set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
+    "Umbrage draws 3D models so that their shape can be read, and shades what other
+programs have drawn. This package is its shared library.")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
+    "Umbrage draws 3D models so that their shape can be read, and shades what other
+programs have drawn. This package is what programs are compiled with: headers,
+static library, packages for CMake and pkg-config, examples.")
+
+# What Debian wants of every package: licence and changelog in a folder of its own. No plain install makes them.
+find_program(GZIP gzip)
+if(GZIP)
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/generated/debian)
+  file(CONFIGURE OUTPUT generated/debian/changelog.Debian CONTENT
+"umbrage (@PROJECT_VERSION@-@CPACK_DEBIAN_PACKAGE_RELEASE@) unstable; urgency=medium
+
+  * Built from source; what changed stands in /usr/share/doc/umbrage/CHANGELOG.md.
+
+ -- @CPACK_PACKAGE_CONTACT@  Thu, 01 Jan 2026 00:00:00 +0000
+" @ONLY)
+  execute_process(COMMAND ${GZIP} -9nkf ${PROJECT_BINARY_DIR}/generated/debian/changelog.Debian)
+  file(READ LICENSE licence)
+  string(REGEX REPLACE "\n\n" "\n.\n" licence "${licence}")
+  string(REGEX REPLACE "\n([^\n])" "\n \\1" licence "${licence}")
+  file(CONFIGURE OUTPUT generated/debian/copyright CONTENT
+"Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
+Upstream-Name: umbrage
+
+Files: *
+Copyright: 2026 The Umbrage authors
+License: MIT
+ @licence@" @ONLY)
+  foreach(component program library development)
+    string(TOUPPER ${component} upper)
+    install(FILES ${PROJECT_BINARY_DIR}/generated/debian/changelog.Debian.gz ${PROJECT_BINARY_DIR}/generated/debian/copyright
+            DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component} EXCLUDE_FROM_ALL)
+  endforeach()
+endif()
+include(CPack)
