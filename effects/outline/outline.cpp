@@ -139,6 +139,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
        .far_depth = far_depth};
   constexpr float kAntialiasing = 0.5f, kHalfPiece = 0.5f;
   c.reach = int(std::ceil(c.width_px + kAntialiasing + kHalfPiece));
+  constexpr float kStrideHeight = 810.0f;  // of the picture, per pixel of stride: what is an edge is one at any size
+  constexpr float kMostStride = 4.0f;
+  c.stride = int(std::clamp(std::round(float(info.inner_height()) / kStrideHeight), 1.0f, kMostStride));
   constexpr float kMostStretch = 1.45f;  // of a distance along a row: the steepest slope is kSteepHere
   c.sight = int((c.width_px + kAntialiasing) * kMostStretch) + 1;
 }

@@ -32,6 +32,7 @@ struct OutlineConstants {
   int reach;  // pixels from a line's end to the farthest pixel that it touches
   int sight;  // pixels in a row or column that a pixel looks for lines, to either side
   float r, g, b, opacity;
+  int stride;  // pixels between the normals that creases are told by
   float depth;
   float crease_chord;  // squared distance of unit normals that differ by the crease angle
   int convex, concave;

@@ -9,6 +9,7 @@
 CONST float kLevels = 32.0f;  // of side, to either side of the middle
 CONST float kStep = 256.0f;
 CONST float kClearest = 7.0f;
+CONST float kMiddle = 65.0f;  // side of a line that is nobody's, a crease, in its code
 
 FN Real clear_of(Real v) { return floor(abs(v) * Real(1.0f / kStep)); }
 // What is left without how clear it is.

@@ -9,7 +9,8 @@
 //             pixels' planes, since the last one before a rim is so steep that it explains anything, and with the
 //             measured slope, since interpolated normals of coarse meshes are not their surface's
 //   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
-//             a sharp edge or a bevelled one; noise, roughness and round things are none
+//             a sharp edge or a bevelled one; noise, roughness and round things are none. In high pictures the same
+//             within five strides, so that what is an edge is one at any resolution
 //   an id     another object or material
 // A crease lies where its two planes meet, to a fraction of a pixel; a jump lies halfway until outline_refine.
 // Most pixels have no edge: each kind asks first for what it cannot be without.
@@ -25,9 +26,11 @@ OUT_REAL(outline_below)
 
 CONST float kLeastSide = 2.0f / 32.0f;  // of what is no crease
 CONST float kDeep = 2.0f;               // a jump within one object is clear from so many times `depth` on
+CONST float kDeeper = 3.0f;             // times a jump, of the next one, that it is part of
 CONST float kSure = 0.9f;               // share of a threshold that tells without rounding that it is not reached
 CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane's slope is not trusted further
 CONST float kNoSlope = 1e30f;           // of normals that do not face the eye, which interpolation makes at rims
+CONST float kMostSteepening = 4.0f;     // of a slope from one step to the next: 2.4 on a ball's last pixel
 CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a surface that still tells its shape
 
 // Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
@@ -36,6 +39,10 @@ CONST float kFaintTurn = 0.5f;
 CONST float kSteady = 0.026f;
 CONST float kTurnRange = 0.4f;  // share of the threshold within which a crease becomes clear
 CONST float kSharp = 0.1f;
+CONST float kMostStep = 0.35f;  // of a wide bevel's turn, in one step: or else it is several edges
+CONST float kAsStrong = 1.03f;  // what is as strong as its neighbours is a peak, where strides are longer than a pixel
+CONST float kBevel = 0.25f;
+CONST float kRound = 0.6f;
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
 // Weights of a step's turn and of those one and two steps off. Two like steps up to four apart are one peak in their
@@ -73,11 +80,11 @@ FN Bool same_object(int i, int j, int k, int l) {
   return near_object_id(i, j) == near_object_id(k, l) && is_surface(near_depth(i, j)) && is_surface(near_depth(k, l));
 }
 
-// Whether a surface goes on from pixel (i, j) to the next one: not to another object, and not far behind.
-FN Bool goes_on(int i, int j, int k, int l) {
+// Whether a surface goes on from pixel (i, j) to (k, l), so many pixels on: not to another object, and not far behind.
+FN Bool goes_on(int i, int j, int k, int l, int pixels) {
   Real depth1 = near_depth(i, j);
   Real depth2 = near_depth(k, l);
-  Real bound = Real(F.ray_scale_x * kSteepest);
+  Real bound = Real(F.ray_scale_x * kSteepest * float(pixels));
   if (F.orthographic == 0) bound = bound * min(depth1, depth2);
   return abs(depth1 - depth2) < bound && near_object_id(i, j) == near_object_id(k, l);
 }
@@ -92,6 +99,14 @@ FN Real smooth_turn(Vec3 n0, Vec3 n1, Vec3 n2, Vec3 n3, Vec3 n4, Vec3 n5) {
 
 FN Real milder(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
 
+// The slope with which a side predicts the other: the milder of the planes of its last pixel and, if `known`, of the
+// one before, but not many times steeper than the surface is between them.
+FN Real predicted_slope(Bool known, Vec2 last, Vec2 before, Real measured, Real pixel) {
+  Real most = mad(abs(measured), Real(kMostSteepening), pixel);
+  Real both = clamp(milder(before.y, last.y), -most, most);
+  return select(known, both, select(last.y < kNoSlope, last.y, Real(0.0f)));
+}
+
 // How far, in pixel sizes, this pixel lies in front of its neighbour (i, j), the right or the lower one; below 0 if the
 // neighbour is in front. 0 where one surface goes on.
 FN Real jump_between(Int px, Int py, int i, int j) {
@@ -105,11 +120,9 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   if (F.orthographic == 0) pixel = pixel * min(plane1.x, plane2.x);
   // What each side says of the other: below 0 it lies behind.
   Real step = plane2.x - plane1.x;
-  Real slope1 = select(before, milder(plane0.y, plane1.y), select(plane1.y < kNoSlope, plane1.y, Real(0.0f)));
-  Real of_neighbour = step - slope1;
+  Real of_neighbour = step - predicted_slope(before, plane1, plane0, plane1.x - plane0.x, pixel);
   of_neighbour = select(before, milder(of_neighbour, step - (plane1.x - plane0.x)), of_neighbour);
-  Real slope2 = select(after, milder(plane2.y, plane3.y), select(plane2.y < kNoSlope, plane2.y, Real(0.0f)));
-  Real of_pixel = slope2 - step;
+  Real of_pixel = predicted_slope(after, plane2, plane3, plane3.x - plane2.x, pixel) - step;
   of_pixel = select(after, milder(of_pixel, (plane3.x - plane2.x) - step), of_pixel);
   Real gap = select(step < 0.0f, max(min(of_pixel, -of_neighbour), Real(0.0f)), Real(0.0f));
   gap = select(step > 0.0f, -max(min(of_neighbour, -of_pixel), Real(0.0f)), gap);
@@ -120,57 +133,65 @@ FN Real jump_between(Int px, Int py, int i, int j) {
 // lies behind: the last turn of a fold.
 FN Bool ends_soon(int k, int l, int i, int j) {
   Real depth = near_depth(k, l);
-  Bool first = !goes_on(k, l, k + i, l + j) && !(near_depth(k + i, l + j) < depth);
-  Bool second = !goes_on(k + i, l + j, k + 2 * i, l + 2 * j) && !(near_depth(k + 2 * i, l + 2 * j) < depth);
+  Bool first = !goes_on(k, l, k + i, l + j, 1) && !(near_depth(k + i, l + j) < depth);
+  Bool second = !goes_on(k + i, l + j, k + 2 * i, l + 2 * j, 1) && !(near_depth(k + 2 * i, l + 2 * j) < depth);
   return first || second;
 }
 
-// Whether a jump within an object is the inner side of such a turn: the outer one has the line, and a surface that
-// narrow has room for no more.
+// Whether the surface behind a jump, that of pixel (k, l), seen from there by steps of (i, j), is at most two pixels
+// wide and then falls off much deeper: a side that is seen at a low angle.
+FN Bool falls_soon(int k, int l, int i, int j) {
+  Real depth = near_depth(k, l);
+  Real deeper = (depth - near_depth(k - i, l - j)) * Real(kDeeper);
+  Real depth1 = near_depth(k + i, l + j);
+  return depth1 - depth > deeper || near_depth(k + 2 * i, l + 2 * j) - depth1 > deeper;
+}
+
+// Whether a jump within an object is the inner side of such a turn or such a side: the outer one has the line, and a
+// surface that narrow has room for no more.
 FN Bool sliver(int i, int j, Real gap) {
-  return (gap > 0.0f && ends_soon(0, 0, -i, -j)) || (gap < 0.0f && ends_soon(i, j, i, j));
+  return (gap > 0.0f && (ends_soon(0, 0, -i, -j) || falls_soon(i, j, i, j))) ||
+         (gap < 0.0f && (ends_soon(i, j, i, j) || falls_soon(0, 0, -i, -j)));
 }
 
 // The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
-FN Vec2 crease_between(Int px, Int py, int i, int j) {
-  // Normals from four pixels before to four after, as long as they are of one surface, and squared chords between them,
+FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
+  // Normals up to four strides before and after, as long as they are of one surface, and squared chords between them,
   // which stand for angles.
-  Bool before1 = goes_on(0, 0, -i, -j);
-  Bool before2 = before1 && goes_on(-i, -j, -2 * i, -2 * j);
-  Bool after1 = goes_on(i, j, 2 * i, 2 * j);
-  Bool after2 = after1 && goes_on(2 * i, 2 * j, 3 * i, 3 * j);
+  int si = stride * i;
+  int sj = stride * j;
+  Bool before1 = goes_on(0, 0, -si, -sj, stride);
+  Bool before2 = before1 && goes_on(-si, -sj, -2 * si, -2 * sj, stride);
+  Bool after1 = goes_on(i, j, i + si, j + sj, stride);
+  Bool after2 = after1 && goes_on(i + si, j + sj, i + 2 * si, j + 2 * sj, stride);
   Vec3 a0 = near_normal(0, 0);
   Vec3 b0 = near_normal(i, j);
-  Vec3 a1 = select(before1, near_normal(-i, -j), a0);
-  Vec3 b1 = select(after1, near_normal(2 * i, 2 * j), b0);
-  Vec3 a2 = select(before2, near_normal(-2 * i, -2 * j), a1);
-  Vec3 b2 = select(after2, near_normal(3 * i, 3 * j), b1);
+  Vec3 a1 = select(before1, near_normal(-si, -sj), a0);
+  Vec3 b1 = select(after1, near_normal(i + si, j + sj), b0);
+  Vec3 a2 = select(before2, near_normal(-2 * si, -2 * sj), a1);
+  Vec3 b2 = select(after2, near_normal(i + 2 * si, j + 2 * sj), b1);
   Real here = square(b0 - a0);
   Real turn = max(max(here, square(b1 - a1)), square(b2 - a2) * kSoft);
   Bool peak = same_object(0, 0, i, j) && turn > Real(C.crease_chord * kFaintTurn);
   if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   // The crease is at the peak of the smoothed turn: steps that make a bevel are one.
-  Bool before3 = before2 && goes_on(-2 * i, -2 * j, -3 * i, -3 * j);
-  Bool after3 = after2 && goes_on(3 * i, 3 * j, 4 * i, 4 * j);
-  Vec3 a3 = select(before3, near_normal(-3 * i, -3 * j), a2);
-  Vec3 b3 = select(after3, near_normal(4 * i, 4 * j), b2);
-  Real strength = smooth_turn(a2, a1, a0, b0, b1, b2);
+  Bool before3 = before2 && goes_on(-2 * si, -2 * sj, -3 * si, -3 * sj, stride);
+  Bool after3 = after2 && goes_on(i + 2 * si, j + 2 * sj, i + 3 * si, j + 3 * sj, stride);
+  Vec3 a3 = select(before3, near_normal(-3 * si, -3 * sj), a2);
+  Vec3 b3 = select(after3, near_normal(i + 3 * si, j + 3 * sj), b2);
+  Real strength = smooth_turn(a2, a1, a0, b0, b1, b2) * (stride == 1 ? 1.0f : kAsStrong);
   peak = peak && strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3);
   if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
-  Bool before4 = before3 && goes_on(-3 * i, -3 * j, -4 * i, -4 * j);
-  Bool after4 = after3 && goes_on(4 * i, 4 * j, 5 * i, 5 * j);
-  Vec3 a4 = select(before4, near_normal(-4 * i, -4 * j), a3);
-  Vec3 b4 = select(after4, near_normal(5 * i, 5 * j), b3);
+  Bool before4 = before3 && goes_on(-3 * si, -3 * sj, -4 * si, -4 * sj, stride);
+  Bool after4 = after3 && goes_on(i + 3 * si, j + 3 * sj, i + 4 * si, j + 4 * sj, stride);
+  Vec3 a4 = select(before4, near_normal(-4 * si, -4 * sj), a3);
+  Vec3 b4 = select(after4, near_normal(i + 4 * si, j + 4 * sj), b3);
   peak = peak && strength >= smooth_turn(a4, a3, a2, a1, a0, b0) && strength > smooth_turn(a0, b0, b1, b2, b3, b4);
   if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
-  Real turn_a1 = square(a0 - a1);
-  Real turn_b1 = square(b1 - b0);
-  Real turn_a2 = square(a1 - a2);
-  Real turn_b2 = square(b2 - b1);
-  Real turn_a3 = square(a2 - a3);
-  Real turn_b3 = square(b3 - b2);
-  Bool sharp = max(turn_a1, turn_b1) < here * kSharp;
-  Real steady = Real(1.5f) - max(turn_a3, turn_b3) / max(turn * kSteady, Real(1e-20f));
+  Bool sharp = max(square(a0 - a1), square(b1 - b0)) < here * kSharp;
+  Real inside = sqrt(square(b2 - a2));
+  Real outside = sqrt(square(a2 - a4)) + sqrt(square(b4 - b2));
+  Real steady = (Real(kRound) - outside / max(inside, Real(1e-20f))) * Real(1.0f / (kRound - kBevel));
   steady = select(sharp, Real(1.0f), select(before3 && after3, steady, Real(0.0f)));
   Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;
   clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
@@ -183,19 +204,49 @@ FN Vec2 crease_between(Int px, Int py, int i, int j) {
     if (C.concave == 0) peak = peak && convex;
   }
 
-  // It lies where the planes before and after it meet, or else in the middle of the turn.
-  Real weight1 = sqrt(turn_b1) - sqrt(turn_a1);
-  Real weight2 = sqrt(turn_b2) - sqrt(turn_a2);
-  Real weight = sqrt(here) + sqrt(turn_b1) + sqrt(turn_a1) + sqrt(turn_b2) + sqrt(turn_a2);
-  Real t = Real(0.5f) + (weight1 + weight2 + weight2) / max(weight, Real(1e-20f));
-  Bool plain = max(max(turn_a2, turn_b2), max(turn_a3, turn_b3)) < turn * kSteady;
-  if (some(plain && peak)) {
+  // It lies where the planes before and after it meet, or else in the middle of the turn, which is counted pixel by
+  // pixel: of what is sharp, within the window, lest its neighbours count.
+  Real t = Real(0.5f);
+  Real plain_turn = max(max(square(a1 - a2), square(b2 - b1)), max(square(a2 - a3), square(b3 - b2)));
+  Bool plain = plain_turn < turn * kSteady;
+  if (stride > 1) plain = plain && !plain;
+  if (stride == 1 && some(plain && peak)) {
     Vec2 plane_a = nearness(px, py, -i, -j, i);
     Vec2 plane_b = nearness(px, py, 2 * i, 2 * j, i);
     Real bend = plane_a.y - plane_b.y;
     plain = plain && abs(bend) > 1e-30f && plane_a.y < kNoSlope && plane_b.y < kNoSlope;
     Real meet = (plane_b.x - plane_b.y - plane_b.y - plane_a.x - plane_a.y) / select(plain, bend, Real(1.0f));
-    t = select(plain && meet > -0.5f && meet < 1.5f, meet, t);
+    plain = plain && meet > -0.5f && meet < 1.5f;
+    t = select(plain, meet, t);
+  }
+  if (some(!plain && peak)) {
+    Real weight = sqrt(here);
+    Real moment = Real(0.0f);
+    Bool before = peak;
+    Bool after = peak;
+    Vec3 a = a0;
+    Vec3 b = b0;
+    Real most = weight;
+    for (int k = 1; k <= 4 * stride; ++k) {
+      before = before && goes_on(-(k - 1) * i, -(k - 1) * j, -k * i, -k * j, 1);
+      after = after && goes_on(k * i, k * j, (k + 1) * i, (k + 1) * j, 1);
+      Vec3 next_a = select(before, near_normal(-k * i, -k * j), a);
+      Vec3 next_b = select(after, near_normal((k + 1) * i, (k + 1) * j), b);
+      Real turn_a = sqrt(square(next_a - a));
+      Real turn_b = sqrt(square(next_b - b));
+      if (k > 2 * stride) {
+        turn_a = select(sharp, Real(0.0f), turn_a);
+        turn_b = select(sharp, Real(0.0f), turn_b);
+      }
+      weight = weight + turn_a + turn_b;
+      if (k <= 2 * stride) most = max(most, max(turn_a, turn_b));
+      moment = mad(turn_b - turn_a, Real(float(k)), moment);
+      a = next_a;
+      b = next_b;
+    }
+    t = select(plain, t, Real(0.5f) + moment / max(weight, Real(1e-20f)));
+    // Of several as strong ones those count that are next to the middle; outline_settle makes them one.
+    if (stride > 1) peak = peak && t > -0.5f && t < 1.5f && most < inside * kMostStep;
   }
   return Vec2(select(peak, clear, Real(-1.0f)), t);
 }
@@ -222,15 +273,17 @@ FN Bool may_part(int i, int j) {
 }
 
 // Whether there may be a crease: beyond one the surface has turned, or else it is a strip of one pixel.
-FN Bool may_turn(int i, int j) {
-  Real turn = max(square(near_normal(2 * i, 2 * j) - near_normal(-i, -j)),
-                  square(near_normal(3 * i, 3 * j) - near_normal(-2 * i, -2 * j)) * kSoft);
+FN Bool may_turn(int i, int j, int stride) {
+  int si = stride * i;
+  int sj = stride * j;
+  Real turn = max(square(near_normal(i + si, j + sj) - near_normal(-si, -sj)),
+                  square(near_normal(i + 2 * si, j + 2 * sj) - near_normal(-2 * si, -2 * sj)) * kSoft);
   return turn > Real(C.crease_chord * kFaintTurn) && near_inside(i, j) &&
          (is_finite(near_depth(0, 0)) || is_finite(near_depth(i, j)));
 }
 
 // The edge between pixel (0, 0) and (i, j), of which is known whether it may be a jump or a crease.
-FN Real edge(Int px, Int py, int i, int j, Bool parted, Bool turned) {
+FN Real edge(Int px, Int py, int i, int j, int stride, Bool parted, Bool turned) {
   Real depth1 = near_depth(0, 0);
   Real depth2 = near_depth(i, j);
   Real id1 = near_object_id(0, 0);
@@ -238,7 +291,11 @@ FN Real edge(Int px, Int py, int i, int j, Bool parted, Bool turned) {
   Real code = Real(0.0f);
   Real clear = Real(0.0f);
   if (some(turned)) {
-    Vec2 crease = crease_between(px, py, i, j);
+    Vec2 crease = crease_between(px, py, i, j, 1);
+    if (stride > 1) {
+      Vec2 wide = crease_between(px, py, i, j, stride);
+      crease = Vec2(max(crease.x, wide.x), select(wide.x > crease.x, wide.y, crease.y));
+    }
     code = Real(2.0f * kLevels + 1.0f) + (clamp(crease.y, Real(-0.5f), Real(1.499f)) + 0.5f) * 0.5f;
     turned = turned && crease.x >= 0.0f;
     code = select(turned, code, Real(0.0f));
@@ -261,27 +318,36 @@ FN Real edge(Int px, Int py, int i, int j, Bool parted, Bool turned) {
     Bool any = (surface1 || surface2) && (!both || other || abs(gap) > 1.0f);
     any = any && parted;
     // As pixels fall on it, such a surface has that width in some rows alone: those are faint, and the mean decides.
-    apart = select(both && !other && sliver(i, j, gap), Real(0.0f), apart);
+    apart = select(both && !other && sliver(i, j, gap), Real(-1.0f), max(clear, apart));
     code = select(any, level + level + 1.5f, code);
-    clear = select(any, max(clear, apart), clear);
+    clear = select(any, max(apart, Real(0.0f)), clear);
   }
   Real coded = mad(floor(clear * kClearest + 0.5f), Real(kStep), code);
   return select(code > 0.0f, select(clear < 0.5f, -coded, coded), Real(0.0f));
 }
 
-FN void outline_find_pixel(Int px, Int py) {
+FN void found(Int px, Int py, int stride) {
   Bool surface = is_finite(near_depth(0, 0));
   Bool beside = surface || is_finite(near_depth(1, 0)) || is_finite(near_depth(0, 1));
   Real right = Real(0.0f);
   Real below = Real(0.0f);
   if (some(beside)) {
     Bool parted_right = may_part(1, 0);
-    Bool turned_right = may_turn(1, 0);
+    Bool turned_right = may_turn(1, 0, 1);
+    if (stride > 1) turned_right = turned_right || may_turn(1, 0, stride);
     Bool parted_below = may_part(0, 1);
-    Bool turned_below = may_turn(0, 1);
-    if (some(parted_right || turned_right)) right = edge(px, py, 1, 0, parted_right, turned_right);
-    if (some(parted_below || turned_below)) below = edge(px, py, 0, 1, parted_below, turned_below);
+    Bool turned_below = may_turn(0, 1, 1);
+    if (stride > 1) turned_below = turned_below || may_turn(0, 1, stride);
+    if (some(parted_right || turned_right)) right = edge(px, py, 1, 0, stride, parted_right, turned_right);
+    if (some(parted_below || turned_below)) below = edge(px, py, 0, 1, stride, parted_below, turned_below);
   }
   store_outline_right(right);
   store_outline_below(below);
+}
+
+FN void outline_find_pixel(Int px, Int py) {
+  if (C.stride == 1)
+    found(px, py, 1);
+  else
+    found(px, py, C.stride);
 }

@@ -20,6 +20,7 @@ CONST int kHops = 4;                // to either side
 CONST float kAstray = 1.1f;         // pixels beside where it is expected, at which a piece is another line's
 CONST float kMostTurn = 48.5f;      // of level
 CONST float kMostTurnFaint = 4.5f;  // from a rim to a crease, if either is faint
+CONST float kMostClearing = 12.5f;  // of how sure: what is wholly faint does not go on in what is wholly clear
 CONST float kDiagonal = 0.8f;       // slope from which on a line is made of pieces of both kinds
 CONST float kMiddle = 32.0f;        // level of a crease
 CONST float kLeastPieces = 3.0f;    // of a crease that is drawn whole; with one it is a speck
@@ -58,8 +59,10 @@ FN Vec3 hop(int lying, Int px, Int py, int row, int rows, Vec3 from, Real side) 
     Real place = to_real(column) + place_of(piece);
     Real away = abs(place - expected);
     Bool mixed = crease || other == Real(kMiddle);
-    Bool clear = sure_of(piece) > kClear && from.z >= kSides * kClear;
+    Real before = floor(from.z * Real(1.0f / kSides));
+    Bool clear = sure_of(piece) > kClear && before >= kClear;
     here = here && (!mixed || clear || abs(other - side) < kMostTurnFaint) && away < nearest;
+    here = here && abs(sure_of(piece) - before) < kMostClearing;
     nearest = select(here, away, nearest);
     best =
         select(here, Vec3(place, slope_of(piece), mad(sure_of(piece), Real(kSides), select(mixed, side, other))), best);

@@ -17,7 +17,6 @@ OUT_REAL(outline_flat)
 
 CONST int kRows = 3;                // on each side: the place is then known to about a seventh of a pixel
 CONST float kSteepHere = 1.05f;     // from here on the other kind of crossing knows the line better
-CONST float kMiddle = 65.0f;        // side of a line that is nobody's
 CONST float kLeastLength = 2.5f;    // rows that a crease goes on
 CONST float kOneSided = 25.0f;      // from the middle: a surface ends there
 CONST int kAround = 6;              // pixels within which a line has
@@ -47,8 +46,10 @@ FN Bool same_line(Real v, Real side, Bool clear) {
 // and it is not wholly faint.
 FN Bool may_join(Real v, Real side) { return abs(v) >= kStep && abs(floor(code_of(v)) - side) < kMostTurn; }
 
+FN Bool faint_crease(Real v) { return v < 0.0f && floor(code_of(v)) == Real(kMiddle); }
+
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
-// else 0: its code; how far beside. Straight on comes before aside.
+// else 0: its code; how far beside. Straight on comes before aside, but no faint crease before a clear one.
 FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool lone) {
   int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
@@ -68,6 +69,9 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   Bool back = same_line(before, side, clear);
   Bool on = same_line(after, side, clear);
   Bool ahead = same_line(straight, side, clear);
+  Bool clear_back = clear && back && before > 0.0f;
+  on = on && !(clear_back && faint_crease(after));
+  ahead = ahead && !((clear_back || (clear && on && after > 0.0f)) && faint_crease(straight));
   Bool none = lone && !(back || on || ahead);
   back = back || (none && may_join(before, side));
   on = on || (none && may_join(after, side));

@@ -3,7 +3,8 @@
 // that are two apart, and no longer be taken for one line.
 //
 // Planes of crossings as outline_crossing.kernel.h has them; t is in [0, 1) now, but at the picture's border, where
-// there is no pixel to move to. Of two crossings at one place the clearer one stays.
+// there is no pixel to move to. Of two crossings at one place the clearer one stays, and a faint crease beside a clear
+// crossing is but that one's shadow.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_right_settled)
@@ -24,7 +25,9 @@ FN Real clearer(Real v, Real before, Real after) {
   v = select(better, moved, v);
   moved = select(after < 0.0f, after - kPixel, after + kPixel);
   better = from_after && (v == Real(0.0f) || clear_of(after) > clear_of(v));
-  return select(better, moved, v);
+  v = select(better, moved, v);
+  Bool shadow = v < 0.0f && floor(code_of(v)) == Real(kMiddle) && (before > 0.0f || after > 0.0f);
+  return select(shadow, Real(0.0f), v);
 }
 
 // v, or nothing if it lies in another place, that of the pixel before, if there is one, or of the one after.

@@ -566,6 +566,44 @@ TEST(Outline, BevelsAreDrawnWithoutABreak) {
   EXPECT_EQ(drawn, 2 * 4 * 11);
 }
 
+/// bevelled_fold, but with normals that turn evenly from one face to the other, as smooth bevels have them.
+Scene rounded_fold(double angle_deg, double bevel_px, const Lens& lens) {
+  const double a = radians(angle_deg);
+  const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+  const double half = 0.5 * bevel_px * lens.pixel() * (lens.orthographic ? 1.0 : kFocus);
+  return [=, flat = bevelled_fold(angle_deg, bevel_px, lens)](const dvec3& origin, const dvec3& direction) {
+    Hit hit = flat(origin, direction);
+    const dvec3 at = origin + direction * hit.distance;
+    const double turned = std::clamp(glm::dot(at - middle, up) / half, -1.0, 1.0);
+    hit.normal = glm::normalize(front + std::tan(radians(40.0 * turned)) * up);
+    return hit;
+  };
+}
+
+TEST(Outline, RoundedEdgesAreOneLineAtAnyHeight) {
+  // A bevel of a two-hundredth of the picture's height is an edge, or of five pixels if that is more.
+  struct Case {
+    int height;
+    double bevel_px;
+  };
+  for (const Case& c : {Case{256, 3.0}, Case{256, 4.5}, Case{1024, 5.0}, Case{2160, 6.0}, Case{2160, 8.0},
+                        Case{2160, 10.0}, Case{2160, 11.0}, Case{3000, 14.0}})
+    for (const bool orthographic : {false, true})
+      for (const double angle : {0.7, 2.5, 7.0, 20.0, 33.0}) {
+        const Straight straight{false, angle};
+        const Lens lens{96, c.height, orthographic};
+        const Plane lines = lines_of(seen(lens, rounded_fold(angle, c.bevel_px, lens)), {{"width", "2"}});
+        const Profile p = profile_of(lines, straight, lens, 2.0);
+        const std::string what =
+            fmt::format("{} high, bevel {}, {} degrees, {}: mean {:.2f} worst {:.2f} offset {:.2f}", c.height,
+                        c.bevel_px, angle, orthographic, p.mean, p.worst, p.offset);
+        EXPECT_NEAR(p.mean, 2.0, 0.2) << what;
+        EXPECT_LE(p.worst, 0.6) << what;
+        EXPECT_LE(std::fabs(p.offset), 0.6) << what;
+        EXPECT_LE(p.wobble, 0.3) << what;
+      }
+}
+
 /// A round bar through the middle of the picture, at `angle_deg` above the horizontal, `aside` to its side.
 Scene bar(double angle_deg, double aside, double behind, double radius) {
   const double a = radians(angle_deg);
