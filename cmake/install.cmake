@@ -12,6 +12,10 @@ endif()
 install(DIRECTORY include/umbrage TYPE INCLUDE COMPONENT development)
 install(FILES LICENSE README.md CHANGELOG.md TYPE DOC COMPONENT program)
 install(DIRECTORY docs TYPE DOC COMPONENT program)
+# The manual page and the shells' completions, which apps/CMakeLists.txt has the program make.
+if(NOT CMAKE_CROSSCOMPILING)
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ TYPE DATA COMPONENT program)
+endif()
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development
         FILES_MATCHING PATTERN "*.cpp" PATTERN CMakeLists.txt)
 

@@ -75,8 +75,10 @@ class ProgramTest : public testing::Test {
 
   /// `before` comes before the program: settings of the environment.
   Outcome run(const Words& words, const std::string& before = "") {
-    std::string line = fmt::format("cd {} && env -u UMBRAGE_DEVICE -u UMBRAGE_NUM_THREADS -u UMBRAGE_VERBOSE {} {}",
-                                   quoted(folder_.string()), before, quoted(UMBRAGE_PROGRAM));
+    std::string line = fmt::format(
+        "cd {} && env -u UMBRAGE_DEVICE -u UMBRAGE_NUM_THREADS -u UMBRAGE_VERBOSE "
+        "XDG_CONFIG_HOME={} {} {}",
+        quoted(folder_.string()), quoted((root_ / "config").string()), before, quoted(UMBRAGE_PROGRAM));
     for (const std::string& word : words) line += " " + quoted(word);
     const fs::path out = root_ / "out", err = root_ / "err";
     line += fmt::format(" >{} 2>{} </dev/null", quoted(out.string()), quoted(err.string()));

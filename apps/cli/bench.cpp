@@ -174,7 +174,8 @@ void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
                       "full, or half or quarter: techniques and filters alone, at that share of the resolution [full]");
   command->add_option("--resolution", options->sizes, "width,height; may be given several times [1024,1024]")
       ->take_all()
-      ->expected(1);
+      ->expected(1)
+      ->allow_extra_args(false);
   command->add_option("--runs", options->runs, "runs behind each time [9]");
   command->add_flag("--json", options->json, "print JSON");
   add_device_options(*command, *options);

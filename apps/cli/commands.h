@@ -18,6 +18,8 @@ void add_figures(CLI::App& app, std::function<Result<void>()>& run);
 void add_bench(CLI::App& app, std::function<Result<void>()>& run);
 void add_compare(CLI::App& app, std::function<Result<void>()>& run);
 void add_tune(CLI::App& app, std::function<Result<void>()>& run);
+void add_info(CLI::App& app, std::function<Result<void>()>& run);
+void add_manual(CLI::App& app, std::function<Result<void>()>& run);
 void add_list(CLI::App& app, std::function<Result<void>()>& run);
 
 }  // namespace umbrage::cli

@@ -184,6 +184,7 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
   command->add_option("--resolution", options->sizes, "width,height; may be given several times [960,540 and 480,270]")
       ->take_all()
       ->expected(1)
+      ->allow_extra_args(false)
       ->group(comparison);
   command->add_option("--cameras", options->cameras, "at most so many views of each scene [2]")->group(comparison);
   command->add_option("--samples", options->samples, "rays per pixel of the truth, an even number [256]")

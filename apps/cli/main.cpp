@@ -8,6 +8,8 @@
 #include <new>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/config.h"
+#include "apps/cli/standard_input.h"
 #include "core/suggest.h"
 #include "io/image_file.h"
 
@@ -114,6 +116,7 @@ int report(const Error& error) {
 
 void interrupted(int) {
   abandon_writes();
+  drop_standard_input();
   std::_Exit(int(ErrorKind::kInterrupted));
 }
 
@@ -128,12 +131,17 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough(false);
   std::function<Result<void>()> command;
-  for (const AddCommand add : {add_render, add_compare, add_tune, add_figures, add_bench, add_list}) add(app, command);
+  for (const AddCommand add :
+       {add_render, add_compare, add_tune, add_figures, add_bench, add_info, add_list, add_manual})
+    add(app, command);
   std::vector<std::string> commands;
   for (const CLI::App* sub : app.get_subcommands({})) commands.push_back(sub->get_name());
 
   std::vector<std::string> words = with_command(argc, argv, commands);
   if (const auto error = misspelt_command(words, commands)) return report(*error);
+  auto configured = with_config(app, std::move(words));
+  if (!configured) return report(configured.error());
+  words = std::move(*configured);
   std::reverse(words.begin(), words.end());  // as CLI11 wants them
   try {
     app.parse(words);

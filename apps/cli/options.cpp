@@ -53,8 +53,9 @@ Result<void> store(const Result<T>& parsed, auto& out) {
 
 }  // namespace
 
-void add_scene_options(CLI::App& command, CommonOptions& o) {
-  command.add_option("MODEL", o.models, "model files, or built-in scenes: scene:NAME?detail=TRIANGLES")->required();
+void add_model_options(CLI::App& command, CommonOptions& o) {
+  command.add_option("MODEL", o.models, "model files, - for standard input, or scene:NAME?detail=TRIANGLES")
+      ->required();
   const auto scene = "Scene";
   command
       .add_option("--crease-angle", o.crease_angle,
@@ -69,6 +70,14 @@ void add_scene_options(CLI::App& command, CommonOptions& o) {
                   "what a file's points are drawn as: disc, sphere or auto: discs where they lie on surfaces [auto]")
       ->group(scene);
   command.add_option("--up", o.up, "world up: +X -X +Y -Y +Z -Z or x,y,z [as the format says]")->group(scene);
+  command
+      .add_option("--input-format", o.input_format,
+                  "format of the model on standard input, such as obj [by its content]")
+      ->group(scene);
+}
+
+void add_scene_options(CLI::App& command, CommonOptions& o) {
+  add_model_options(command, o);
   const auto camera = "Camera";
   command.add_option("--camera-position", o.position, "x,y,z of the eye")->group(camera);
   command.add_option("--camera-focal-point", o.focal_point, "x,y,z that is looked at")->group(camera);
@@ -90,7 +99,8 @@ void add_technique_options(CLI::App& command, CommonOptions& o) {
   command.add_option("--set", o.settings, "effect.parameter=value, any number of times: see umbrage list effects")
       ->group(technique)
       ->take_all()
-      ->expected(1);
+      ->expected(1)
+      ->allow_extra_args(false);
   command
       .add_option("--quality", o.quality,
                   "how much time to take: draft, normal, high or ultra sets samples, resolution of occlusion, layers, "
@@ -145,6 +155,7 @@ void add_device_options(CLI::App& command, CommonOptions& o) {
   command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
       ->envname("UMBRAGE_VERBOSE")
       ->group("Output");
+  add_config_option(command);
 }
 
 Result<std::pair<int, int>> parse_resolution(std::string_view text) {

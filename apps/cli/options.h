@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/cli/config.h"
 #include "apps/job/job.h"
 
 namespace umbrage::cli {
@@ -12,6 +13,7 @@ namespace umbrage::cli {
 /// OIDN (device, threads).
 struct CommonOptions {
   std::vector<std::string> models;
+  std::string input_format;
   std::string resolution = "1024,1024";
   std::string point_size, point_shape = "auto";
   std::string up, crease_angle, position, focal_point, view_up, direction;
@@ -26,6 +28,9 @@ struct CommonOptions {
   bool verbose = false;
 };
 
+/// Models and how they are read.
+void add_model_options(CLI::App& command, CommonOptions& options);
+/// The same, and the camera.
 void add_scene_options(CLI::App& command, CommonOptions& options);
 void add_technique_options(CLI::App& command, CommonOptions& options);
 void add_picture_options(CLI::App& command, CommonOptions& options);

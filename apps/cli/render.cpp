@@ -1,4 +1,6 @@
 // umbrage render: a model in, a picture out.
+#include <unistd.h>
+
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -6,6 +8,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "apps/cli/standard_input.h"
 #include "apps/job/passes.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
@@ -22,6 +25,8 @@ struct RenderOptions : CommonOptions {
   int bits = 8;
   bool half = false, json = false;
 };
+
+constexpr std::string_view kStandardOutput = "-";  // as --output
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 
@@ -59,16 +64,26 @@ Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
   return out;
 }
 
+/// Writes the file, or standard output.
+Result<void> put_image(const RenderOptions& o, const Image& image, const WriteSettings& settings) {
+  if (o.output != kStandardOutput) return write_image(o.output, image, settings);
+  const auto bytes = encode_png(image, settings);
+  if (!bytes) return bytes.error();
+  if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
+    return file_error("standard output: the picture could not be written");
+  return {};
+}
+
 Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_settings, Device& device,
                           const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
-  const std::string_view extension = (*format_of(o.output))->extension;
+  const std::string_view extension = o.output == kStandardOutput ? "png" : (*format_of(o.output))->extension;
   if (!o.passes) {
     auto names = kColor;
     if (o.no_background) names.push_back("color.a");
     const auto image = device.download(frame, names);
-    return image ? write_image(o.output, *image, settings) : image.error();
+    return image ? put_image(o, *image, settings) : image.error();
   }
   const auto all = device.download(frame, {});
   if (!all) return all.error();
@@ -77,10 +92,10 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
   std::vector<std::string> names;
   for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
   if (extension == "png" && *o.passes == "outline")
-    return write_image(o.output, picture_of_lines(all->plane("outline"), effect_settings), settings);
-  if (extension == "png") return write_image(o.output, picture_of_pass(*all, names, frame.info), settings);
+    return put_image(o, picture_of_lines(all->plane("outline"), effect_settings), settings);
+  if (extension == "png") return put_image(o, picture_of_pass(*all, names, frame.info), settings);
   const auto image = device.download(frame, names);
-  return image ? write_image(o.output, *image, settings) : image.error();
+  return image ? put_image(o, *image, settings) : image.error();
 }
 
 /// Whether any pixel has a surface.
@@ -92,6 +107,61 @@ bool shows_surface(Device& device, const Frame& frame) {
     for (int x = 0; x < plane.width; ++x)
       if (std::isfinite(plane.at(x, y))) return true;
   return false;
+}
+
+/// A sentence for each setting that this picture does not show.
+std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& recipe, const Scene& scene) {
+  std::vector<std::string> sentences;
+  const std::string_view look = recipe.look->name;
+  const auto runs = [&](std::string_view effect) {
+    const auto& effects = recipe.look->effects;
+    // What is not computed at reduced resolution now may be with another --quality; upsample is part of that.
+    return effect == recipe.occlusion || effect == "upsample" ||
+           std::find(effects.begin(), effects.end(), effect) != effects.end();
+  };
+  const auto techniques = occlusion_names(handed_in());
+  for (const std::string& setting : o.settings) {
+    const std::string effect = setting.substr(0, setting.find('.'));
+    // Of a configuration file some settings are for other looks.
+    if (runs(effect) || command_line.find(setting) == command_line.npos) continue;
+    if (std::find(techniques.begin(), techniques.end(), effect) != techniques.end())
+      sentences.push_back(fmt::format("--set {} does nothing: the occlusion of this picture is {}; try --ao {}",
+                                      setting, recipe.occlusion == kNoOcclusion ? "off" : recipe.occlusion, effect));
+    else
+      sentences.push_back(fmt::format("--set {} does nothing: the look {} has no {}", setting, look, effect));
+  }
+  if (!o.radius.empty() && recipe.occlusion == kNoOcclusion)
+    sentences.push_back(fmt::format("--ao-radius {} does nothing: this picture has no occlusion", o.radius));
+  if (scene.point_count() == 0) {
+    const char* what = !o.point_size.empty() ? "--point-size" : o.point_shape != "auto" ? "--point-sprites" : nullptr;
+    if (what) sentences.push_back(fmt::format("{} does nothing: {} has no points", what, scene.name));
+  }
+  return sentences;
+}
+
+/// A sentence where the radius that the user chose leaves hardly any occlusion; else nothing.
+std::string radius_hint(const RenderOptions& o, const Recipe& recipe, Device& device, const Frame& frame) {
+  constexpr double kHardlyAny = 1e-3;              // of the pixels that show a surface
+  constexpr float kSeen = 1.0f / 255.0f;           // of an 8-bit picture
+  constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the scene's radius
+  if (o.radius.empty() || recipe.occlusion == kNoOcclusion) return "";
+  const auto length = parse_radius("--ao-radius", o.radius);
+  const auto image = device.download(frame, {"depth", "ao"});
+  if (!length || !image) return "";
+  const double percent =
+      length->relative ? double(length->value) : 100.0 * double(length->value) / double(frame.info.scene_radius);
+  long pixels = 0, changed = 0;
+  const Plane &depth = image->planes[0], &ao = image->planes[1];
+  for (int y = 0; y < image->height; ++y)
+    for (int x = 0; x < image->width; ++x) {
+      if (!std::isfinite(depth.at(x, y))) continue;
+      ++pixels;
+      changed += std::abs(ao.at(x, y) - 1.0f) > kSeen;
+    }
+  if (pixels == 0 || percent >= kTooSmall || double(changed) > kHardlyAny * double(pixels)) return "";
+  return fmt::format(
+      "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the scene's; try --ao-radius {:g}%",
+      100.0 * double(changed) / double(pixels), percent, kUsual);
 }
 
 /// What each pass took in all, in the order of their first runs.
@@ -128,8 +198,13 @@ void print_times(const StageTimes& times, const std::vector<PassTime>& passes, b
 Result<void> render(const RenderOptions& o) {
   StageTimes times;
   // Everything that can be wrong without a model is found before it is read.
-  if (auto writable = check_writable(o.output); !writable) return writable;
-  const auto format = format_of(o.output);
+  const bool piped = o.output == kStandardOutput;
+  if (piped && ::isatty(STDOUT_FILENO))
+    return usage_error("-o - writes a PNG to standard output, which is a terminal: send it to a file or a program");
+  if (piped && o.json) return usage_error("-o - and --json cannot both have standard output");
+  if (!piped)
+    if (auto writable = check_writable(o.output); !writable) return writable;
+  const auto format = format_of(piped ? "-.png" : o.output);
   if (!format) return format.error();
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   auto draw_with = draw_settings(o);
@@ -151,9 +226,11 @@ Result<void> render(const RenderOptions& o) {
   auto device = device_of(o);
   if (!device) return device.error();
 
-  auto scene = load_scenes(o.models, *import_with);
+  auto scene = load_models(o.models, o.input_format, *import_with);
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
+  for (const std::string& setting : useless_settings(o, *recipe, *scene))
+    fmt::print(stderr, "umbrage: warning: {}\n", setting);
   times.done("load");
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
@@ -171,6 +248,8 @@ Result<void> render(const RenderOptions& o) {
   if (!shows_surface(**device, *frame))
     fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
                scene->name);
+  if (const std::string hint = radius_hint(o, *recipe, **device, *frame); !hint.empty())
+    fmt::print(stderr, "umbrage: warning: {}\n", hint);
   if (auto written = write_output(o, recipe->settings, **device, *frame); !written) return written;
   times.done("write");
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, (*device)->description());
@@ -187,7 +266,10 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_technique_options(*command, *options);
   add_picture_options(*command, *options);
   const auto output = "Output";
-  command->add_option("-o,--output", options->output, "file to write: .png, .exr or .pfm")->required()->group(output);
+  command
+      ->add_option("-o,--output", options->output, "file to write: .png, .exr or .pfm; - for a PNG on standard output")
+      ->required()
+      ->group(output);
   command
       ->add_option("--passes", options->passes,
                    "planes to write instead of the picture: all, or names such as depth,normal,ao")

@@ -1,0 +1,136 @@
+#include "apps/cli/config.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "core/suggest.h"
+
+namespace umbrage::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kOption = "--config";
+constexpr std::string_view kNone = "none";
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  text.remove_prefix(std::min(text.find_first_not_of(kBlank), text.size()));
+  return text.substr(0, text.find_last_not_of(kBlank) + 1);
+}
+
+/// What stands behind `=`: without a comment, and without the quotation marks around it.
+std::string value_of(std::string_view text) {
+  text = trimmed(text);
+  if (!text.empty() && (text[0] == '"' || text[0] == '\''))
+    if (const auto end = text.find(text[0], 1); end != text.npos) return std::string(text.substr(1, end - 1));
+  return std::string(trimmed(text.substr(0, text.find(" #"))));
+}
+
+/// The last value of --config on a command line.
+std::optional<std::string> named_file(const std::vector<std::string>& words) {
+  std::optional<std::string> named;
+  const std::string start = std::string(kOption) + "=";
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (words[i].starts_with(start)) named = words[i].substr(start.size());
+    if (words[i] == kOption && i + 1 < words.size()) named = words[i + 1];
+  }
+  return named;
+}
+
+fs::path usual_file() {
+  if (const char* folder = std::getenv("XDG_CONFIG_HOME"); folder && *folder)
+    return fs::path(folder) / "umbrage/config";
+  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".config/umbrage/config";
+  return {};
+}
+
+/// Whether the user has given the option in one of its spellings.
+bool is_given(const CLI::Option& option, const std::vector<std::string>& words) {
+  return std::any_of(words.begin(), words.end(), [&](const std::string& word) {
+    for (const std::string& name : option.get_lnames())
+      if (word == "--" + name || word.starts_with("--" + name + "=")) return true;
+    for (const std::string& name : option.get_snames())
+      if (word.starts_with("-" + name) && !word.starts_with("--")) return true;
+    return false;
+  });
+}
+
+}  // namespace
+
+void add_config_option(CLI::App& command) {
+  // Read by with_config, before the command line is parsed.
+  static std::string ignored;
+  command
+      .add_option(kOption, ignored,
+                  "file of options, or none [umbrage/config in XDG_CONFIG_HOME or ~/.config, if it is there]")
+      ->group("Configuration");
+}
+
+Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<std::string> words) {
+  if (words.empty()) return words;
+  const CLI::App* command = nullptr;
+  for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
+    if (each->get_name() == words[0]) command = each;
+  if (!command || !command->get_option_no_throw(kOption)) return words;
+  const auto named = named_file(words);
+  if (named && *named == kNone) return words;
+  const fs::path file = named ? fs::path(*named) : usual_file();
+  std::error_code ignored;
+  if (!named && (file.empty() || !fs::is_regular_file(file, ignored))) return words;
+  std::ifstream stream(file);
+  if (!stream || fs::is_directory(file, ignored))
+    return file_error("{}: cannot be read as a configuration", file.string());
+
+  std::vector<std::string> added;
+  std::string section, line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const std::string_view text = trimmed(line);
+    if (text.empty() || text[0] == '#' || text[0] == ';') continue;
+    const auto wrong = [&](const std::string& what) {
+      return usage_error("{}, line {}: {}", file.string(), number, what);
+    };
+    if (text[0] == '[') {
+      section = std::string(trimmed(text.substr(1, text.find(']') - 1)));
+      std::vector<std::string> names;
+      for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(each->get_name());
+      if (text.back() != ']' || std::find(names.begin(), names.end(), section) == names.end())
+        return wrong(fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
+      continue;
+    }
+    const std::size_t equals = text.find('=');
+    std::string name(trimmed(text.substr(0, equals)));
+    if (equals == text.npos || name.empty()) return wrong("it takes option = value");
+    if (name.starts_with("--")) name.erase(0, 2);
+    const std::string value = value_of(text.substr(equals + 1));
+    // Known to this command, or at least to the one it is for.
+    bool known = false;
+    std::vector<std::string> names;
+    for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; })) {
+      if (!section.empty() && each->get_name() != section) continue;
+      for (const CLI::Option* option : each->get_options())
+        for (const std::string& spelling : option->get_lnames())
+          if (spelling != "help" && spelling != "config") {
+            names.push_back(spelling);
+            known = known || spelling == name;
+          }
+    }
+    if (!known) return wrong(fmt::format("there is no option '{}'{}", name, suggestion(name, names)));
+    if (!section.empty() && section != command->get_name()) continue;
+    const CLI::Option* option = command->get_option_no_throw("--" + name);
+    if (!option) continue;
+    const bool several = name == "set";
+    const char* variable = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
+    if ((is_given(*option, words) && !several) || (variable && *variable)) continue;
+    // A later line goes before an earlier one, except for options that add up.
+    if (!several) std::erase_if(added, [&](const std::string& word) { return word.starts_with("--" + name + "="); });
+    added.push_back("--" + name + "=" + value);
+  }
+  words.insert(words.begin() + 1, added.begin(), added.end());
+  return words;
+}
+
+}  // namespace umbrage::cli

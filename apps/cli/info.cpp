@@ -1,0 +1,208 @@
+// umbrage info: what a model holds, and how it was understood.
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "apps/cli/commands.h"
+#include "apps/cli/options.h"
+#include "apps/cli/standard_input.h"
+
+namespace umbrage::cli {
+namespace {
+
+struct InfoOptions : CommonOptions {
+  bool json = false;
+};
+
+/// How many meshes have something.
+template <class Has>
+int count_meshes(const Scene& scene, Has has) {
+  int count = 0;
+  for (const Mesh& mesh : scene.meshes) count += has(mesh);
+  return count;
+}
+
+std::string axis_text(glm::vec3 up) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(up[axis]) == 1.0f) return fmt::format("{}{}", up[axis] > 0.0f ? '+' : '-', "XYZ"[axis]);
+  return fmt::format("{:.3g},{:.3g},{:.3g}", up.x, up.y, up.z);
+}
+
+/// Formats that say what a unit is; Assimp turns none of the others' into metres.
+std::string units_of(const std::string& format) {
+  if (format == "GLTF" || format == "GLB") return "m";
+  return "";
+}
+
+std::string format_of_model(const std::string& model) {
+  if (model.starts_with("scene:")) return "built-in";
+  std::string format = std::filesystem::path(model).extension().string();
+  if (!format.empty()) format.erase(0, 1);
+  for (char& c : format) c = char(std::toupper(static_cast<unsigned char>(c)));
+  return format;
+}
+
+/// Records of `what` (model, mesh, material, texture, camera, light, warning) and its facts.
+nlohmann::json records_of(const Scene& scene, const std::string& format) {
+  nlohmann::json records = nlohmann::json::array();
+  std::set<int> objects;
+  for (const Mesh& mesh : scene.meshes) objects.insert(mesh.object);
+  nlohmann::json model = {{"what", "model"},
+                          {"name", scene.name},
+                          {"format", format},
+                          {"triangles", scene.triangle_count()},
+                          {"points", scene.point_count()},
+                          {"meshes", scene.meshes.size()},
+                          {"objects", objects.size()},
+                          {"materials", scene.materials.size()},
+                          {"textures", scene.textures.size()},
+                          {"cameras", scene.cameras.empty() ? scene.views.size() : scene.cameras.size()},
+                          {"lights", scene.lights.size()},
+                          {"radius", scene.radius()},
+                          {"up", axis_text(scene.up)},
+                          {"units", units_of(format)}};
+  for (int axis = 0; axis < 3; ++axis) {
+    model[fmt::format("min_{}", "xyz"[axis])] = scene.bounds_min[axis];
+    model[fmt::format("max_{}", "xyz"[axis])] = scene.bounds_max[axis];
+  }
+  records.push_back(std::move(model));
+  for (const Mesh& mesh : scene.meshes)
+    records.push_back({{"what", "mesh"},
+                       {"name", mesh.name},
+                       {"object", mesh.object},
+                       {"material", mesh.material},
+                       {"triangles", mesh.indices.size() / 3},
+                       {"points", mesh.points ? mesh.positions.size() : 0},
+                       {"shape", !mesh.points   ? "triangles"
+                                 : mesh.spheres ? "spheres"
+                                                : "discs"},
+                       {"vertices", mesh.positions.size()},
+                       {"texture_coordinates", !mesh.uvs.empty()},
+                       {"colors", !mesh.colors.empty()}});
+  for (const Material& material : scene.materials)
+    records.push_back(
+        {{"what", "material"},
+         {"name", material.name},
+         {"albedo_r", material.albedo.r},
+         {"albedo_g", material.albedo.g},
+         {"albedo_b", material.albedo.b},
+         {"texture", material.texture == kNoTexture ? "" : scene.textures[std::size_t(material.texture)].name},
+         {"cut_out", material.alpha_mask},
+         {"specular", material.specular_strength},
+         {"shininess", material.specular_exponent},
+         {"emission", std::max({material.emission.r, material.emission.g, material.emission.b})}});
+  for (const Texture& texture : scene.textures)
+    records.push_back(
+        {{"what", "texture"}, {"name", texture.name}, {"width", texture.width}, {"height", texture.height}});
+  const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    nlohmann::json record = {{"what", "camera"},
+                             {"index", k},
+                             {"name", cameras[k].name},
+                             {"angle_deg", cameras[k].height > 0.0f ? 0.0f : cameras[k].angle_deg},
+                             {"orthographic", cameras[k].height > 0.0f}};
+    for (int axis = 0; axis < 3; ++axis) {
+      record[fmt::format("eye_{}", "xyz"[axis])] = cameras[k].eye[axis];
+      record[fmt::format("target_{}", "xyz"[axis])] = cameras[k].target[axis];
+    }
+    records.push_back(std::move(record));
+  }
+  for (const Light& light : scene.lights)
+    records.push_back({{"what", "light"},
+                       {"kind", light.kind == LightKind::kPoint ? "point" : "directional"},
+                       {"color_r", light.color.r},
+                       {"color_g", light.color.g},
+                       {"color_b", light.color.b},
+                       {"shadow", light.casts_shadow}});
+  for (const std::string& warning : scene.warnings) records.push_back({{"what", "warning"}, {"text", warning}});
+  return records;
+}
+
+std::string counted(std::size_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string vector_text(glm::vec3 v) { return fmt::format("{:.4g}, {:.4g}, {:.4g}", v.x, v.y, v.z); }
+
+void print_line(std::string_view name, const std::string& text) { fmt::print("{:<11}{}\n", name, text); }
+
+void print_text(const Scene& scene, const std::string& format) {
+  constexpr std::size_t kMostShown = 24;  // of each kind; --json has all
+  const auto more = [&](std::size_t count) {
+    if (count > kMostShown) fmt::print("  ... and {} more (--json lists all)\n", count - kMostShown);
+  };
+  fmt::print("{}: {}, {} in {}\n", scene.name, format, size_text(scene),
+             counted(scene.meshes.size(), "mesh", "meshes"));
+  print_line("bounds", fmt::format("{} to {}, radius {:.4g}", vector_text(scene.bounds_min),
+                                   vector_text(scene.bounds_max), scene.radius()));
+  print_line("up", axis_text(scene.up));
+  print_line("units", units_of(format).empty() ? "not said" : units_of(format));
+  if (scene.point_count() > 0) {
+    const int spheres = count_meshes(scene, [](const Mesh& mesh) { return mesh.spheres; });
+    print_line("points", spheres > 0 ? "drawn as spheres" : "drawn as discs");
+  }
+  if (const int colored = count_meshes(scene, [](const Mesh& mesh) { return !mesh.colors.empty(); }); colored > 0)
+    print_line("colours", fmt::format("at the vertices of {}", counted(std::size_t(colored), "mesh", "meshes")));
+  for (std::size_t m = 0; m < std::min(scene.materials.size(), kMostShown); ++m) {
+    const Material& material = scene.materials[m];
+    std::string text = fmt::format("albedo {}", vector_text(material.albedo));
+    if (material.texture != kNoTexture) text += ", " + scene.textures[std::size_t(material.texture)].name;
+    if (material.alpha_mask) text += ", cut out";
+    if (material.specular_strength > 0.0f)
+      text +=
+          fmt::format(", highlight {:.3g} of exponent {:.3g}", material.specular_strength, material.specular_exponent);
+    if (material.emission != glm::vec3(0.0f)) text += fmt::format(", emits {}", vector_text(material.emission));
+    print_line(m == 0 ? "materials" : "",
+               fmt::format("{}: {}", material.name.empty() ? "(no name)" : material.name, text));
+  }
+  more(scene.materials.size());
+  for (std::size_t t = 0; t < std::min(scene.textures.size(), kMostShown); ++t) {
+    const Texture& texture = scene.textures[t];
+    print_line(t == 0 ? "textures" : "", fmt::format("{}, {} x {}", texture.name, texture.width, texture.height));
+  }
+  more(scene.textures.size());
+  const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
+  for (std::size_t k = 0; k < std::min(cameras.size(), kMostShown); ++k) {
+    const View& view = cameras[k];
+    const std::string lens = view.height > 0.0f ? fmt::format("parallel, {:.4g} high", view.height)
+                                                : fmt::format("{:.4g} deg", view.angle_deg);
+    print_line(k == 0 ? "cameras" : "",
+               fmt::format("--camera-index {}{}: from {} to {}, {}", k, view.name.empty() ? "" : " (" + view.name + ")",
+                           vector_text(view.eye), vector_text(view.target), lens));
+  }
+  more(cameras.size());
+  print_line("lights", scene.lights.empty() ? "none: looks bring their own" : fmt::format("{}", scene.lights.size()));
+  for (const std::string& warning : scene.warnings) print_line("warning", warning);
+}
+
+Result<void> info(const InfoOptions& o) {
+  const auto import_with = import_settings(o);
+  if (!import_with) return import_with.error();
+  const auto scene = load_models(o.models, o.input_format, *import_with);
+  if (!scene) return scene.error();
+  std::string format;
+  for (const std::string& model : o.models) {
+    const std::string one = format_of_model(model == "-" ? scene->name : model);
+    if (format.find(one) == std::string::npos) format += (format.empty() ? "" : " + ") + one;
+  }
+  if (o.json)
+    fmt::print("{}\n", records_of(*scene, format).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  else
+    print_text(*scene, format);
+  return {};
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, std::function<Result<void>()>& run) {
+  CLI::App* command = app.add_subcommand("info", "say what a model holds and how it was understood");
+  auto options = std::make_shared<InfoOptions>();
+  add_model_options(*command, *options);
+  command->add_flag("--json", options->json, "print JSON");
+  add_config_option(*command);
+  command->callback([options, &run] { run = [options] { return info(*options); }; });
+}
+
+}  // namespace umbrage::cli

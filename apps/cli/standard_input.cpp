@@ -1,0 +1,143 @@
+#include "apps/cli/standard_input.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "core/suggest.h"
+
+namespace umbrage::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What drop_standard_input removes: a folder and the file in it.
+constexpr std::size_t kLongestPath = 4096;
+char dropped_folder[kLongestPath], dropped_file[kLongestPath];
+
+/// The words of a text's first lines that are no comment.
+std::vector<std::string_view> first_words(std::string_view text) {
+  std::vector<std::string_view> words;
+  constexpr int kEnough = 8;
+  while (!text.empty() && words.size() < kEnough) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    if (line.starts_with('#') || line.starts_with("//")) continue;
+    for (std::size_t at = 0; at < line.size();) {
+      const std::size_t start = line.find_first_not_of(" \t\r,;", at);
+      if (start == line.npos) break;
+      at = std::min(line.find_first_of(" \t\r,;", start), line.size());
+      words.push_back(line.substr(start, at - start));
+    }
+  }
+  return words;
+}
+
+bool is_number(std::string_view word) {
+  const std::string text(word);
+  char* end = nullptr;
+  std::strtod(text.c_str(), &end);
+  return end != text.c_str() && *end == '\0';
+}
+
+Error about_standard_input(Error error) {
+  if (const auto at = error.message.find(dropped_file); at != std::string::npos)
+    error.message.replace(at, std::strlen(dropped_file), "standard input");
+  return error;
+}
+
+/// Copies standard input into a file. Its name is that of the file.
+Result<fs::path> take_standard_input(const std::string& format) {
+  if (::isatty(STDIN_FILENO)) return usage_error("- reads a model from standard input, which is a terminal");
+  std::string bytes;
+  constexpr std::size_t kStep = 1 << 20;
+  while (!std::feof(stdin)) {
+    const std::size_t before = bytes.size();
+    bytes.resize(before + kStep);
+    const std::size_t got = std::fread(bytes.data() + before, 1, kStep, stdin);
+    bytes.resize(before + got);
+    if (std::ferror(stdin)) return file_error("standard input: cannot be read");
+  }
+  if (bytes.empty()) return file_error("standard input: is empty");
+  const std::string ending = format.empty() ? format_of_content(bytes) : format;
+  if (ending.empty()) return file_error("standard input: its format cannot be told; name it with --input-format");
+  std::error_code code;
+  std::string folder = (fs::temp_directory_path(code) / "umbrage-XXXXXX").string();
+  if (code || folder.size() + 32 > kLongestPath || !::mkdtemp(folder.data()))
+    return file_error("standard input: there is no folder for temporary files");
+  const std::string file = folder + "/stdin." + ending;
+  std::strcpy(dropped_folder, folder.c_str());
+  std::strcpy(dropped_file, file.c_str());
+  std::FILE* stream = std::fopen(file.c_str(), "wb");
+  const bool written = stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
+  if (!stream || std::fclose(stream) != 0 || !written)
+    return file_error("standard input: there is no room for it in {}", folder);
+  return fs::path(file);
+}
+
+struct DropAtEnd {
+  ~DropAtEnd() { drop_standard_input(); }
+};
+
+}  // namespace
+
+void drop_standard_input() {
+  if (dropped_file[0]) ::unlink(dropped_file);
+  if (dropped_folder[0]) ::rmdir(dropped_folder);
+  dropped_file[0] = dropped_folder[0] = '\0';
+}
+
+std::string format_of_content(std::string_view bytes) {
+  const auto begins = [&](std::string_view start) { return bytes.starts_with(start); };
+  if (begins("ply")) return "ply";
+  if (begins("glTF")) return "glb";
+  if (begins("Kaydara FBX Binary") || begins("; FBX")) return "fbx";
+  // A binary STL file has a header of 80 bytes, a count, and 50 bytes for each triangle.
+  constexpr std::size_t kHeader = 84, kTriangle = 50;
+  if (bytes.size() >= kHeader) {
+    std::uint32_t count = 0;
+    std::memcpy(&count, bytes.data() + kHeader - sizeof count, sizeof count);
+    if (bytes.size() == kHeader + std::size_t(count) * kTriangle) return "stl";
+  }
+  if (begins("\x4d\x4d")) return "3ds";
+  constexpr std::size_t kLooked = 4096;
+  const std::string_view start = bytes.substr(0, kLooked);
+  if (start.find('\0') != start.npos) return "";
+  const std::vector<std::string_view> words = first_words(start);
+  if (words.empty()) return "";
+  if (words[0] == "solid") return "stl";
+  if (words[0].ends_with("OFF")) return "off";
+  if (words[0].starts_with('{')) return "gltf";
+  if (words[0].starts_with("<?xml") || words[0].starts_with("<COLLADA")) return "dae";
+  for (const char* word : {"v", "vn", "vt", "o", "g", "mtllib", "usemtl", "s"})
+    if (words[0] == word) return "obj";
+  if (words.size() >= 3 && is_number(words[0]) && is_number(words[1]) && is_number(words[2])) return "xyz";
+  return "";
+}
+
+Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
+                          const ImportSettings& settings) {
+  const auto& formats = import_formats();
+  if (!format.empty() && std::find(formats.begin(), formats.end(), format) == formats.end())
+    return usage_error("--input-format cannot be '{}'{}", format, suggestion(format, formats));
+  const auto count = std::count(models.begin(), models.end(), "-");
+  if (count > 1) return usage_error("- stands for standard input, which can be read once");
+  if (count == 0 && !format.empty())
+    return usage_error("--input-format is for a model on standard input: name the model -");
+  if (count == 0) return load_scenes(models, settings);
+  const DropAtEnd drop;
+  const auto file = take_standard_input(format);
+  if (!file) return file.error();
+  std::vector<std::string> files = models;
+  std::replace(files.begin(), files.end(), std::string("-"), file->string());
+  auto scene = load_scenes(files, settings);
+  if (!scene) return about_standard_input(scene.error());
+  return scene;
+}
+
+}  // namespace umbrage::cli

@@ -1,0 +1,22 @@
+// A model on standard input: put into a file, since most readers want one.
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "apps/job/job.h"
+
+namespace umbrage::cli {
+
+/// The format of a model by its first bytes, as its file's name would end; empty where they say nothing.
+std::string format_of_content(std::string_view bytes);
+
+/// load_scenes, where `-` stands for standard input: its format is `format`, or told by its content where that is
+/// empty. Errors: kUsage for `-` given twice or a format that is none; else those of load_scenes.
+Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
+                          const ImportSettings& settings);
+
+/// Removes the file behind standard input, if there is one. For signal handlers.
+void drop_standard_input();
+
+}  // namespace umbrage::cli

@@ -1,0 +1,258 @@
+// The program among others: standard input and output, info, configuration, completion, warnings that help.
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Outcome;
+using test::Words;
+
+class Manners : public test::ProgramTest {
+ protected:
+  /// Runs a line of the shell in the folder, where $UMBRAGE is the program.
+  Outcome shell(const std::string& line) {
+    const fs::path out = root_ / "out", err = root_ / "err";
+    const std::string whole = fmt::format("cd {} && export UMBRAGE={} XDG_CONFIG_HOME={} TMPDIR={} && ({}) >{} 2>{}",
+                                          test::quoted(folder_.string()), test::quoted(UMBRAGE_PROGRAM),
+                                          test::quoted((root_ / "config").string()), test::quoted(root_.string()), line,
+                                          test::quoted(out.string()), test::quoted(err.string()));
+    const int status = std::system(("bash -c " + test::quoted(whole)).c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, test::text_of(out), test::text_of(err)};
+  }
+  nlohmann::json info(const std::string& line) { return nlohmann::json::parse(good("info --json " + line).out); }
+
+  static constexpr const char* kSmall = " --resolution 32x24 --look ao --device cpu";
+};
+
+nlohmann::json record_of(const nlohmann::json& records, const std::string& what) {
+  for (const auto& record : records)
+    if (record["what"] == what) return record;
+  return nlohmann::json();
+}
+
+TEST_F(Manners, ReadsAModelFromStandardInput) {
+  good("tri.obj -o file.png" + std::string(kSmall));
+  for (const char* more : {"", " --input-format obj"}) {
+    const Outcome piped = shell(fmt::format("$UMBRAGE - -o piped.png{}{} <tri.obj", kSmall, more));
+    EXPECT_EQ(piped.code, 0) << piped.err;
+    EXPECT_EQ(piped.err, "");
+    EXPECT_EQ(test::text_of(folder_ / "piped.png"), test::text_of(folder_ / "file.png"));
+    fs::remove(folder_ / "piped.png");
+  }
+  for (const auto& entry : fs::directory_iterator(root_))
+    EXPECT_FALSE(entry.path().filename().string().starts_with("umbrage-")) << "a temporary file is left";
+  const auto refused = [&](const std::string& line, int code, const std::string& text) {
+    const Outcome outcome = shell(line);
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder_ / "x.png"));
+  };
+  refused("$UMBRAGE - -o x.png </dev/null", 3, "standard input: is empty");
+  refused("echo hello | $UMBRAGE - -o x.png", 3, "--input-format");
+  refused("echo hello | $UMBRAGE - -o x.png --input-format ply", 3, "standard input: cannot be read as PLY");
+  refused("echo hello | $UMBRAGE - -o x.png --input-format pyl", 2, "did you mean 'ply'");
+  refused("$UMBRAGE - - -o x.png <tri.obj", 2, "once");
+  refused("$UMBRAGE tri.obj -o x.png --input-format obj", 2, "--input-format");
+}
+
+TEST_F(Manners, TellsFormatsByContent) {
+  const std::string corners = "0 0 0\n1 0 0\n0 1 0\n";
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::pair<std::string, std::string> models[] = {
+      {"PLY", ply + "element face 1\nproperty list uchar int vertex_indices\nend_header\n" + corners + "3 0 1 2\n"},
+      {"OBJ", "# made by hand\n\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+      {"OFF", "OFF\n3 1 0\n" + corners + "3 0 1 2\n"},
+      {"STL",
+       "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid "
+       "a\n"},
+      {"XYZ", "# a scan\n" + corners}};
+  for (const auto& [format, content] : models) {
+    write("model", content);
+    const Outcome outcome = shell("$UMBRAGE info - <model");
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.rfind("stdin", 0), 0u) << outcome.out;
+    EXPECT_NE(outcome.out.find(": " + format + ", "), std::string::npos) << outcome.out;
+  }
+  // Of these no more than the beginning: their readers say what they take it for.
+  const std::pair<std::string, std::string> beginnings[] = {
+      {"GLB", std::string("glTF\2\0\0\0", 8)},
+      {"GLTF", "{ \"asset\": {} }"},
+      {"DAE", "<?xml version=\"1.0\"?><COLLADA>"},
+      {"FBX", "Kaydara FBX Binary  "},
+      {"STL", std::string(80, 's') + std::string("\1\0\0\0", 4) + std::string(50, '\xff')}};
+  for (const auto& [format, content] : beginnings) {
+    write("model", content);
+    const Outcome outcome = shell("$UMBRAGE info - <model");
+    EXPECT_EQ(outcome.code, 3) << format << outcome.out;
+    EXPECT_TRUE(outcome.err.find(format) != std::string::npos ||
+                outcome.err.find("standard input: ") != std::string::npos)
+        << outcome.err;
+    EXPECT_EQ(outcome.err.find("cannot be told"), std::string::npos) << format << ": " << outcome.err;
+  }
+}
+
+TEST_F(Manners, WritesAPictureToStandardOutput) {
+  good("tri.obj -o file.png" + std::string(kSmall));
+  EXPECT_EQ(good("tri.obj -o -" + std::string(kSmall)).out, test::text_of(folder_ / "file.png"));
+  good("tri.obj -o depth.png --passes depth --bits 16" + std::string(kSmall));
+  EXPECT_EQ(good("tri.obj -o - --passes depth --bits 16" + std::string(kSmall)).out,
+            test::text_of(folder_ / "depth.png"));
+  bad("tri.obj -o - --json", 2, {"--json"});
+  bad("tri.obj -o - --half", 2, {"--half", ".exr"});
+  EXPECT_FALSE(fs::exists(folder_ / "-"));
+}
+
+TEST_F(Manners, InfoSaysWhatAModelHolds) {
+  write("a.mtl", "newmtl red\nKd 0.5 0 0\nnewmtl wood\nmap_Kd wood.tga\nnewmtl gone\nmap_Kd gone.png\n");
+  std::string tga(18, '\0');
+  tga[2] = 2, tga[12] = 2, tga[14] = 1, tga[16] = 24;
+  write("wood.tga", tga + "abcdef");
+  write("a.obj",
+        "mtllib a.mtl\nv 0 0 0\nv 4 0 0\nv 0 2 0\nv 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n"
+        "usemtl wood\nf 1/1 2/2 4/3\nusemtl gone\nf 1/1 3/2 4/3\n");
+  const nlohmann::json records = info("a.obj");
+  const auto model = record_of(records, "model");
+  EXPECT_EQ(model["name"], "a.obj");
+  EXPECT_EQ(model["format"], "OBJ");
+  EXPECT_EQ(model["triangles"], 3);
+  EXPECT_EQ(model["points"], 0);
+  EXPECT_EQ(model["meshes"], 3);
+  EXPECT_EQ(model["max_x"], 4.0);
+  EXPECT_EQ(model["max_y"], 2.0);
+  EXPECT_EQ(model["up"], "+Y");
+  EXPECT_EQ(record_of(records, "texture")["width"], 2);
+  bool found = false;
+  for (const auto& record : records)
+    if (record["what"] == "material" && record["name"] == "wood")
+      found = record["texture"].get<std::string>().ends_with("wood.tga");
+  EXPECT_TRUE(found);
+  EXPECT_NE(record_of(records, "warning")["text"].get<std::string>().find("gone.png"), std::string::npos);
+
+  const std::string text = good("info a.obj").out;
+  for (const char* part : {"a.obj: OBJ, 3 triangles in 3 meshes", "0, 0, 0 to 4, 2, 1", "wood.tga, 2 x 1", "gone.png"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+
+  write("p.xyz", "0 0 0 255 0 0\n1 0 0 255 0 0\n0 1 0 255 0 0\n");
+  EXPECT_EQ(record_of(info("p.xyz"), "model")["points"], 3);
+  EXPECT_EQ(record_of(info("p.xyz"), "mesh")["shape"], "discs");
+  EXPECT_EQ(record_of(info("p.xyz --point-sprites sphere"), "mesh")["shape"], "spheres");
+  EXPECT_EQ(record_of(info("p.xyz"), "mesh")["colors"], true);
+  EXPECT_EQ(record_of(info("tri.obj --up=+Z"), "model")["up"], "+Z");
+  EXPECT_EQ(record_of(info("scene:pink"), "model")["format"], "built-in");
+  EXPECT_GT(record_of(info("scene:pink"), "model")["cameras"], 0);
+  bad("info nothere.obj", 3, {"nothere.obj"});
+}
+
+TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
+  write("mine",
+        "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render]\nlook = \"ao\"\nset = "
+        "unsharp.kernel=7\n[compare]\nsamples = 16\n");
+  good("tri.obj -o a.png --config mine");
+  EXPECT_EQ(image("a.png").width, 20);
+  good("tri.obj -o b.png --resolution 20x10 --look ao --set unsharp.kernel=7 --device cpu");
+  EXPECT_EQ(test::text_of(folder_ / "a.png"), test::text_of(folder_ / "b.png"));
+  good("tri.obj -o c.png --config=mine --resolution 30x10");
+  EXPECT_EQ(image("c.png").width, 30) << "the command line wins";
+  good("tri.obj -o c.png --config=mine --ao none");  // what the file sets without need is nobody's mistake
+  good("tri.obj -o d.png --look ao --device cpu --resolution 16x16 --config none");
+  bad("tri.obj -o e.png --config mine", 2, {"there is no device 'nowhere'"}, "UMBRAGE_DEVICE=nowhere");
+
+  // The usual place, which need not be there.
+  fs::create_directories(root_ / "config/umbrage");
+  std::ofstream(root_ / "config/umbrage/config") << "look = ao\nresolution = 24x8\n";
+  const Outcome usual = shell("$UMBRAGE tri.obj -o f.png --device cpu && $UMBRAGE list looks");
+  EXPECT_EQ(usual.code, 0) << usual.err;
+  EXPECT_EQ(image("f.png").width, 24);
+
+  write("wrong1", "look ao\n");
+  bad("tri.obj -o x.png --config wrong1", 2, {"wrong1, line 1", "option = value"});
+  write("wrong2", "\nlok = ao\n");
+  bad("tri.obj -o x.png --config wrong2", 2, {"wrong2, line 2", "no option 'lok'", "look"});
+  write("wrong3", "[rendre]\n");
+  bad("tri.obj -o x.png --config wrong3", 2, {"wrong3, line 1", "did you mean 'render'"});
+  write("wrong4", "look = nothing\n");
+  bad("tri.obj -o x.png --config wrong4", 2, {"no look 'nothing'"});
+  bad("tri.obj -o x.png --config nothere", 3, {"nothere"});
+}
+
+TEST_F(Manners, ShellsCompleteEveryOption) {
+  const std::string help = good("render --help").out;
+  const std::string bash = good("completion bash").out, zsh = good("completion zsh").out,
+                    fish = good("completion fish").out, man = good("manual").out;
+  int options = 0;
+  for (const std::string& word : test::words_of(help)) {
+    if (!word.starts_with("--") || word.size() < 4) continue;
+    const std::string name = word.substr(0, word.find_first_of(",;:.=)", 2));
+    ++options;
+    EXPECT_NE(bash.find(name), std::string::npos) << name;
+    EXPECT_NE(zsh.find(name), std::string::npos) << name;
+    EXPECT_NE(fish.find(" -l " + name.substr(2) + " "), std::string::npos) << name;
+  }
+  EXPECT_GT(options, 30);
+  for (const char* part :
+       {".SH UMBRAGE RENDER", "\\fB\\-\\-camera\\-azimuth\\-angle\\fR", "bitmask.radius", "UMBRAGE_DEVICE"})
+    EXPECT_NE(man.find(part), std::string::npos) << part;
+
+  write("umbrage.bash", bash);
+  const auto completed = [&](const std::string& words) {
+    const Outcome outcome =
+        shell(fmt::format("source ./umbrage.bash; COMP_WORDS=({}); COMP_CWORD=$((${{#COMP_WORDS[@]}} - 1)); _umbrage; "
+                          "echo \" ${{COMPREPLY[*]}} \"",
+                          words));
+    EXPECT_EQ(outcome.err, "") << words;
+    return outcome.out;
+  };
+  const auto offers = [&](const std::string& words, const std::string& word) {
+    const std::string offered = completed(words);
+    EXPECT_NE(offered.find(" " + word + " "), std::string::npos) << words << ": " << offered;
+  };
+  offers("umbrage ren", "render");
+  offers("umbrage tri", "tri.obj");
+  offers("umbrage tri.obj --lo", "--look");
+  offers("umbrage tri.obj --look stu", "studio");
+  offers("umbrage tri.obj --look = car", "cartoon");
+  offers("umbrage compare tri.obj --filter de", "denoise");
+  offers("umbrage tri.obj --set bitmask.rad", "bitmask.radius=");
+  offers("umbrage scene : at", "atrium");
+  offers("umbrage list lo", "looks");
+  offers("umbrage completion z", "zsh");
+  EXPECT_EQ(completed("umbrage tri.obj --look nothing"), "  \n");
+  bad("completion tcsh", 2, {"tcsh", "bash"});
+
+  // Where these are installed, they say whether they understand it.
+  write("_umbrage", zsh);
+  write("umbrage.fish", fish);
+  write("umbrage.1", man);
+  EXPECT_EQ(shell("bash -n umbrage.bash").code, 0);
+  EXPECT_EQ(shell("! command -v zsh >/dev/null || zsh -n _umbrage").code, 0);
+  EXPECT_EQ(shell("! command -v fish >/dev/null || fish --no-execute umbrage.fish").code, 0);
+  EXPECT_EQ(shell("! command -v groff >/dev/null || test -z \"$(groff -man -ww -Tutf8 -z umbrage.1 2>&1)\"").code, 0);
+}
+
+TEST_F(Manners, WarnsOfSettingsThatDoNothing) {
+  const auto warned = [&](const std::string& line, const std::string& text) {
+    const Outcome outcome = run("tri.obj -o x.png --resolution 32x24 --device cpu " + line);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    if (text.empty())
+      EXPECT_EQ(outcome.err, "") << line;
+    else
+      EXPECT_NE(outcome.err.find("warning: " + text), std::string::npos) << outcome.err;
+  };
+  warned("--set outline.width=3", "--set outline.width=3 does nothing: the look studio has no outline");
+  warned("--set hbao.radius=5%",
+         "--set hbao.radius=5% does nothing: the occlusion of this picture is bitmask; try --ao hbao");
+  warned("--ao none --ao-radius 5%", "--ao-radius 5% does nothing: this picture has no occlusion");
+  warned("--point-size 1%", "--point-size does nothing: tri.obj has no points");
+  warned("--set lighting.open=off --set bitmask.slices=2 --set output.shoulder=0.5", "");
+  warned("--look ao --ao hbao --set hbao.radius=5%", "");
+  warned("--look ao --ao-radius 0.001%",
+         "occlusion changes 0 % of the model's pixels: its radius is 0.001 % of the scene's; try --ao-radius 5%");
+  warned("--look ao --ao-radius 25%", "");
+}
+
+}  // namespace
+}  // namespace umbrage
