@@ -24,9 +24,11 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 
+#include "importer/gltf_facts.h"
 #include "importer/import_materials.h"
 #include "importer/limits.h"
 #include "scene/import_parts.h"
@@ -200,9 +202,32 @@ bool all_white(const aiMesh& source) {
                      [](const aiColor4D& c) { return c.r == 1.0f && c.g == 1.0f && c.b == 1.0f; });
 }
 
-/// One mesh as one node places it. `keep_normals` is off for formats whose normals say no more than the faces do,
-/// `linear_colors` for those that keep colours as they are shown on a screen.
-Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals, bool linear_colors) {
+/// How meshes are taken over.
+struct MeshRules {
+  bool keep_normals = true;    ///< off for formats whose normals say no more than the faces do
+  bool linear_colors = false;  ///< else they are kept as they are shown on a screen
+  GltfFacts gltf = {};
+  std::vector<bool> left_out = {};  ///< materials that are not drawn
+};
+
+/// Texture coordinates, of the set and as the material places them.
+void take_uvs(const aiMesh& source, const MeshRules& rules, Mesh& mesh) {
+  GltfPlacement placement;
+  if (source.mMaterialIndex < rules.gltf.materials.size())
+    placement = rules.gltf.materials[source.mMaterialIndex].placement();
+  if (placement.set >= AI_MAX_NUMBER_OF_TEXTURECOORDS || !source.mTextureCoords[placement.set]) placement.set = 0;
+  const aiVector3D* uvs = source.mTextureCoords[placement.set];
+  if (!uvs) return;
+  const GltfPlacement plain{.set = placement.set};
+  mesh.uvs.resize(source.mNumVertices);
+  for (unsigned i = 0; i < source.mNumVertices; ++i) {
+    const glm::vec2 uv(uvs[i].x, uvs[i].y);
+    mesh.uvs[i] = placement == plain ? uv : placement.placed(uv);
+  }
+}
+
+/// One mesh as one node places it.
+Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, const MeshRules& rules) {
   Mesh mesh;
   mesh.name = source.mName.C_Str();
   mesh.material = int(source.mMaterialIndex);
@@ -218,7 +243,7 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals, b
     const aiVector3D& p = source.mVertices[i];
     mesh.positions[i] = moves ? glm::vec3(place * glm::dvec4(p.x, p.y, p.z, 1.0)) : glm::vec3(p.x, p.y, p.z);
   }
-  if (keep_normals && source.mNormals && determinant != 0.0) {
+  if (rules.keep_normals && source.mNormals && determinant != 0.0) {
     mesh.normals.resize(source.mNumVertices);
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
       const aiVector3D& n = source.mNormals[i];
@@ -231,17 +256,12 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals, b
       mesh.normals[i] = length > 0.0 ? glm::vec3(turned / length) : glm::vec3(0.0f);
     }
   }
-  if (source.mTextureCoords[0]) {
-    mesh.uvs.resize(source.mNumVertices);
-    for (unsigned i = 0; i < source.mNumVertices; ++i) {
-      mesh.uvs[i] = {source.mTextureCoords[0][i].x, source.mTextureCoords[0][i].y};
-    }
-  }
+  take_uvs(source, rules, mesh);
   if (source.mColors[0] && !all_white(source)) {
     mesh.colors.resize(source.mNumVertices);
     for (unsigned i = 0; i < source.mNumVertices; ++i) {
       const aiColor4D& c = source.mColors[0][i];
-      mesh.colors[i] = linear_colors ? glm::vec3(c.r, c.g, c.b) : linear_color(glm::vec3(c.r, c.g, c.b));
+      mesh.colors[i] = rules.linear_colors ? glm::vec3(c.r, c.g, c.b) : linear_color(glm::vec3(c.r, c.g, c.b));
     }
   }
   mesh.points = is_points(source);
@@ -259,7 +279,7 @@ Mesh mesh_of(const aiMesh& source, const glm::dmat4& place, bool keep_normals, b
 }
 
 /// Adds every mesh of every node, seen from `root`; points only where there are no triangles. Nodes are objects.
-void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_normals, bool linear_colors, Scene& scene) {
+void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules& rules, Scene& scene) {
   struct Place {
     const aiNode* node;
     glm::dmat4 parent;
@@ -267,6 +287,13 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_norma
   std::vector<Place> stack{{source.mRootNode, root}};
   const bool wants_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
                                         [](const aiMesh* mesh) { return is_points(*mesh); });
+  // Where nothing else is there, what is clear is drawn.
+  const auto is_left_out = [&](const aiMesh& mesh) {
+    return mesh.mMaterialIndex < rules.left_out.size() && rules.left_out[mesh.mMaterialIndex];
+  };
+  const bool leaves_out = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
+                                       [&](const aiMesh* mesh) { return is_left_out(*mesh); });
+  std::set<std::string> clear;
   int object = 0;
   while (!stack.empty()) {
     const Place place = stack.back();
@@ -277,7 +304,11 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_norma
     for (unsigned i = 0; i < place.node->mNumMeshes; ++i) {
       const unsigned index = place.node->mMeshes[i];
       if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !wants_points)) continue;
-      Mesh mesh = mesh_of(*source.mMeshes[index], here, keep_normals, linear_colors);
+      if (leaves_out && is_left_out(*source.mMeshes[index])) {
+        clear.insert(scene.materials[source.mMeshes[index]->mMaterialIndex].name);
+        continue;
+      }
+      Mesh mesh = mesh_of(*source.mMeshes[index], here, rules);
       if (mesh.indices.empty() && !mesh.points) continue;
       if (mesh.name.empty()) mesh.name = place.node->mName.C_Str();
       mesh.object = object;
@@ -287,6 +318,9 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, bool keep_norma
     if (has_mesh) ++object;
     for (unsigned i = place.node->mNumChildren; i-- > 0;) stack.push_back({place.node->mChildren[i], here});
   }
+  for (const std::string& name : clear)
+    scene.warnings.push_back(
+        fmt::format("surfaces of the material {} are more clear than opaque and are left out", name));
 }
 
 /// World up as the format or the file says. Assimp turns DAE itself, and leaves FBX to its reader.
@@ -328,13 +362,23 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
   scene.up = up_of(*source, format);
-  import_materials(*source, file, format, scene);
+  MeshRules rules;
+  if (is_gltf) rules.gltf = read_gltf_facts(file);
+  import_materials(*source, file, format, rules.gltf, scene, rules.left_out);
   // STL has a normal per face, which says no more than the face; 3DS has none, and Assimp's ignore creases.
-  const bool keep_normals = format != "stl" && format != "3ds";
+  rules.keep_normals = format != "stl" && format != "3ds";
   // Assimp lays 3DS files on their back, as if +z were up. Those that are around have +y up; they are left as they are.
   const glm::dmat4 root =
       format == "3ds" ? glm::inverse(matrix_of(source->mRootNode->mTransformation)) : glm::dmat4(1.0);
-  import_nodes(*source, root, keep_normals, is_gltf, scene);
+  rules.linear_colors = is_gltf;
+  import_nodes(*source, root, rules, scene);
+  scene.cameras = std::move(rules.gltf.cameras);
+  if (rules.gltf.scenes > 1)
+    scene.warnings.push_back(
+        fmt::format("the file holds {} scenes; the one that it names, or else the first, is drawn", rules.gltf.scenes));
+  if (rules.gltf.lights > 0)
+    scene.warnings.push_back(
+        fmt::format("the file's {} are not used; looks bring their own", rules.gltf.lights == 1 ? "light" : "lights"));
   if (!missing_libraries.empty()) {
     scene.warnings.push_back(fmt::format("the material library {} is not there; surfaces are shown in a neutral colour",
                                          missing_libraries.front()));

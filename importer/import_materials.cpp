@@ -277,11 +277,28 @@ void set_highlight(const aiMaterial& source, Material& material) {
   material.specular_exponent = std::clamp(*exponent, kLeastExponent, kMostExponent);
 }
 
-Material material_of(const aiMaterial& source, const std::string& format, TextureShelf& shelf) {
+/// What a surface sends out by itself: where a texture says it, `gltf` does, too.
+void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureShelf& shelf, Material& material) {
+  const std::string map = texture_path(source, aiTextureType_EMISSIVE);
+  const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
+  if (!emission || (!map.empty() && !gltf)) return;
+  const float strength =
+      gltf ? gltf->emission_strength : number_of(source, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1.0f);
+  for (int i = 0; i < 3; ++i) {
+    const float channel = (*emission)[i] * strength;
+    material.emission[i] = channel > 0.0f && std::isfinite(channel) ? channel : 0.0f;
+  }
+  if (map.empty() || material.emission == glm::vec3(0.0f)) return;
+  material.emission_texture = shelf.find(map);
+  if (material.emission_texture == kNoTexture) material.emission = glm::vec3(0.0f);
+}
+
+Material material_of(const aiMaterial& source, const std::string& format, const GltfMaterial* gltf,
+                     TextureShelf& shelf) {
   Material material;
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
-  const bool is_gltf = format == "gltf" || format == "glb";
+  const bool is_gltf = format == "gltf" || format == "glb", unlit = gltf && gltf->unlit;
 
   // STL, PLY and OFF know no materials, 3DS may have none: what stands there is a default of Assimp.
   constexpr const char* kDefaultOf3ds = "%%%DEFAULT";
@@ -292,19 +309,12 @@ Material material_of(const aiMaterial& source, const std::string& format, Textur
   if (format == "3ds") albedo = {linear_of_srgb(albedo.x), linear_of_srgb(albedo.y), linear_of_srgb(albedo.z)};
   material.albedo = albedo;
   if (is_gltf) {
-    set_highlight_of_roughness(source, material);
+    if (!unlit) set_highlight_of_roughness(source, material);  // what is drawn unlit elsewhere is matte here
   } else if (!made_up) {
     set_highlight(source, material);
   }
 
-  const bool has_emission_map = !texture_path(source, aiTextureType_EMISSIVE).empty();
-  if (const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE); emission && !has_emission_map && !made_up) {
-    const float intensity = number_of(source, AI_MATKEY_EMISSIVE_INTENSITY).value_or(1.0f);
-    for (int i = 0; i < 3; ++i) {
-      const float channel = (*emission)[i] * intensity;
-      material.emission[i] = channel > 0.0f && std::isfinite(channel) ? channel : 0.0f;
-    }
-  }
+  if (!made_up) set_emission(source, gltf, shelf, material);
 
   std::string picture = texture_path(source, aiTextureType_BASE_COLOR);
   if (picture.empty()) picture = texture_path(source, aiTextureType_DIFFUSE);
@@ -340,10 +350,16 @@ Material material_of(const aiMaterial& source, const std::string& format, Textur
 
 }  // namespace
 
-void import_materials(const aiScene& source, const fs::path& file, const std::string& format, Scene& scene) {
+void import_materials(const aiScene& source, const fs::path& file, const std::string& format, const GltfFacts& gltf,
+                      Scene& scene, std::vector<bool>& left_out) {
   TextureShelf shelf{&source, file.parent_path(), scene, {}};
   for (unsigned i = 0; i < source.mNumMaterials; ++i) {
-    scene.materials.push_back(material_of(*source.mMaterials[i], format, shelf));
+    const GltfMaterial* facts = i < gltf.materials.size() ? &gltf.materials[i] : nullptr;
+    scene.materials.push_back(material_of(*source.mMaterials[i], format, facts, shelf));
+    constexpr float kHalf = 0.5f;
+    const bool blended = facts && facts->mode == "BLEND" && facts->alpha < kHalf,
+               masked = facts && facts->mode == "MASK" && facts->alpha < facts->cutoff;
+    left_out.push_back(blended || masked);
   }
 }
 

@@ -197,15 +197,18 @@ Camera camera_at(const glm::vec3& eye, const glm::vec3& target, const glm::vec3&
   return camera;
 }
 
-/// A camera whose place is given: no fit; an orthographic window is as large as the view cone at the target.
+/// A camera whose place is given: no fit; an orthographic window is as large as the view cone at the target, unless its
+/// height is given too.
 Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float angle_deg, float aspect,
-              const Framing& framing) {
+              Framing framing, float window_height = 0.0f) {
   if (is_direction(eye - target)) {
     eye = target + turned(eye - target, up, framing.azimuth_deg, framing.elevation_deg);
   }
   // From the target itself there is no distance to measure a window by: one unit stands in.
   const float distance = is_direction(eye - target) ? glm::distance(eye, target) : 1.0f;
-  const float height = 2.0f * distance * std::tan(glm::radians(angle_deg) / 2.0f);
+  if (window_height > 0.0f) framing.orthographic = true;
+  const float height =
+      window_height > 0.0f ? window_height : 2.0f * distance * std::tan(glm::radians(angle_deg) / 2.0f);
   return camera_at(eye, target, up, angle_deg, height, aspect, framing);
 }
 
@@ -213,11 +216,15 @@ Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float
 
 Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {
   const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
-  const glm::vec3 up = unit_or(framing.view_up, scene.up);
   const bool by_view = !scene.views.empty() && !framing.position && !framing.focal_point && !framing.direction;
+  const glm::vec3 up =
+      unit_or(framing.view_up, by_view && is_direction(scene.views[0].up) ? scene.views[0].up : scene.up);
   const float wished_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
   const float angle_deg = std::clamp(wished_angle, kLeastAngleDeg, kMostAngleDeg);
-  if (by_view) return placed(scene.views[0].eye, scene.views[0].target, up, angle_deg, aspect, framing);
+  if (by_view) {
+    const View& view = scene.views[0];
+    return placed(view.eye, view.target, up, angle_deg, aspect, framing, view.height);
+  }
 
   if (framing.position) {
     glm::vec3 target = framing.focal_point.value_or(scene.center());

@@ -694,6 +694,34 @@ TEST(Capture, EmissionIsAPlaneWhereAnyMaterialShines) {
   EXPECT_EQ(capture(square_over_ground(), from_above(24.0f), 8, 8).planes.find("emission.r"), nullptr);
 }
 
+TEST(Capture, EmissionIsTextured) {
+  // White on the left; two texels of a kind, so that their middle is not blended.
+  Texture halves{"halves", 4, 1, {255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 255}};
+  Material lamp;
+  lamp.emission = {4, 2, 0};
+  lamp.emission_texture = 0;
+  Scene scene;
+  scene.meshes = {square(1.0f)};
+  scene.materials = {lamp};
+  scene.textures = {halves};
+  ASSERT_EQ(finish_scene(scene), 0u);
+  constexpr int kSize = 150;  // too large for capture_with's own look at the GPU, whose blends differ in the last bit
+  const CaptureSettings settings{kSize, kSize};
+  const Camera camera = from_above(2.0f);
+  std::vector<Image> pictures = {capture_with(settings, scene, camera).planes};
+  if (Device* const gpu = test::drawing_device()) {
+    const test::NoMessages no_messages;
+    pictures.push_back(test::captured(*gpu, scene, camera, settings));
+  }
+  for (const Image& picture : pictures)
+    for (int y = 5; y < kSize; y += 10) {
+      EXPECT_NEAR(picture.plane("emission.r").at(30, y), 4.0f, 1e-4f);
+      EXPECT_NEAR(picture.plane("emission.g").at(30, y), 2.0f, 1e-4f);
+      EXPECT_NEAR(picture.plane("emission.r").at(120, y), 0.0f, 1e-4f);
+      EXPECT_EQ(picture.plane("albedo.r").at(30, y), picture.plane("albedo.r").at(120, y)) << "it has no texture";
+    }
+}
+
 TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
   Scene scene = square_over_ground();
   scene.lights = {key_lamp({3.0f, -0.2f, 1.0f})};  // lower than the square, which it would darken from x = 4.7 on

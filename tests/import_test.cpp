@@ -468,6 +468,123 @@ TEST_F(Import, ReadsAlphaMaskOfGltf) {
   EXPECT_NE(opaque.texture, kNoTexture);
 }
 
+TEST_F(Import, ReadsColorAndHighlightOfGltf) {
+  const auto material_of = [&](const std::string& material) {
+    const Scene scene = read("a.gltf", triangle_gltf("", "{" + material + "}"));
+    return scene.materials.at(std::size_t(scene.meshes.at(0).material));
+  };
+  const std::string color = R"("pbrMetallicRoughness":{"baseColorFactor":[1,0.5,0.25,1],"roughnessFactor":0.5,)";
+  const Material metal = material_of(color + R"("metallicFactor":1})");
+  EXPECT_EQ(metal.albedo, glm::vec3(1, 0.5f, 0.25f));
+  EXPECT_NEAR(metal.specular_exponent, 30.0f, 1e-3f) << "2 / 0.5^4 - 2";
+  EXPECT_NEAR(metal.specular_strength, 1.0f, 1e-4f);
+  const Material plastic = material_of(color + R"("metallicFactor":0})");
+  EXPECT_NEAR(plastic.specular_strength, 0.04f * 30.0f / 8.0f, 1e-4f);
+  const Material unlit = material_of(R"("extensions":{"KHR_materials_unlit":{}},)" + color + R"("metallicFactor":1})");
+  EXPECT_EQ(unlit.albedo, metal.albedo);
+  EXPECT_EQ(unlit.specular_strength, 0.0f);
+  for (const char* sides : {"true", "false"})
+    EXPECT_EQ(material_of(std::string("\"doubleSided\":") + sides).albedo, glm::vec3(1.0f));
+}
+
+TEST_F(Import, ReadsEmissionOfGltf) {
+  write("dots.tga", two_texels_tga());
+  const auto material_of = [&](const std::string& material) {
+    const Scene scene = read("a.gltf", triangle_gltf("", "{" + material + "}"));
+    return scene.materials.at(std::size_t(scene.meshes.at(0).material));
+  };
+  const std::string factor = R"("emissiveFactor":[1,0.5,0])";
+  EXPECT_EQ(material_of("").emission, glm::vec3(0.0f));
+  EXPECT_EQ(material_of(factor).emission, glm::vec3(1, 0.5f, 0));
+  EXPECT_EQ(material_of(factor).emission_texture, kNoTexture);
+  const std::string strong = R"(,"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":4}})";
+  EXPECT_EQ(material_of(factor + strong).emission, glm::vec3(4, 2, 0));
+  const Material textured = material_of(factor + R"(,"emissiveTexture":{"index":0})" + strong);
+  EXPECT_EQ(textured.emission, glm::vec3(4, 2, 0));
+  EXPECT_NE(textured.emission_texture, kNoTexture);
+  EXPECT_EQ(textured.texture, kNoTexture);
+  EXPECT_EQ(material_of(R"("emissiveTexture":{"index":0})").emission_texture, kNoTexture) << "times 0";
+}
+
+TEST_F(Import, PlacesTexturesAsGltfSays) {
+  write("dots.tga", two_texels_tga());
+  // The triangle's texture coordinates are its x and y, with v counted from the top.
+  const auto expect_uvs = [&](const std::string& use, auto wanted) {
+    const Scene scene =
+        read("a.gltf", triangle_gltf("", R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0)" + use + "}}}"));
+    const Mesh& mesh = scene.meshes.at(0);
+    ASSERT_EQ(mesh.uvs.size(), 3u);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::vec2 uv = wanted(mesh.positions[k].x, mesh.positions[k].y);
+      EXPECT_NEAR(mesh.uvs[k].x, uv.x, 1e-5f) << use;
+      EXPECT_NEAR(mesh.uvs[k].y, 1.0f - uv.y, 1e-5f) << use;
+    }
+  };
+  const auto transform = [](const std::string& what) {
+    return R"(,"extensions":{"KHR_texture_transform":{)" + what + "}}";
+  };
+  expect_uvs("", [](float x, float y) { return glm::vec2(x, y); });
+  expect_uvs(transform(R"("offset":[0.25,0.5],"scale":[2,3])"),
+             [](float x, float y) { return glm::vec2(2 * x + 0.25f, 3 * y + 0.5f); });
+  expect_uvs(transform(R"("rotation":1.5707963)"), [](float x, float y) { return glm::vec2(y, -x); });
+  expect_uvs(transform(R"("rotation":1.5707963,"scale":[2,1],"offset":[0,1])"),
+             [](float x, float y) { return glm::vec2(y, 1.0f - 2.0f * x); });
+  expect_uvs(R"(,"texCoord":1)", [](float x, float y) { return glm::vec2(x, y); });  // a set that is not there
+}
+
+TEST_F(Import, LeavesOutWhatIsMostlyClear) {
+  const auto two_of = [&](const std::string& other) {
+    std::string text = triangle_gltf("", R"({"name":"wall"},{"name":"pane",)" + other + "}");
+    text.replace(text.find(R"("nodes":[0])"), 11, R"("nodes":[0,1])");
+    text.replace(text.find(R"([{"mesh":0}])"), 12, R"([{"mesh":0},{"mesh":1,"translation":[5,0,0]}])");
+    const std::string primitive = R"({"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":1}]})";
+    text.insert(text.find(R"(],
+"materials")"),
+                "," + primitive);
+    return read("two.gltf", text);
+  };
+  const std::string alpha = R"("pbrMetallicRoughness":{"baseColorFactor":[1,1,1,)";
+  const Scene blended = two_of(alpha + R"(0.2]},"alphaMode":"BLEND")");
+  EXPECT_EQ(blended.meshes.size(), 1u);
+  ASSERT_EQ(blended.warnings.size(), 1u);
+  EXPECT_NE(blended.warnings[0].find("pane"), std::string::npos);
+  EXPECT_EQ(two_of(alpha + R"(0.2]},"alphaMode":"MASK")").meshes.size(), 1u);
+  EXPECT_EQ(two_of(alpha + R"(0.2]},"alphaMode":"MASK","alphaCutoff":0.1)").meshes.size(), 2u);
+  EXPECT_EQ(two_of(alpha + R"(0.8]},"alphaMode":"BLEND")").meshes.size(), 2u);
+  EXPECT_EQ(two_of(alpha + R"(0.2]})").meshes.size(), 2u) << "opaque, whatever its alpha";
+  // Where there is nothing else it is drawn: a glass.
+  const Scene glass = read("glass.gltf", triangle_gltf("", "{" + alpha + R"(0.2]},"alphaMode":"BLEND"})"));
+  EXPECT_EQ(glass.triangle_count(), 1u);
+}
+
+TEST_F(Import, ReadsCamerasAndScenesOfGltf) {
+  std::string text = triangle_gltf("", "{}");
+  // The second scene is the one to draw: the triangle, and under a node that is moved and turned two cameras.
+  text.replace(text.find(R"("scene":0,"scenes":[{"nodes":[0]}])"), 34,
+               R"("scene":1,"scenes":[{"nodes":[]},{"nodes":[0,1]}],"cameras":[
+{"type":"perspective","perspective":{"yfov":0.5,"znear":0.1}},
+{"name":"plan","type":"orthographic","orthographic":{"xmag":3,"ymag":2,"znear":0.1,"zfar":9}}])");
+  // Turned by 90 degrees about y: what looked along -z looks along -x.
+  text.replace(text.find(R"([{"mesh":0}])"), 12,
+               R"([{"mesh":0},{"translation":[5,0,0],"rotation":[0,0.70710678,0,0.70710678],"children":[2,3]},
+{"name":"front","camera":0,"translation":[0,1,0]},{"camera":1,"scale":[2,2,2]}])");
+  const Scene scene = read("cameras.gltf", text);
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  EXPECT_TRUE(scene.views.empty()) << "they are used where asked for";
+  ASSERT_EQ(scene.cameras.size(), 2u);
+  const View &front = scene.cameras[0], &plan = scene.cameras[1];
+  EXPECT_EQ(front.name, "front");
+  EXPECT_NEAR(front.angle_deg, glm::degrees(0.5f), 1e-4f);
+  expect_near(front.eye, {5, 1, 0}, "eye");
+  expect_near(front.target, {4, 1, 0}, "target");
+  expect_near(front.up, {0, 1, 0}, "up");
+  EXPECT_EQ(plan.name, "plan");
+  EXPECT_EQ(plan.height, 4.0f);
+  expect_near(plan.eye, {5, 0, 0}, "eye");
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("2 scenes"), std::string::npos);
+}
+
 TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
   // Dirty glass: grains more opaque and more clear than half, on the left half opaque on the average.
   constexpr int kWidth = 256, kHeight = 64;

@@ -147,6 +147,41 @@ TEST_F(Manners, InfoSaysWhatAModelHolds) {
   bad("info nothere.obj", 3, {"nothere.obj"});
 }
 
+TEST_F(Manners, CamerasAreChosenByIndex) {
+  // The same as --camera-position and the like.
+  write("a.gltf",
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2]}],
+"nodes":[{"mesh":0},{"name":"front","camera":0,"translation":[0.25,0.25,4]},{"camera":1,"translation":[0.25,0.25,4]}],
+"cameras":[{"type":"perspective","perspective":{"yfov":0.5235987756,"znear":0.1}},
+{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"znear":0.1,"zfar":9}}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36}],
+"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})");
+  const auto records = info("a.gltf");
+  EXPECT_EQ(record_of(records, "model")["cameras"], 2);
+  EXPECT_EQ(record_of(records, "camera")["name"], "front");
+  EXPECT_EQ(record_of(records, "model")["units"], "m");
+  const std::string more = " --resolution 40x30 --look ao --device cpu --passes depth ";
+  good("a.gltf --camera-index 0 -o a.pfm" + more);
+  good("a.gltf -o b.pfm --camera-position 0.25,0.25,4 --camera-direction 0,0,-1 --camera-view-angle 30" + more);
+  const Image a = image("a.pfm"), b = image("b.pfm");
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) ASSERT_EQ(std::isfinite(a.planes[0].at(x, y)), std::isfinite(b.planes[0].at(x, y)));
+  EXPECT_NEAR(a.planes[0].at(20, 15), 4.0f, 1e-4f);
+  good("a.gltf --camera-index 1 -o c.pfm" + more);
+  // Two units high: 15 pixels each.
+  const Image c = image("c.pfm");
+  int seen = 0;
+  for (int y = 0; y < 30; ++y) seen += std::isfinite(c.planes[0].at(20, y));
+  EXPECT_NEAR(seen, 11, 1) << "at x = 0.25 + 1/30 the triangle is 0.717 high";
+  good("scene:pink --camera-index 0 -o d.pfm" + more);
+  bad("a.gltf -o x.png --camera-index 2", 2, {"--camera-index", "cameras 0 to 1"});
+  bad("tri.obj -o x.png --camera-index 0", 2, {"--camera-index", "no cameras"});
+  bad("a.gltf -o x.png --camera-index front", 2, {"--camera-index"});
+  bad("a.gltf -o x.png --camera-index 0 --camera-position 1,2,3", 2, {"--camera-index", "--camera-position"});
+}
+
 TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
   write("mine",
         "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render]\nlook = \"ao\"\nset = "

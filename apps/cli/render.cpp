@@ -2,7 +2,9 @@
 #include <unistd.h>
 
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -20,7 +22,7 @@ namespace umbrage::cli {
 namespace {
 
 struct RenderOptions : CommonOptions {
-  std::string output;
+  std::string output, camera_index;
   std::optional<std::string> passes;
   int bits = 8;
   bool half = false, json = false;
@@ -96,6 +98,28 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
   if (extension == "png") return put_image(o, picture_of_pass(*all, names, frame.info), settings);
   const auto image = device.download(frame, names);
   return image ? put_image(o, *image, settings) : image.error();
+}
+
+/// Makes the camera of that number the scene's own view: one of the file's, or else of those that a built-in scene
+/// suggests.
+Result<void> use_camera(const std::string& index, Scene& scene) {
+  const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
+  std::size_t k = 0;
+  const auto [end, error] = std::from_chars(index.data(), index.data() + index.size(), k);
+  const bool is_number = error == std::errc() && end == index.data() + index.size();
+  if (!is_number || k >= cameras.size())
+    return usage_error("--camera-index cannot be '{}': {} has {}", index, scene.name,
+                       cameras.empty()       ? "no cameras"
+                       : cameras.size() == 1 ? "one camera, 0"
+                                             : fmt::format("cameras 0 to {}", cameras.size() - 1));
+  View view = cameras[k];
+  // It turns around what is in the middle of the scene, as far as it looks there.
+  const glm::vec3 along = glm::normalize(view.target - view.eye);
+  const float distance = glm::dot(scene.center() - view.eye, along);
+  if (!scene.cameras.empty())
+    view.target = view.eye + along * (distance > 0.0f ? distance : std::max(scene.radius(), 1e-6f));
+  scene.views = {view};
+  return {};
 }
 
 /// Whether any pixel has a surface.
@@ -204,6 +228,11 @@ Result<void> render(const RenderOptions& o) {
   if (piped && o.json) return usage_error("-o - and --json cannot both have standard output");
   if (!piped)
     if (auto writable = check_writable(o.output); !writable) return writable;
+  if (!o.camera_index.empty() && (!o.position.empty() || !o.focal_point.empty() || !o.direction.empty()))
+    return usage_error("--camera-index and --camera-{} both say where the camera is: give one of them",
+                       !o.position.empty()      ? "position"
+                       : !o.focal_point.empty() ? "focal-point"
+                                                : "direction");
   const auto format = format_of(piped ? "-.png" : o.output);
   if (!format) return format.error();
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
@@ -228,6 +257,8 @@ Result<void> render(const RenderOptions& o) {
 
   auto scene = load_models(o.models, o.input_format, *import_with);
   if (!scene) return scene.error();
+  if (!o.camera_index.empty())
+    if (auto used = use_camera(o.camera_index, *scene); !used) return used;
   for (const std::string& warning : scene->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
   for (const std::string& setting : useless_settings(o, *recipe, *scene))
     fmt::print(stderr, "umbrage: warning: {}\n", setting);
@@ -265,6 +296,10 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_scene_options(*command, *options);
   add_technique_options(*command, *options);
   add_picture_options(*command, *options);
+  command
+      ->add_option("--camera-index", options->camera_index,
+                   "a camera of the file, from 0: see umbrage info [none of them]")
+      ->group("Camera");
   const auto output = "Output";
   command
       ->add_option("-o,--output", options->output, "file to write: .png, .exr or .pfm; - for a PNG on standard output")

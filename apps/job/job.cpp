@@ -72,6 +72,7 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
     all->bounds_min = glm::min(all->bounds_min, next->bounds_min);
     all->bounds_max = glm::max(all->bounds_max, next->bounds_max);
     all->views.clear();
+    all->cameras.insert(all->cameras.end(), next->cameras.begin(), next->cameras.end());
     all->name += " + " + next->name;
   }
   return all;

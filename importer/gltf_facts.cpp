@@ -1,0 +1,193 @@
+// Reads the JSON part of glTF 2.0 files.
+#include "importer/gltf_facts.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+namespace umbrage {
+namespace {
+
+using Json = nlohmann::json;
+
+/// The JSON text of a .gltf or .glb file.
+std::string json_text(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (!stream || error) return "";
+  struct {
+    char magic[4];
+    std::uint32_t version, length, json_length, json_type;
+  } start{};
+  stream.read(reinterpret_cast<char*>(&start), sizeof start);
+  std::uintmax_t length = size;
+  if (stream && std::memcmp(start.magic, "glTF", sizeof start.magic) == 0) {
+    length = start.json_length;
+    if (length > size) return "";
+  } else {
+    stream.clear();
+    stream.seekg(0);
+  }
+  std::string text(std::size_t(length), '\0');
+  if (!stream.read(text.data(), std::streamsize(length))) return "";
+  return text;
+}
+
+/// A member that may not be there, or not be what it should.
+const Json& member(const Json& object, const char* name) {
+  static const Json nothing;
+  if (!object.is_object()) return nothing;
+  const auto found = object.find(name);
+  return found == object.end() ? nothing : *found;
+}
+const Json& element(const Json& list, std::size_t k) {
+  static const Json nothing;
+  return list.is_array() && k < list.size() ? list[k] : nothing;
+}
+float number(const Json& value, float otherwise) {
+  const float v = value.is_number() ? value.get<float>() : otherwise;
+  return std::isfinite(v) ? v : otherwise;
+}
+/// An index, or -1.
+int index_in(const Json& value) {
+  constexpr int kMost = 1 << 28;
+  const bool fits = value.is_number_integer() && value.get<std::int64_t>() >= 0 && value.get<std::int64_t>() < kMost;
+  return fits ? value.get<int>() : -1;
+}
+std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); }
+
+GltfPlacement placement_of(const Json& use) {
+  GltfPlacement placement;
+  placement.set = std::max(index_in(member(use, "texCoord")), 0);
+  const Json& transform = member(member(use, "extensions"), "KHR_texture_transform");
+  if (!transform.is_object()) return placement;
+  for (int axis = 0; axis < 2; ++axis) {
+    placement.offset[axis] = number(element(member(transform, "offset"), std::size_t(axis)), 0.0f);
+    placement.scale[axis] = number(element(member(transform, "scale"), std::size_t(axis)), 1.0f);
+  }
+  placement.rotation = number(member(transform, "rotation"), 0.0f);
+  if (const int set = index_in(member(transform, "texCoord")); set >= 0) placement.set = set;
+  return placement;
+}
+
+GltfMaterial material_of(const Json& json) {
+  GltfMaterial material;
+  const Json& color = member(json, "pbrMetallicRoughness");
+  material.has_color_texture = member(color, "baseColorTexture").is_object();
+  material.color = placement_of(member(color, "baseColorTexture"));
+  material.has_emission_texture = member(json, "emissiveTexture").is_object();
+  material.emission = placement_of(member(json, "emissiveTexture"));
+  const Json& extensions = member(json, "extensions");
+  material.emission_strength =
+      std::max(number(member(member(extensions, "KHR_materials_emissive_strength"), "emissiveStrength"), 1.0f), 0.0f);
+  material.unlit = member(extensions, "KHR_materials_unlit").is_object();
+  material.alpha = number(element(member(color, "baseColorFactor"), 3), 1.0f);
+  material.cutoff = number(member(json, "alphaCutoff"), 0.5f);
+  if (const std::string mode = text_of(member(json, "alphaMode")); !mode.empty()) material.mode = mode;
+  return material;
+}
+
+glm::dmat4 matrix_of(const Json& node) {
+  const Json& matrix = member(node, "matrix");
+  glm::dmat4 m(1.0);
+  if (matrix.is_array()) {
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 4; ++row)
+        m[column][row] = number(element(matrix, std::size_t(4 * column + row)), column == row ? 1.0f : 0.0f);
+    return m;
+  }
+  const auto part = [&](const char* name, std::size_t k, float otherwise) {
+    return double(number(element(member(node, name), k), otherwise));
+  };
+  const glm::dquat turn(part("rotation", 3, 1.0f), part("rotation", 0, 0.0f), part("rotation", 1, 0.0f),
+                        part("rotation", 2, 0.0f));
+  m = glm::mat4_cast(turn);
+  for (int axis = 0; axis < 3; ++axis) {
+    m[axis] *= part("scale", std::size_t(axis), 1.0f);
+    m[3][axis] = part("translation", std::size_t(axis), 0.0f);
+  }
+  return m;
+}
+
+/// The camera at a node, if it is one that can be drawn with.
+void add_camera(const Json& json, const Json& node, const glm::dmat4& place, std::vector<View>& cameras) {
+  const Json& camera = member(json, "cameras");
+  const int index = index_in(member(node, "camera"));
+  if (index < 0) return;
+  const Json& own = element(camera, std::size_t(index));
+  const glm::dvec3 along = -glm::dvec3(place[2]), up(place[1]);
+  if (!own.is_object() || !(glm::length(along) > 0.0) || !(glm::length(up) > 0.0)) return;
+  View view;
+  view.name = text_of(member(own, "name"));
+  if (view.name.empty()) view.name = text_of(member(node, "name"));
+  view.eye = glm::vec3(place[3]);
+  view.target = glm::vec3(glm::dvec3(place[3]) + glm::normalize(along));
+  view.up = glm::vec3(glm::normalize(up));
+  if (const Json& parallel = member(own, "orthographic"); parallel.is_object())
+    view.height = 2.0f * number(member(parallel, "ymag"), 1.0f);
+  else
+    view.angle_deg = glm::degrees(number(member(member(own, "perspective"), "yfov"), glm::radians(view.angle_deg)));
+  cameras.push_back(std::move(view));
+}
+
+/// The cameras of a scene, in the order of its nodes.
+void read_cameras(const Json& json, std::vector<View>& cameras) {
+  const Json& nodes = member(json, "nodes");
+  if (!nodes.is_array() || !member(json, "cameras").is_array()) return;
+  const int scene = std::max(index_in(member(json, "scene")), 0);
+  struct Place {
+    int node;
+    glm::dmat4 parent;
+  };
+  std::vector<Place> stack;
+  const auto push_all = [&](const Json& list, const glm::dmat4& parent) {
+    if (!list.is_array()) return;
+    for (std::size_t k = list.size(); k-- > 0;)
+      if (const int node = index_in(list[k]); node >= 0) stack.push_back({node, parent});
+  };
+  push_all(member(element(member(json, "scenes"), std::size_t(scene)), "nodes"), glm::dmat4(1.0));
+  std::vector<bool> seen(nodes.size(), false);  // a file may make a node its own child
+  while (!stack.empty()) {
+    const Place place = stack.back();
+    stack.pop_back();
+    if (std::size_t(place.node) >= nodes.size() || seen[std::size_t(place.node)]) continue;
+    seen[std::size_t(place.node)] = true;
+    const Json& node = nodes[std::size_t(place.node)];
+    const glm::dmat4 here = place.parent * matrix_of(node);
+    add_camera(json, node, here, cameras);
+    push_all(member(node, "children"), here);
+  }
+}
+
+}  // namespace
+
+glm::vec2 GltfPlacement::placed(glm::vec2 uv) const {
+  // glTF counts v from the top.
+  const glm::vec2 given = scale * glm::vec2(uv.x, 1.0f - uv.y);
+  const float c = std::cos(rotation), s = std::sin(rotation);
+  const glm::vec2 turned(c * given.x + s * given.y, -s * given.x + c * given.y);
+  return {turned.x + offset.x, 1.0f - (turned.y + offset.y)};
+}
+
+GltfFacts read_gltf_facts(const std::filesystem::path& file) {
+  GltfFacts facts;
+  const Json json = Json::parse(json_text(file), nullptr, false);
+  if (!json.is_object()) return facts;
+  if (const Json& materials = member(json, "materials"); materials.is_array())
+    for (const Json& material : materials) facts.materials.push_back(material_of(material));
+  if (const Json& scenes = member(json, "scenes"); scenes.is_array()) facts.scenes = int(scenes.size());
+  const Json& lights = member(member(member(json, "extensions"), "KHR_lights_punctual"), "lights");
+  if (lights.is_array()) facts.lights = int(lights.size());
+  read_cameras(json, facts.cameras);
+  return facts;
+}
+
+}  // namespace umbrage
