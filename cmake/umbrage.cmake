@@ -23,3 +23,24 @@ function(umbrage_folder name)
   target_include_directories(umbrage_${name} ${scope} ${stage})
   target_link_libraries(umbrage_${name} ${scope} ${ARG_USES})
 endfunction()
+
+# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp) of this folder to build/spirv/spirv/NAME.inc, as words to
+# include; OUT is the list of those.
+function(umbrage_spirv out)
+  set(all "")
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/spirv/spirv)
+  foreach(shader ${ARGN})
+    get_filename_component(name ${shader} NAME_WE)
+    set(words ${PROJECT_BINARY_DIR}/spirv/spirv/${name}.inc)
+    add_custom_command(
+      OUTPUT ${words}
+      COMMAND ${GLSLC} --target-env=vulkan1.2 -Werror -I ${PROJECT_SOURCE_DIR} -MD -MF ${words}.d -MT ${words} -mfmt=num
+              -o ${words} ${CMAKE_CURRENT_SOURCE_DIR}/${shader}
+      DEPENDS ${shader}
+      DEPFILE ${words}.d
+      COMMENT "SPIR-V ${name}"
+      VERBATIM)
+    list(APPEND all ${words})
+  endforeach()
+  set(${out} ${all} PARENT_SCOPE)
+endfunction()

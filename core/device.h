@@ -36,7 +36,7 @@ struct CaptureSettings {
   int extra_views = 0;      ///< further cameras, one layer each, 0 to kMostExtraViews
   int guard = 0;            ///< pixels drawn beyond each side: see PictureInfo::guard
   /// Rays of a pixel to a light that has a size; where there are several, and the light is seen whole or not at all,
-  /// one. What arrives is averaged over the 4 x 4 pixels around, along surfaces. 0: lights are points.
+  /// one. What arrives is averaged along surfaces, over 4 x 4 pixels, or more where penumbrae are wide. 0: points.
   int shadow_rays = 0;
   int sample = 0;  ///< of pictures that are averaged: each has other shadow rays
 };

@@ -24,6 +24,20 @@ std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction) {
   return {right, glm::cross(right, axis)};
 }
 
+void narrow(PenumbraSize& size, const CameraRays& rays, const Surface& surface, float depth, glm::vec3 direction,
+            glm::vec3 toward, float radius) {
+  // From one pixel to the next the surface's point moves by `moved`, of which the light sees what lies across its rays.
+  const auto pixels = [&](glm::vec3 origin_step, glm::vec3 direction_step) {
+    glm::vec3 moved = origin_step + depth * direction_step;
+    moved -= direction * (glm::dot(surface.normal, moved) / glm::dot(surface.normal, direction));
+    const float along = glm::dot(moved, toward);
+    const float across = glm::dot(moved, moved) - along * along / glm::dot(toward, toward);
+    return across > 0.0f ? radius * radius / across : 0.0f;
+  };
+  size.across = std::min(size.across, pixels(rays.origin_x, rays.direction_x));
+  size.down = std::min(size.down, pixels(rays.origin_y, rays.direction_y));
+}
+
 std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,
                                        const CaptureSettings& settings) {
   const auto brightness = [](const Light& light) { return std::max({light.color.r, light.color.g, light.color.b}); };

@@ -3,6 +3,7 @@
 #include <array>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,17 @@ bool casts_from_afar(const Light& light);
 
 /// Two directions across a third.
 std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction);
+
+/// How wide a penumbra is on a surface: squares of its radius along a row and along a column, in pixels.
+struct PenumbraSize {
+  float across = std::numeric_limits<float>::infinity(), down = std::numeric_limits<float>::infinity();
+};
+
+/// Makes `size` the smaller of itself and the penumbra of what stops a ray from a pixel's surface towards a light.
+/// `depth` is the surface's, `direction` that of the camera's ray, `toward` leads to the light or to its middle, and
+/// the penumbra's radius across that is `radius`, in unit space. [Fernando 2005]
+void narrow(PenumbraSize& size, const CameraRays& rays, const Surface& surface, float depth, glm::vec3 direction,
+            glm::vec3 toward, float radius);
 
 /// The lights are in view space; shadow rays run along world axes.
 std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRays& rays, const PictureInfo& info,

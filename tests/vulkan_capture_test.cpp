@@ -51,6 +51,7 @@ INSTANTIATE_TEST_SUITE_P(
         Shot{"solids", "scene:solids?detail=3000", false, {.width = 160, .height = 120}},
         Shot{"parallel", "scene:solids?detail=3000", true, {.width = 131, .height = 97, .guard = 9}},
         Shot{"soft", "scene:solids?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 8}},
+        Shot{"penumbrae", "scene:solids?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 1}},
         Shot{"room", "scene:room?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 4}},
         Shot{"textures", "scene:atrium?detail=8000", false, {.width = 160, .height = 120}},
         Shot{"terrain", "scene:terrain?detail=8000", false, {.width = 160, .height = 120}},

@@ -19,6 +19,7 @@
 #include "devices/cpu/soften.h"
 #include "devices/cpu/watch.h"
 #include "devices/shared/capture_info.h"
+#include "devices/shared/soften.h"
 #include "rays/camera_rays.h"
 #include "rays/extra_cameras.h"
 #include "rays/shadow_lights.h"
@@ -27,8 +28,8 @@
 namespace umbrage {
 namespace {
 
-constexpr int kBlock = 4;       // a packet of rays is a block of 4 x 4 pixels
-constexpr int kTileBlocks = 8;  // blocks per side of a tile that one task draws: 32 pixels
+constexpr int kBlock = kSoftenBlock;  // a packet of rays is a block of 4 x 4 pixels
+constexpr int kTileBlocks = 8;        // blocks per side of a tile that one task draws: 32 pixels
 // The next surface along a ray is looked for this share of the hit's distance from the scene's origin and from the eye
 // behind the last one: two triangles that share an edge are one surface, and a sheet of paper has two sides.
 constexpr float kLayerStep = 1e-5f;
@@ -42,6 +43,7 @@ struct alignas(64) Block {
   float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
   float specular[kPacket], shininess[kPacket], shadow[kMostShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
   float object[kPacket], material[kPacket];
+  PenumbraSize penumbra[kMostShadows];
 };
 
 /// A plane that is drawn, and where a block holds its pixels.
@@ -62,8 +64,9 @@ struct Drawing {
   PictureInfo info;  ///< as the view's camera sees it
   CameraRays rays;
   std::vector<ShadowLight> lights;
-  int sample = 0;                  ///< of pictures that are averaged
-  std::vector<DrawnPlane> planes;  ///< of each layer, in this order
+  int sample = 0;                                   ///< of pictures that are averaged
+  std::vector<DrawnPlane> planes;                   ///< of each layer, in this order
+  std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, by light
 };
 
 /// The planes of a layer, and where a block has them.
@@ -93,6 +96,7 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
 
 void clear(const Drawing& drawing, Block& block) {
   for (const DrawnPlane& plane : drawing.planes) std::fill_n(plane.in(block), kPacket, plane.nothing);
+  std::fill_n(block.penumbra, kMostShadows, PenumbraSize{});
 }
 
 /// Rows are padded to kRowAlignment floats, so that a block may be stored over the picture's right side.
@@ -105,30 +109,48 @@ void store(const Drawing& drawing, const Block& block, int x0, int y0, int layer
   }
 }
 
+void store_penumbrae(const Drawing& drawing, const Block& block, int x0, int y0) {
+  for (PenumbraRadii& radii : *drawing.penumbrae) {
+    radii.across.at(x0 / kBlock, y0 / kBlock) = std::sqrt(block.penumbra[radii.light].across);
+    radii.down.at(x0 / kBlock, y0 / kBlock) = std::sqrt(block.penumbra[radii.light].down);
+  }
+}
+
 /// The surfaces of a block, of those pixels that have one.
 struct Surfaces {
   std::array<Surface, kPacket> at;
   std::array<bool, kPacket> there{};
+  int x0 = 0, y0 = 0;  ///< the first pixel
+  bool first = false;  ///< those that are seen, and no other layer's: their shadows are softened
 };
 
-/// Traces one ray of each pixel to a place on a light's disc; adds 1 to `lit` where it arrives.
+/// Traces one ray of each pixel to a place on a light's disc; adds 1 to `lit` where it arrives. Where it does not,
+/// `block` learns how wide the penumbra is, if the light is soft.
 void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, bool soft,
-                    const std::array<glm::vec2, kPacket>& places, std::array<float, kPacket>& lit) {
-  alignas(64) RTCRay16 to_light;
+                    const std::array<glm::vec2, kPacket>& places, std::array<float, kPacket>& lit, Block& block) {
+  alignas(64) RTCRayHit16 traced;
+  RTCRay16& to_light = traced.ray;
   alignas(64) std::array<int, kPacket> wanted{};
+  PenumbraSize& penumbra = block.penumbra[light.index];
   bool any = false;
   for (int k = 0; k < kPacket; ++k) {
     if (!surfaces.there[k]) continue;
     const Surface& surface = surfaces.at[k];
     glm::vec3 toward = light.point ? light.where - surface.position : light.where;
-    if (!(glm::dot(surface.normal, toward) > 0.0f)) continue;
+    if (!(glm::dot(surface.normal, toward) > 0.0f)) {
+      penumbra = {0.0f, 0.0f};
+      continue;
+    }
     const glm::vec3 start = start_to_light(drawing.traced, surface, drawing.rays.eye);
     glm::vec3 where = light.where;
     if (soft) {
       const auto [right, up] = light.point ? disc_axes(toward) : std::pair(light.right, light.up);
       where = light.where + light.size * (places[k].x * right + places[k].y * up);
       toward = light.point ? where - surface.position : where;
-      if (!(glm::dot(surface.normal, toward) > 0.0f)) continue;
+      if (!(glm::dot(surface.normal, toward) > 0.0f)) {
+        penumbra = {0.0f, 0.0f};  // ends here: the surface itself is in the way
+        continue;
+      }
     }
     if (!light.point) {
       set_ray(to_light, k, start, toward, std::numeric_limits<float>::infinity());
@@ -145,9 +167,27 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcOccluded16(wanted.data(), drawing.traced.rtc, &context, &to_light);
-  for (int k = 0; k < kPacket; ++k)
-    if (wanted[k] && !(to_light.tfar[k] < 0.0f)) lit[k] += 1.0f;
+  if (!soft || !surfaces.first) {
+    rtcOccluded16(wanted.data(), drawing.traced.rtc, &context, &to_light);
+    for (int k = 0; k < kPacket; ++k)
+      if (wanted[k] && !(to_light.tfar[k] < 0.0f)) lit[k] += 1.0f;
+    return;
+  }
+  std::fill_n(traced.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
+  rtcIntersect16(wanted.data(), drawing.traced.rtc, &context, &traced);
+  for (int k = 0; k < kPacket; ++k) {
+    if (!wanted[k]) continue;
+    if (traced.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
+      lit[k] += 1.0f;
+      continue;
+    }
+    const Surface& surface = surfaces.at[k];
+    const float t = to_light.tfar[k];
+    const float x = float(surfaces.x0 + k % kBlock) + 0.5f, y = float(surfaces.y0 + k / kBlock) + 0.5f;
+    narrow(penumbra, drawing.rays, surface, block.depth[k], drawing.rays.direction_at(x, y),
+           light.point ? light.where - surface.position : light.where,
+           light.size * (light.point ? t / std::max(1.0f - t, 1e-6f) : t));
+  }
 }
 
 /// Fills in what arrives of each light. Of a light that has a size one ray of each pixel, each to another place on its
@@ -156,12 +196,14 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
 void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
   static const DiscPoints points = disc_points();
   static const auto rim = rim_points();
+  // Where penumbrae are wide, what 4 x 4 blocks have is averaged too: each has other rays.
+  const int block = surfaces.x0 / kBlock % kBlock + surfaces.y0 / kBlock % kBlock * kBlock;
   for (const ShadowLight& light : drawing.lights) {
     std::array<float, kPacket> lit{};
     float scale = 1.0f;
     bool partly = light.rays > 0;
     if (light.rays != 1) {
-      trace_to_light(drawing, surfaces, light, light.rays > 0, rim, lit);
+      trace_to_light(drawing, surfaces, light, light.rays > 0, rim, lit, out);
       int arrived = 0, pixels = 0;
       for (int k = 0; k < kPacket; ++k) {
         pixels += surfaces.there[k];
@@ -173,7 +215,8 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
       lit = {};
       for (int ray = 0; ray < light.rays; ++ray)
         trace_to_light(drawing, surfaces, light, true,
-                       points[std::size_t(ray + drawing.sample * light.rays) % kDiscPoints], lit);
+                       points[std::size_t(ray + (drawing.sample + kSoftenRays * block) * light.rays) % kDiscPoints],
+                       lit, out);
       scale = 1.0f / float(light.rays);
     }
     for (int k = 0; k < kPacket; ++k)
@@ -187,6 +230,8 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, 
   clear(drawing, out);
   const glm::mat3 view(drawing.info.camera.view_from_world);
   surfaces.there = {};
+  surfaces.x0 = x0;
+  surfaces.y0 = y0;
   for (int k = 0; k < kPacket; ++k) {
     if (!valid[k] || rh.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
     // Made in its place: a copy of what has just been written in parts has to wait for them.
@@ -289,8 +334,11 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
       }
     }
     rtcIntersect16(valid.data(), drawing.traced.rtc, &context, &rh);
+    surfaces.first = layer == 0 && drawing.penumbrae;
     shade_block(drawing, x0, y0, rh, valid, surfaces, block);
     store(drawing, block, x0, y0, layers.first + layer, image);
+    if (surfaces.first) store_penumbrae(drawing, block, x0, y0);
+    surfaces.first = false;
     if (layers.backs < 0) continue;
     turn_block(drawing, surfaces, block);
     store(drawing, block, x0, y0, layers.backs + layer, image);
@@ -299,13 +347,15 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
 
 /// Draws what the picture's camera, or that of layer `view`, sees.
 void draw_view(const TracedScene& traced, const PictureInfo& info, const std::vector<DrawnPlane>& planes,
-               const CaptureSettings& settings, int view, const DrawnLayers& layers, Watch& watch, Image& image) {
+               const CaptureSettings& settings, int view, const DrawnLayers& layers,
+               std::vector<PenumbraRadii>* penumbrae, Watch& watch, Image& image) {
   Drawing drawing{.traced = traced,
                   .info = layer_info(info, view),
                   .rays = {},
                   .lights = {},
                   .sample = settings.sample,
-                  .planes = planes};
+                  .planes = planes,
+                  .penumbrae = penumbrae};
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
   if (!within_reach(drawing.rays, drawing.info)) {
@@ -334,10 +384,20 @@ long blocks_of(const PictureInfo& info) {
   return long((info.width + kBlock - 1) / kBlock) * long((info.height + kBlock - 1) / kBlock);
 }
 
+/// One for each shadow that is softened, of a picture in which nothing is seen.
+std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const CaptureSettings& settings) {
+  std::vector<PenumbraRadii> all;
+  for (const int light : softened_lights(info, settings)) {
+    const Plane none(info.width, soften_blocks(info.height), std::numeric_limits<float>::infinity());
+    all.push_back({light, none, none});
+  }
+  return all;
+}
+
 }  // namespace
 
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
-                             const std::function<bool(double)>& go_on) {
+                             const std::function<bool(double)>& go_on, bool scalar) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings.shadows);
   const int all = 1 + int(info.more_layers.size());
   Image image(info.width, info.height);
@@ -353,12 +413,13 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
   const auto others = std::count_if(info.more_layers.begin(), info.more_layers.end(),
                                     [](const LayerInfo& layer) { return layer.kind == LayerKind::kOther; });
   Watch watch(go_on, blocks_of(info) * (1 + long(others)));
-  draw_view(traced, info, planes, settings, 0, own, watch, image);
+  std::vector<PenumbraRadii> penumbrae = penumbra_radii(info, settings);
+  draw_view(traced, info, planes, settings, 0, own, &penumbrae, watch, image);
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
-      draw_view(traced, info, planes, settings, layer, {.first = layer}, watch, image);
+      draw_view(traced, info, planes, settings, layer, {.first = layer}, nullptr, watch, image);
   if (watch.ended()) return watch.result().error();
-  if (const auto soft = softened_planes(info, settings); !soft.empty()) soften_shadows(info, soft, image);
+  soften_shadows(info, penumbrae, scalar, image);
   return image;
 }
 

@@ -75,7 +75,8 @@ class CpuDevice final : public Device {
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
     add_layers(*traced_, settings, frame.info);
-    auto planes = arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, go_on); });
+    auto planes =
+        arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, go_on, settings_.scalar); });
     if (!planes) return planes.error();
     frame.storage = std::make_shared<Planes>(Planes{std::move(*planes)});
     return frame;

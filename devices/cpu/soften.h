@@ -1,17 +1,27 @@
-// Soft shadows without their grain: a filter along surfaces for shadows whose rays differ from pixel to pixel in blocks
-// of 4 x 4.
+// Soft shadows without their grain, on the CPU: where and in which order the passes of devices/shared/soften_passes.h
+// run.
 #pragma once
 #include <span>
-#include <string>
 
 #include "core/gbuffer.h"
 #include "core/image.h"
 
 namespace umbrage {
 
-/// Averages each named plane of the first layer over the 4 x 4 pixels around, of those that lie on the same plane as
-/// the pixel, within a pixel's size, and face alike: what repeats every 4 pixels is gone. Where all around is alike
-/// nothing changes. Uses all threads of the calling task arena; the result does not depend on their number.
-void soften_shadows(const PictureInfo& info, std::span<const std::string> names, Image& image);
+/// The radius of one light's penumbrae along a row and along a column, in pixels, of the narrowest in each block of 4 x
+/// 4 pixels; infinite where nothing stands in the light's way. Block (i, j) stands at (i, j).
+struct PenumbraRadii {
+  int light = 0;
+  Plane across, down;  ///< as wide as the picture, so that rows start as far apart
+};
+
+/// Blocks of 4 x 4 pixels in so many pixels.
+int soften_blocks(int pixels);
+
+/// Averages the shadows of these lights in the first layer along surfaces: over the 4 x 4 pixels around, then, where
+/// penumbrae are wide, over up to 28 x 28, a fifth of their width. Where all around is alike nothing changes. Uses all
+/// threads of the calling task arena; the result does not depend on their number. `scalar`: by the plain form of the
+/// kernels.
+void soften_shadows(const PictureInfo& info, std::span<const PenumbraRadii> radii, bool scalar, Image& image);
 
 }  // namespace umbrage

@@ -55,11 +55,11 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
   return planes;
 }
 
-std::vector<std::string> softened_planes(const PictureInfo& info, const CaptureSettings& settings) {
-  std::vector<std::string> soft;
+std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings& settings) {
+  std::vector<int> soft;
   if (settings.shadow_rays > 0)
     for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
-      if (casts_from_afar(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(shadow_plane(k));
+      if (casts_from_afar(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(k);
   return soft;
 }
 

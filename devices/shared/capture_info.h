@@ -19,8 +19,7 @@ void add_layers(const TracedScene& traced, const CaptureSettings& settings, Pict
 /// The planes of a layer. That of the key light's shadow is always there.
 std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, int shadows);
 
-/// Of the first layer's planes, the shadows of lights that have a size: they are softened where a capture has shadow
-/// rays.
-std::vector<std::string> softened_planes(const PictureInfo& info, const CaptureSettings& settings);
+/// The lights that have a size: their shadows, of the first layer, are softened where a capture has shadow rays.
+std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings& settings);
 
 }  // namespace umbrage

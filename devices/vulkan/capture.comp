@@ -6,6 +6,7 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
+#include "devices/shared/soften.h"
 #include "devices/vulkan/capture.h"
 #include "machine/frame_constants.h"
 
@@ -22,6 +23,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly b
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 
 shared int block_pixels[4], block_lit[4];
+shared uint block_across[4], block_down[4];  // bits of the narrowest penumbra's radius, squared: ordered as it is
 
 const float kInfinity = 1.0f / 0.0f;
 const float kStartOffset = 4e-6f;  // rays/traced_scene.cpp
@@ -347,31 +349,65 @@ void disc_axes(vec3 direction, out vec3 right, out vec3 up) {
   up = cross(right, axis);
 }
 
+// How wide penumbrae are in the pixel's block: rays/shadow_lights.h.
+void narrow(int block, vec2 radius_squared) {
+  atomicMin(block_across[block], floatBitsToUint(radius_squared.x));
+  atomicMin(block_down[block], floatBitsToUint(radius_squared.y));
+}
+
+float penumbra_pixels(Surface s, float depth, vec3 origin_step, vec3 direction, vec3 direction_step, vec3 toward,
+                      float radius) {
+  vec3 moved = origin_step + depth * direction_step;
+  moved -= direction * (dot(s.normal, moved) / dot(s.normal, direction));
+  float along = dot(moved, toward);
+  float across = dot(moved, moved) - along * along / dot(toward, toward);
+  return across > 0.0f ? radius * radius / across : 0.0f;
+}
+
+// What casts a shadow's ray.
+struct Receiver {
+  Surface s;
+  vec3 start;      // of the ray
+  float depth;
+  vec3 direction;  // of the camera's ray
+  int block;
+  bool measured;   // penumbrae of this layer are asked for
+};
+
 // Whether a ray to a place on the light's disc arrives.
-bool arrives(Surface s, vec3 start, int light, bool soft, vec2 place) {
+bool arrives(Receiver r, int light, bool soft, vec2 place) {
   bool point = C.light_point[light] != 0;
-  vec3 where = light_vector(C.light_where, light);
-  vec3 toward = point ? where - s.position : where;
-  if (!(dot(s.normal, toward) > 0.0f)) return false;
-  if (soft) {
+  vec3 where = light_vector(C.light_where, light), middle = point ? where - r.s.position : where, toward = middle;
+  bool faces = dot(r.s.normal, toward) > 0.0f;
+  if (faces && soft) {
     vec3 right = light_vector(C.light_right, light), up = light_vector(C.light_up, light);
     if (point) disc_axes(toward, right, up);
     where += C.light_size[light] * (place.x * right + place.y * up);
-    toward = point ? where - s.position : where;
-    if (!(dot(s.normal, toward) > 0.0f)) return false;
+    toward = point ? where - r.s.position : where;
+    faces = dot(r.s.normal, toward) > 0.0f;
   }
-  Ray ray = point ? Ray(start, where - start, 0.0f, 1.0f) : Ray(start, toward, 0.0f, kInfinity);
-  return trace(ray, true).triangle < 0;
+  if (!faces) {
+    if (r.measured) narrow(r.block, vec2(0.0f));
+    return false;
+  }
+  Ray ray = point ? Ray(r.start, where - r.start, 0.0f, 1.0f) : Ray(r.start, toward, 0.0f, kInfinity);
+  Hit hit = trace(ray, !(soft && r.measured));
+  if (hit.triangle < 0) return true;
+  if (soft && r.measured) {
+    float radius = C.light_size[light] * (point ? hit.t / max(1.0f - hit.t, 1e-6f) : hit.t);
+    narrow(r.block, vec2(penumbra_pixels(r.s, r.depth, three(C.origin_x), r.direction, three(C.direction_x), middle, radius),
+                         penumbra_pixels(r.s, r.depth, three(C.origin_y), r.direction, three(C.direction_y), middle, radius)));
+  }
+  return false;
 }
 
 // The share of a light that arrives. Called by all pixels of the workgroup together.
-float shadow_of(Surface s, bool there, int light, int block, int k) {
-  int rays = C.light_rays[light];
-  vec3 start = there ? start_to_light(s) : vec3(0.0f);
+float shadow_of(Receiver r, bool there, int light, ivec2 tile, int k) {
+  int rays = C.light_rays[light], block = r.block;
   float lit = 0.0f;
   bool partly = rays > 0;
   if (rays != 1) {
-    if (there && arrives(s, start, light, rays > 0, disc_point(kCaptureDiscPoints, k))) lit = 1.0f;
+    if (there && arrives(r, light, rays > 0, disc_point(kCaptureDiscPoints, k))) lit = 1.0f;
     barrier();
     if (k == 0) block_pixels[block] = block_lit[block] = 0;
     barrier();
@@ -382,8 +418,10 @@ float shadow_of(Surface s, bool there, int light, int block, int k) {
   }
   if (!partly || !there) return lit;
   lit = 0.0f;
+  // Blocks around have other rays: devices/cpu/capture.cpp.
+  int first = C.sample_index + kSoftenRays * (tile.y % kSoftenBlock * kSoftenBlock + tile.x % kSoftenBlock);
   for (int ray = 0; ray < rays; ++ray)
-    if (arrives(s, start, light, true, disc_point((ray + C.sample_index * rays) % kCaptureDiscPoints, k))) lit += 1.0f;
+    if (arrives(r, light, true, disc_point((ray + first * rays) % kCaptureDiscPoints, k))) lit += 1.0f;
   return lit / float(rays);
 }
 
@@ -450,9 +488,26 @@ void main() {
       s.normal = -s.normal;
     }
     if (inside) put_surface(first, place, there, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
+    vec3 start = there ? start_to_light(s) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
-      float lit = shadow_of(s, there, light, block, k);
+      int radii = kPenumbraSlot + 2 * C.light_index[light];
+      bool measured = (table[radii].x | table[radii].y) != 0u && side == 0;
+      if (measured) {
+        barrier();
+        if (k == 0) block_across[block] = block_down[block] = floatBitsToUint(kInfinity);
+        barrier();
+      }
+      Receiver receiver = Receiver(s, start, hit.t, ray.direction, block, measured);
+      float lit = shadow_of(receiver, there, light, here / kSoftenBlock, k);
       if (there) put(first + kShadowSlot + C.light_index[light], place, lit);
+      if (measured) {
+        barrier();
+        if (k == 0 && inside) {
+          int at = here.y / kSoftenBlock * C.stride + here.x / kSoftenBlock;
+          put(radii, at, sqrt(uintBitsToFloat(block_across[block])));
+          put(radii + 1, at, sqrt(uintBitsToFloat(block_down[block])));
+        }
+      }
     }
   }
 }

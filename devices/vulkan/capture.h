@@ -1,4 +1,4 @@
-// What capture.comp and soften.comp read, shared by C++ and GLSL: 4-byte scalars only.
+// What capture.comp reads, shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 #define UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 
@@ -10,8 +10,9 @@ const int kBackSlots = 22;
 const int kBeforeSlot = 44;
 const int kNodesSlot = 45, kTrianglesSlot = 46, kNormalsSlot = 47, kUvsSlot = 48, kMeshesSlot = 49;
 const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53, kColorsSlot = 54;
-// soften.comp
-const int kSoftFromSlot = 0, kSoftToSlot = 1, kSoftDepthSlot = 2, kSoftNormalSlot = 3;
+// By light: where blocks of 4 x 4 pixels note down the radius of penumbrae along a row, and then along a column.
+const int kPenumbraSlot = 55;
+const int kCaptureSlots = 71;
 
 const int kCaptureLights = 8;
 // Sets of 16 points; the set after the last one lies on the disc's rim. The 256 linear values of sRGB bytes follow.
@@ -54,13 +55,6 @@ struct CaptureTexture {
 
 struct CaptureLevel {
   int first_texel, width, height;
-};
-
-struct SoftenConstants {
-  int width, height, stride;
-  int orthographic;
-  int dx, dy;  // along a row or a column
-  float left, top, per_x, per_y;
 };
 
 #endif

@@ -55,20 +55,6 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
   return c;
 }
 
-SoftenConstants soften_constants(const PictureInfo& info, int stride, bool down) {
-  const Camera& camera = info.camera;
-  return {.width = info.width,
-          .height = info.height,
-          .stride = stride,
-          .orthographic = camera.projection == Projection::kOrthographic ? 1 : 0,
-          .dx = down ? 0 : 1,
-          .dy = down ? 1 : 0,
-          .left = camera.left,
-          .top = camera.top,
-          .per_x = (camera.right - camera.left) / float(info.width),
-          .per_y = (camera.top - camera.bottom) / float(info.height)};
-}
-
 int capture_slot(std::string_view plane) {
   constexpr std::array<std::pair<std::string_view, int>, 14> kSlots = {{{"depth", kDepthSlot},
                                                                         {"normal.x", kNormalSlot},

@@ -1,4 +1,4 @@
-// What capture.comp and soften.comp are told of a picture.
+// What capture.comp is told of a picture.
 #pragma once
 #include "core/device.h"
 #include "devices/vulkan/capture.h"
@@ -9,9 +9,6 @@ namespace umbrage {
 /// Of a layer of the picture. `back`: its other sides are drawn too.
 CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& info, const CaptureSettings& settings,
                                    int stride, bool back);
-
-/// Of the picture's shadows, along rows or down columns.
-SoftenConstants soften_constants(const PictureInfo& info, int stride, bool down);
 
 /// Where a captured plane's address stands in the table.
 int capture_slot(std::string_view plane);

@@ -21,9 +21,6 @@ constexpr std::uint32_t kCaptureSpirv[] = {
 constexpr std::uint32_t kConvertSpirv[] = {
 #include "spirv/convert.inc"
 };
-constexpr std::uint32_t kSoftenSpirv[] = {
-#include "spirv/soften.inc"
-};
 
 }  // namespace
 
@@ -148,7 +145,6 @@ Result<VkPipeline> Pipelines::of(const GpuStep& step) {
 Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, pick_layout_, nullptr); }
 Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, pass_layout_, nullptr); }
 Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, pass_layout_, nullptr); }
-Result<VkPipeline> Pipelines::soften() { return compile(kSoftenSpirv, pass_layout_, nullptr); }
 
 Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, VkPipelineLayout layout,
                                       const VkSpecializationInfo* values) {

@@ -35,9 +35,8 @@ class Pipelines {
   /// The step's pipeline, compiled when it is first asked for. Errors: kDevice.
   Result<VkPipeline> of(const GpuStep& step);
   Result<VkPipeline> pick();
-  /// capture.comp, soften.comp and convert.comp, which get constants and a table as passes do.
+  /// capture.comp and convert.comp, which get constants and a table as passes do.
   Result<VkPipeline> capture();
-  Result<VkPipeline> soften();
   Result<VkPipeline> convert();
 
   VkPipelineLayout pass_layout() const { return pass_layout_; }

@@ -10,6 +10,7 @@
 #include "devices/shared/capture_info.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
+#include "devices/shared/soften_passes.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/device_scene.h"
 #include "devices/vulkan/gpu_capture.h"
@@ -51,6 +52,12 @@ std::shared_ptr<Planes> empty_planes(const PictureInfo& info) {
   planes->bytes = VkDeviceSize(planes->stride) * VkDeviceSize(info.height) * sizeof(float);
   return planes;
 }
+
+/// The radius of one light's penumbrae along a row and along a column, in pixels, by block of 4 x 4 pixels.
+struct PenumbraRadii {
+  int light = 0;
+  DevicePlanePtr across, down;
+};
 
 /// A plane of the host on its way to a frame.
 struct HostPlane {
@@ -502,6 +509,13 @@ class VulkanDevice final : public Device {
     for (int layer = 0; layer < all; ++layer)
       for (const std::string& name : names)
         if (const auto made = writable(*planes, layer_plane(layer, name)); !made) return made.error();
+    std::vector<PenumbraRadii> radii;
+    for (const int light : softened_lights(frame.info, settings)) {
+      const auto across = memory_->plane(planes->bytes), down = memory_->plane(planes->bytes);
+      if (!across) return across.error();
+      if (!down) return down.error();
+      radii.push_back({light, *across, *down});
+    }
     const auto kind_of = [&](int layer) {
       return layer == 0 ? LayerKind::kBehind : frame.info.more_layers[std::size_t(layer) - 1].kind;
     };
@@ -510,18 +524,19 @@ class VulkanDevice final : public Device {
       int back = -1;
       for (int k = 1; k < all; ++k)
         if (kind_of(k) == LayerKind::kBack && frame.info.more_layers[std::size_t(k) - 1].of == layer) back = k;
-      if (auto done = draw_layer(frame, names, settings, layer, back); !done) return done.error();
+      const auto measured = std::span(radii).first(layer == 0 ? radii.size() : 0);
+      if (auto done = draw_layer(frame, names, settings, layer, back, measured); !done) return done.error();
     }
-    if (auto done = soften(frame, settings); !done) return done.error();
+    if (auto done = soften(frame, radii); !done) return done.error();
     return frame;
   }
 
   Result<void> draw_layer(const Frame& frame, const std::vector<std::string>& names, const CaptureSettings& settings,
-                          int layer, int back) {
+                          int layer, int back, std::span<const PenumbraRadii> radii) {
     const Planes& planes = planes_of(frame);
     const auto pipeline = pipelines_->capture();
     if (!pipeline) return pipeline.error();
-    std::vector<VkDeviceAddress> table(kColorsSlot + 1);
+    std::vector<VkDeviceAddress> table(kCaptureSlots);
     for (const std::string& name : names) {
       table[std::size_t(capture_slot(name))] = planes.find(layer_plane(layer, name))->address;
       if (back > 0) table[std::size_t(kBackSlots + capture_slot(name))] = planes.find(layer_plane(back, name))->address;
@@ -529,30 +544,58 @@ class VulkanDevice final : public Device {
     const bool other = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
     if (layer > 0 && !other) table[kBeforeSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
     for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
+    for (const PenumbraRadii& of : radii) {
+      table[std::size_t(kPenumbraSlot + 2 * of.light)] = of.across->address;
+      table[std::size_t(kPenumbraSlot + 2 * of.light + 1)] = of.down->address;
+    }
     const PictureInfo info = layer_info(frame.info, layer);
     const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
     return dispatch({*pipeline, "capture", layer_plane(layer, "planes")}, info,
                     {std::as_bytes(std::span(&constants, 1))}, table);
   }
 
-  Result<void> soften(const Frame& frame, const CaptureSettings& settings) {
+  /// Softens the shadows of lights that have a size: see devices/shared/soften_passes.h.
+  Result<void> soften(const Frame& frame, std::span<const PenumbraRadii> radii) {
+    if (radii.empty()) return {};
     const Planes& planes = planes_of(frame);
-    for (const std::string& name : softened_planes(frame.info, settings)) {
-      const auto pipeline = pipelines_->soften();
+    const auto between = memory_->plane(planes.bytes);
+    if (!between) return between.error();
+    const auto reach = memory_->plane(planes.bytes);
+    if (!reach) return reach.error();
+    const auto run = [&](const Pass& pass, const PictureInfo& info, const SoftenConstants& constants,
+                         const std::map<std::string_view, VkDeviceAddress>& own) -> Result<void> {
+      const GpuStep step = plain_step(pass);
+      const auto pipeline = pipelines_->of(step);
       if (!pipeline) return pipeline.error();
-      const auto across = memory_->plane(planes.bytes);
-      if (!across) return across.error();
-      const VkDeviceAddress shadow = planes.find(name)->address, between = (*across)->address;
-      for (const bool down : {false, true}) {
-        const SoftenConstants constants = soften_constants(frame.info, planes.stride, down);
-        const VkDeviceAddress table[] = {down ? between : shadow,          down ? shadow : between,
-                                         planes.find("depth")->address,    planes.find("normal.x")->address,
-                                         planes.find("normal.y")->address, planes.find("normal.z")->address};
-        if (auto done = dispatch({*pipeline, "capture", down ? "soften down" : "soften across"}, frame.info,
-                                 {std::as_bytes(std::span(&constants, 1))}, table);
-            !done)
-          return done;
+      std::vector<VkDeviceAddress> table;
+      for (std::string_view name : plane_table(step)) {
+        const auto found = own.find(name);
+        table.push_back(found != own.end() ? found->second : planes.find(std::string(name))->address);
       }
+      const FrameConstants frame_of = frame_constants(info, planes.stride, 0);
+      return dispatch({*pipeline, "capture", pass.name}, info,
+                      {std::as_bytes(std::span(&frame_of, 1)), std::as_bytes(std::span(&constants, 1))}, table);
+    };
+    PictureInfo blocks = frame.info;
+    blocks.width = (blocks.width + kSoftenBlock - 1) / kSoftenBlock;
+    blocks.height = (blocks.height + kSoftenBlock - 1) / kSoftenBlock;
+    for (const PenumbraRadii& of : radii) {
+      const VkDeviceAddress shadow = planes.find(shadow_plane(of.light))->address;
+      for (const int second : {0, 1})
+        for (const int down : {0, 1}) {
+          if (second)
+            if (auto done =
+                    run(soften_reach_pass(), blocks, {},
+                        {{"penumbra", (down ? of.down : of.across)->address}, {"soften_reach", (*reach)->address}});
+                !done)
+              return done;
+          if (auto done = run(soften_pass(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
+                              {{"soften_from", down ? (*between)->address : shadow},
+                               {"soften_to", down ? shadow : (*between)->address},
+                               {"soften_reach", (*reach)->address}});
+              !done)
+            return done;
+        }
     }
     return {};
   }

@@ -1,0 +1,58 @@
+// Soft shadows without their grain, along a row or a column: a mean over pixels that lie on the same plane as the
+// pixel, within a pixel's size, and face alike.
+//
+// The first filter averages the 4 x 4 pixels around, whose rays go to sixteen places on the light. Where a penumbra is
+// wide those are few: what stands far away throws as many edges. There the second filter averages what the first one
+// made, every fourth pixel of it, over `soften_reach` to either side: see soften_reach.kernel.h.
+IN_REAL(depth)
+IN_VECTOR(normal)
+IN_REAL(soften_from)
+IN_REAL(soften_reach)
+OUT_REAL(soften_to)
+
+CONST float kOffPlane = 1.5f;  // pixel sizes
+CONST float kFacing = 0.8f;    // cosine
+
+// 1 for the neighbour (i, j) pixels right and down, if it counts.
+FN Real alike(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
+  Real depth = near_depth(i, j);
+  Real size = Real(F.ray_scale_x) * (F.orthographic != 0 ? Real(1.0f) : -position.z);
+  Real off = abs(dot(view_position(px + Int(i), py + Int(j), depth) - position, normal));
+  Bool same = off < size * kOffPlane && dot(near_normal(i, j), normal) > kFacing;
+  return select(same && is_surface(depth) && near_inside(i, j), Real(1.0f), Real(0.0f));
+}
+
+FN void soften_pixel(Int px, Int py) {
+  Real own = near_soften_from(0, 0);
+  Real depth = near_depth(0, 0);
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = near_normal(0, 0);
+  // Changes, not values: where all around is alike nothing changes.
+  Real change = Real(0.0f);
+  Real weights = Real(1.0f);
+  if (C.second == 0) {
+    for (int k = -2; k <= 2; ++k) {
+      if (k == 0) continue;
+      float most = k == -2 || k == 2 ? 0.5f : 1.0f;  // any four in a row count alike
+      Real weight = alike(k * C.dx, k * C.dy, px, py, position, normal) * most;
+      change = mad(weight, near_soften_from(k * C.dx, k * C.dy) - own, change);
+      weights = weights + weight;
+    }
+  } else {
+    Real reach = block_soften_reach(kSoftenBlock, 0, 0);
+    for (int k = 1; k < kSoftenBlocks; ++k) {
+      // A neighbour stands for four pixels, of which the filter reaches a share: the nearest, hence its square.
+      Real share = clamp((reach + kSoftenLeast) * 0.25f - float(k), Real(0.0f), Real(1.0f));
+      if (some(share > 0.0f)) {
+        int right = k * kSoftenBlock * C.dx;
+        int down = k * kSoftenBlock * C.dy;
+        // Both or none: where a penumbra is a slope, neighbours to one side alone would move it.
+        Real weight = share * share * alike(-right, -down, px, py, position, normal) *
+                      alike(right, down, px, py, position, normal);
+        change = mad(weight, near_soften_from(-right, -down) - own + (near_soften_from(right, down) - own), change);
+        weights = mad(weight, Real(2.0f), weights);
+      }
+    }
+  }
+  store_soften_to(select(is_surface(depth), own + change / weights, own));
+}

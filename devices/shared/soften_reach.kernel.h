@@ -1,0 +1,21 @@
+// Half of the width of the filter that softens a shadow, by block of 4 x 4 pixels, from the radius of the penumbra
+// there: a share of it, so that no penumbra becomes much wider [Mehta et al. 2012]. Penumbrae that are narrower there hold for
+// the blocks around as far as the filter of those would reach them.
+IN_REAL(penumbra)
+OUT_REAL(soften_reach)
+
+// At its ends a penumbra is then off by 0.12 of this to the power of 1.5.
+CONST float kShare = 0.2f;
+
+FN void soften_reach_pixel(Int px, Int py) {
+  Real reach = Real(kSoftenMost);
+  for (int j = 1 - kSoftenBlocks; j < kSoftenBlocks; ++j)
+    for (int i = 1 - kSoftenBlocks; i < kSoftenBlocks; ++i) {
+      int right = i < 0 ? -i : i;
+      int down = j < 0 ? -j : j;
+      int away = kSoftenBlock * (right < down ? down : right);
+      float ends_before = away == 0 ? 0.0f : float(away) - kSoftenLeast;
+      reach = min(reach, max(near_penumbra(i, j) * kShare, Real(ends_before)));
+    }
+  store_soften_reach(max(reach, Real(kSoftenLeast)));
+}
