@@ -72,7 +72,7 @@ FigurePicture points_diagram(const HemisphereConstants& c, int size, std::string
 }
 
 Image shrunk(const Image& image, int side) {
-  const Image small = downsample(image, std::max(1, image.width / side));
+  const Image small = downsample(image, (image.width + side - 1) / side);
   Image out = blank_paper(side, side);
   put(out, small, (side - small.width) / 2, (side - small.height) / 2, side);
   return out;
@@ -251,10 +251,10 @@ bool near_section(const Gathered& g, const Tap& tap, float radius) {
 FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, const Gathered& g, int y) {
   const int size = shot.info.width;
   Image image = blank_paper(size, size);
-  const float line = thin(size), scale = 0.4f * float(size) / c.radius;
+  const float line = thin(size), scale = 0.36f * float(size) / c.radius;
   const float across = -g.position.z;
   // From above: x to the right, the eye below.
-  const vec2 center(0.5f * float(size), 0.41f * float(size));
+  const vec2 center(0.5f * float(size), 0.385f * float(size));  // above the legend
   const auto at = [&](vec3 p) { return center + scale * vec2(p.x - g.position.x, p.z - g.position.z); };
   for (int j = 0; j < size; ++j)
     for (int i = 0; i < size; ++i) {
@@ -327,8 +327,9 @@ FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
   draw_disc(image, p, 4.0f * line, kPixel);
   draw_disc(image, q, 4.0f * line, kSample);
   const auto degrees = [](float rad) { return rad * 180.0f / kPi; };
-  const vec2 at_p = p + (receiver < 0.6f ? 0.27f : 0.19f) * s * toward(0.5f * (way + normal)),
-             at_q = q + (emitter < 0.6f ? 0.27f : 0.19f) * s * toward(0.5f * (facing + back));
+  const auto label_at = [&](float angle_rad) { return (angle_rad < 0.9f ? 0.27f : 0.19f) * s; };
+  const vec2 at_p = p + label_at(receiver) * toward(0.5f * (way + normal)),
+             at_q = q + label_at(emitter) * toward(0.5f * (facing + back));
   write_centered(image, at_p.x, at_p.y, fmt::format("{:.0f} deg", degrees(receiver)), kPixel);
   write_centered(image, at_q.x, at_q.y, fmt::format("{:.0f} deg", degrees(emitter)), kPixel);
   write_centered(image, p.x, p.y + 0.13f * s, "original fragment");
