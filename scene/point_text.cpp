@@ -22,7 +22,7 @@ constexpr std::string_view kBlank = " \t\r,;";
 
 /// The numbers of a line, up to the first word that is none.
 struct Row {
-  std::array<double, kMostColumns> values{};
+  std::array<float, kMostColumns> values{};
   std::size_t count = 0;
   bool all_numbers = true;
 };
@@ -33,7 +33,7 @@ Row row_of(std::string_view line) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty()) break;
     if (line.front() == '+') line.remove_prefix(1);
-    double value = 0.0;
+    float value = 0.0f;
     const auto [stop, error] = std::from_chars(line.data(), line.data() + line.size(), value);
     row.all_numbers = stop != line.data() && (stop == line.data() + line.size() || kBlank.find(*stop) != kBlank.npos);
     if (!row.all_numbers) break;
@@ -54,12 +54,12 @@ void for_each_line(std::string_view text, Visit visit) {
 }
 
 glm::vec3 triple(const Row& row, std::size_t first) {
-  return {float(row.values[first]), float(row.values[first + 1]), float(row.values[first + 2])};
+  return {row.values[first], row.values[first + 1], row.values[first + 2]};
 }
 
 bool is_color(const Row& row, std::size_t first) {
   return std::all_of(&row.values[first], &row.values[first] + 3,
-                     [](double v) { return v >= 0.0 && v <= 255.0 && v == std::floor(v); });
+                     [](float v) { return v >= 0.0f && v <= 255.0f && v == std::floor(v); });
 }
 
 bool is_normal(const Row& row, std::size_t first) {
