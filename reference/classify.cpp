@@ -55,8 +55,7 @@ struct Surfel {
 /// Reads the surfels of one row.
 class SurfelRows {
  public:
-  explicit SurfelRows(const GBuffer& gbuffer) : depth_(gbuffer.layers[0].plane("depth")) {
-    camera_ = gbuffer.info.camera;
+  explicit SurfelRows(const GBuffer& gbuffer) : camera_(gbuffer.info.camera), depth_(gbuffer.layers[0].plane("depth")) {
     constexpr std::array<const char*, 3> kNames = {"normal.x", "normal.y", "normal.z"};
     for (int i = 0; i < 3; ++i) normal_[i] = gbuffer.layers[0].find(kNames[i]);
     step_x_ = (double(camera_.right) - camera_.left) / depth_.width;

@@ -28,7 +28,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 
 Error unknown_option(const CLI::App& app, std::string word) {
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-  word = word.substr(0, word.find('='));
+  if (const std::size_t equals = word.find('='); equals != std::string::npos) word.resize(equals);
   if (!word.starts_with('-')) return usage_error("'{}' is one word too many", word);
   const auto names = option_names(*command);
   // Dashes are alike in all of them: they make no two names alike.
