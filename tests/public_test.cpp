@@ -62,6 +62,8 @@ TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
   refused({.model = kSolids, .camera = {.zoom = 0.0f}}, 2, "--camera-zoom-factor");
   refused({.model = kSolids, .up = {{0, 0, 0}}}, 2, "--up");
   refused({.model = kSolids, .crease_angle_deg = -1.0f}, 2, "--crease-angle");
+  refused({.model = kSolids, .point_size = "0"}, 2, "--point-size");
+  refused({.model = kSolids, .point_sprites = "cube"}, 2, "--point-sprites");
   refused({.model = kSolids, .quality = "hi"}, 2, "--quality");
   refused({.model = kSolids, .anti_aliasing = 0}, 2, "--anti-aliasing");
   refused({.model = kSolids, .occlusion_radius = "-1"}, 2, "--ao-radius");
@@ -428,6 +430,28 @@ class PublicFiles : public testing::Test {
     return text;
   }
 };
+
+TEST_F(PublicFiles, DrawsPointsAsLargeAsAsked) {
+  const std::string file = (folder_ / "points.xyz").string();
+  std::ofstream(file) << "0 0 0\n1 0 0\n0 1 0\n1 1 1\n";
+  const auto drawn = [&](const std::string& size, const std::string& sprites) {
+    umbrage::Picture picture;
+    const auto outcome = umbrage::render({.model = file,
+                                          .look = "ao",
+                                          .width = 40,
+                                          .height = 40,
+                                          .device = "cpu",
+                                          .point_size = size,
+                                          .point_sprites = sprites,
+                                          .passes = {"depth"}},
+                                         picture);
+    EXPECT_EQ(outcome.code, 0) << outcome.message;
+    const auto& depth = pass(picture, "depth", 1);
+    return std::count_if(depth.begin(), depth.end(), [](float d) { return std::isfinite(d); });
+  };
+  EXPECT_GT(drawn("40%", "sphere"), 2 * drawn("20%", "sphere"));
+  EXPECT_NE(drawn("40%", "sphere"), drawn("40%", "disc"));
+}
 
 TEST_F(PublicFiles, SavesInTheFormatOfTheName) {
   umbrage::Picture picture;

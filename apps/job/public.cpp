@@ -111,6 +111,16 @@ Result<ImportSettings> import_settings(const RenderRequest& request) {
   std::optional<glm::vec3> up;
   if (auto done = store_vector("--up", request.up, true, up); !done) return done.error();
   if (up) settings.up = *up;
+  if (!request.point_size.empty()) {
+    const auto size = parse_radius("--point-size", request.point_size);
+    if (!size) return size.error();
+    settings.points.size = *size;
+  }
+  constexpr std::string_view kShapes[] = {"auto", "disc", "sphere"};
+  const auto shape = std::find(std::begin(kShapes), std::end(kShapes), request.point_sprites);
+  if (shape == std::end(kShapes))
+    return usage_error("--point-sprites cannot be '{}': it takes auto, disc or sphere", request.point_sprites);
+  settings.points.shape = PointShape(shape - std::begin(kShapes));
   if (!request.crease_angle_deg) return settings;
   if (auto fine = within("--crease-angle", *request.crease_angle_deg, 0.0, 180.0); !fine) return fine.error();
   settings.crease_angle_deg = *request.crease_angle_deg;

@@ -84,11 +84,14 @@ struct RenderRequest {
   CameraRequest camera{};
   std::optional<std::array<float, 3>> up{};  ///< the model's up; as its format says
   std::optional<float> crease_angle_deg{};   ///< 0 to 180: edges of larger angles stay where normals are made; 80
-  std::string quality{};                     ///< "draft", "normal", "high", "ultra"; empty: the look's own
-  std::optional<int> anti_aliasing{};        ///< pictures that are averaged, 1 to 256; as the quality says
-  std::string occlusion_radius{};            ///< "0.3" scene units, or "5%" of the scene; empty: the technique's own
-  std::string occlusion_scale{};             ///< "full", "half", "quarter" resolution; empty: the look's own
-  std::string ground = "auto";               ///< a ground that shows the shade alone: "auto", "on", "off"
+  std::string
+      point_size{};  ///< of a file's points: "0.01" scene units, or "0.5%" of the scene; empty: by their spacing
+  std::string point_sprites = "auto";  ///< what they are drawn as: "auto", "disc", "sphere"
+  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: the look's own
+  std::optional<int> anti_aliasing{};  ///< pictures that are averaged, 1 to 256; as the quality says
+  std::string occlusion_radius{};      ///< "0.3" scene units, or "5%" of the scene; empty: the technique's own
+  std::string occlusion_scale{};       ///< "full", "half", "quarter" resolution; empty: the look's own
+  std::string ground = "auto";         ///< a ground that shows the shade alone: "auto", "on", "off"
   std::optional<std::array<float, 3>> background{};  ///< 0 to 1, as in the file; the look's own
   bool transparent = false;                          ///< alpha 0 where there is no surface
   std::optional<int> layers{};                       ///< surfaces captured along each ray, 1 to 16; as the look wants

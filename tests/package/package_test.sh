@@ -56,7 +56,7 @@ case $name in
     mv "$place/first" "$prefix"
     for file in bin/umbrage include/umbrage/umbrage.h include/umbrage/vulkan.h "$LIB/pkgconfig/umbrage.pc" \
       "$LIB/cmake/umbrage/umbrage-config.cmake" share/doc/umbrage/LICENSE share/doc/umbrage/docs/library.md \
-      share/doc/umbrage/examples/render_file.cpp; do
+      share/doc/umbrage/examples/render_file.cpp share/man/man1/umbrage.1 libexec/umbrage/umbrage-import; do
       [ -s "$prefix/$file" ] || fail "$file is not installed"
     done
     if grep -rIl -e "$place/first" -e "$BUILD" -e "$SOURCE" "$prefix" | grep .; then fail "these name folders of the build"; fi
