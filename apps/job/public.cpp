@@ -291,8 +291,8 @@ Result<void> write_picture(const Picture& picture, const std::string& file, cons
       return usage_error("{} holds one picture of colours or one pass of 1 or 3 channels; write to a .exr file", file);
     const Pixels& pass = picture.passes[0];
     const std::vector<std::string> colors = {".r", ".g", ".b"};
-    const auto done = pass.channels == 1 ? add_planes(pass.name, {""}, pass.values, image)
-                                         : add_planes("color", colors, pass.values, image);
+    auto done = pass.channels == 1 ? add_planes(pass.name, {""}, pass.values, image)
+                                   : add_planes("color", colors, pass.values, image);
     if (!done) return done;
   }
   if (holds_passes)
