@@ -194,6 +194,61 @@ TEST(Vulkan, HandsOverOnceAFrame) {
   EXPECT_EQ(faulty().faults.submits, 1);
 }
 
+TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
+  // One device with time for a row of workgroups at once, and one that never cuts.
+  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  const auto cut = test::new_vulkan_device(
+      {.capture = VulkanCapture::kGpu, .longest_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
+  const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kGpu, .longest_ms = 0.0});
+  UMBRAGE_NEEDS_VULKAN(cut && whole);
+  const test::NoMessages no_messages;
+  auto scene = load_scene("scene:solids?detail=2000");
+  ASSERT_TRUE(scene);
+  for (const char* look : {"studio", "bleeding", "unsharp"}) {
+    DrawSettings settings;
+    settings.width = 75;
+    settings.height = 52;
+    settings.look = look;
+    std::array<Image, 2> images;
+    int k = 0;
+    const int before = faulty().faults.submits;
+    for (Device* device : {cut.get(), whole.get()}) {
+      StageTimes times;
+      ASSERT_TRUE(device->prepare(*scene));
+      device->take_pass_times();
+      const auto frame = draw(*device, *scene, settings, times);
+      ASSERT_TRUE(frame) << frame.error().message;
+      images[k++] = *device->download(*frame, {});
+    }
+    expect_equal(images[0], images[1]);
+    // Bands of a pass are one pass to those who ask for times.
+    const auto passes = cut->take_pass_times();
+    EXPECT_EQ(passes.size(), whole->take_pass_times().size()) << look;
+    EXPECT_GE(faulty().faults.submits - before, 3 * int(passes.size())) << look;
+  }
+}
+
+TEST(Vulkan, CutsNoFrameThatIsShort) {
+  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  const auto gpu = test::new_vulkan_device({.longest_ms = 1e6, .first_groups = 16, .get = test::faulty_get});
+  UMBRAGE_NEEDS_VULKAN(gpu);
+  const test::NoMessages no_messages;
+  const GBuffer gbuffer = test::bumpy_gbuffer(64, 48, 5);
+  for (int picture = 0; picture < 3; ++picture) {
+    auto frame = gpu->upload(gbuffer);
+    ASSERT_TRUE(frame);
+    const int before = faulty().faults.submits;
+    ASSERT_TRUE(run(*gpu, "lighting", *frame));
+    ASSERT_TRUE(run(*gpu, "gaussian", *frame));
+    ASSERT_TRUE(gpu->download(*frame, {"ao"}));
+    // Of the first its passes' times are not known.
+    if (picture == 0)
+      EXPECT_GT(faulty().faults.submits - before, 3);
+    else
+      EXPECT_EQ(faulty().faults.submits - before, 1);
+  }
+}
+
 TEST(Vulkan, TellsWhatPassesTook) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);

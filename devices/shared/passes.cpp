@@ -34,7 +34,7 @@ Result<void> run_passes(const Effect& effect, const ParameterBytes& params, cons
   for (int round = 0; round < rounds; ++round)
     for (const Pass& pass : effect.passes) {
       if (pass.needed && !pass.needed(params)) continue;
-      if (auto done = run({effect, pass, constants, info, layer, round}); !done) return done;
+      if (auto done = run({effect, pass, params, constants, info, layer, round}); !done) return done;
     }
   return {};
 }

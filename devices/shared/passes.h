@@ -18,7 +18,7 @@ FrameConstants frame_constants(const PictureInfo& info, int stride, int round);
 struct PassRun {
   const Effect& effect;
   const Pass& pass;
-  std::span<const std::byte> constants;
+  std::span<const std::byte> params, constants;
   const PictureInfo& info;  ///< as the layer shows the picture
   int layer = 0, round = 0;
 

@@ -11,6 +11,7 @@ namespace {
 constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of passes
 constexpr std::uint32_t kTimedPasses = 1024;                 // two times of each
 constexpr std::size_t kMostTimes = 65536;                    // that are kept for somebody who asks
+constexpr std::size_t kMostKinds = 4096;                     // of work, of which it is known what it takes
 constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
 constexpr VkAccessFlags kReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
 constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
@@ -105,6 +106,7 @@ void Commands::drop() {
 void Commands::reset() {
   recording_ = handed_over_ = false;
   uniforms_used_ = 0;
+  noted_ms_ = 0.0;
   timed_.clear();
   kept_.clear();
   gpu_->vk.ResetCommandPool(gpu_->device, pool_, 0);
@@ -161,11 +163,25 @@ Result<void> Commands::read_times() {
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
   if (read != VK_SUCCESS) return vulkan_error(read, "told what its passes took");
   if (times_.size() > kMostTimes) times_.clear();
+  if (ms_of_group_.size() > kMostKinds) ms_of_group_.clear();
+  std::map<Kind, double> slowest;  // bands of one pass differ: sky is done sooner
   for (std::size_t k = 0; k < timed_.size(); ++k) {
-    timed_[k].ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;
-    times_.push_back(std::move(timed_[k]));
+    Timed& timed = timed_[k];
+    timed.time.ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;
+    double& of_group = slowest[timed.kind];
+    of_group = std::max(of_group, timed.time.ms / timed.groups);
+    if (timed.further && !times_.empty())
+      times_.back().ms += timed.time.ms;
+    else
+      times_.push_back(std::move(timed.time));
   }
+  for (const auto& [kind, ms] : slowest) ms_of_group_[kind] = ms;
   return {};
+}
+
+std::optional<double> Commands::ms_of_group(Kind kind) const {
+  const auto found = ms_of_group_.find(kind);
+  return found == ms_of_group_.end() ? std::nullopt : std::optional(found->second);
 }
 
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
@@ -180,8 +196,9 @@ Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   return given;
 }
 
-void Commands::begin_pass(std::string_view effect, std::string_view pass) {
-  timed_.push_back({std::string(effect), std::string(pass), 0.0});
+void Commands::begin_pass(std::string_view effect, std::string_view pass, Kind kind, double groups, bool further) {
+  timed_.push_back({{std::string(effect), std::string(pass), 0.0}, kind, groups, further});
+  noted_ms_ += groups * ms_of_group(kind).value_or(0.0);
   if (queries_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * (std::uint32_t(timed_.size()) - 1));

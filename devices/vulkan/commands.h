@@ -1,5 +1,7 @@
 // What a Vulkan device is asked for, noted down until somebody needs the result; then it is all handed over at once.
 #pragma once
+#include <compare>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -42,9 +44,21 @@ class Commands {
   Result<Uniforms> uniforms(std::size_t bytes);
   VkBuffer uniform_buffer() const { return uniforms_->buffer; }
 
-  /// Between these the pass is noted down whose time is taken.
-  void begin_pass(std::string_view effect, std::string_view pass);
+  /// Work that takes about as long each time: a shader, and a number that stands for what it is set to.
+  struct Kind {
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    std::size_t settings = 0;
+    auto operator<=>(const Kind&) const = default;
+  };
+  /// Between these a pass of so many workgroups is noted down, or a further band of the one before, whose time is
+  /// taken.
+  void begin_pass(std::string_view effect, std::string_view pass, Kind kind, double groups, bool further);
   void end_pass();
+  /// What a workgroup of a kind took when that was last known.
+  std::optional<double> ms_of_group(Kind kind) const;
+  /// What all that is noted down is likely to take, as far as that is known.
+  double noted_ms() const { return noted_ms_; }
+  bool takes_times() const { return queries_ != VK_NULL_HANDLE; }
   std::vector<PassTime> take_pass_times() { return std::exchange(times_, {}); }
 
  private:
@@ -65,7 +79,15 @@ class Commands {
   bool recording_ = false, handed_over_ = false;
   std::optional<Error> lost_;  // what there is to say of a device that is gone: it is asked for nothing more
   std::vector<std::shared_ptr<const void>> kept_;
-  std::vector<PassTime> timed_;  // of the commands noted down, still without times
+  struct Timed {
+    PassTime time;
+    Kind kind;
+    double groups = 0.0;
+    bool further = false;
+  };
+  std::vector<Timed> timed_;  // of the commands noted down, still without times
+  std::map<Kind, double> ms_of_group_;
+  double noted_ms_ = 0.0;
   std::vector<PassTime> times_;
 };
 

@@ -157,6 +157,7 @@ Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, VkPi
   if (const auto r = vk.CreateShaderModule(gpu_->device, &code, nullptr, &shader); r != VK_SUCCESS)
     return vulkan_error(r, "compiled a kernel");
   VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
+  create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE;  // dispatches may be cut into bands
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   create.stage.module = shader;

@@ -69,14 +69,16 @@ class VulkanDevice final : public Device {
  public:
   /// `capture` is what draws scenes; null: this device itself.
   VulkanDevice(GpuPtr gpu, std::string name, std::string description, int threads, std::unique_ptr<Device> capture,
-               bool tuned)
+               const VulkanSettings& settings)
       : gpu_(std::move(gpu)),
         memory_(std::make_shared<Memory>(gpu_)),
         name_(std::move(name)),
         description_(std::move(description)),
         threads_(threads),
         capture_(std::move(capture)),
-        tuned_(tuned) {}
+        tuned_(settings.tuned),
+        longest_ms_(settings.longest_ms),
+        first_groups_(settings.first_groups) {}
 
   ~VulkanDevice() override {
     memory_->wait = [] { return Result<void>(); };
@@ -103,6 +105,7 @@ class VulkanDevice final : public Device {
   Result<void> prepare(const Scene& scene) override {
     if (capture_) return capture_->prepare(scene);
     scene_ = {};
+    ++scenes_;
     traced_.reset();
     auto ready = upload_scene(scene, *memory_, *commands_, *gpu_);
     if (!ready) return ready.error();
@@ -450,21 +453,63 @@ class VulkanDevice final : public Device {
       table.push_back(plane ? plane->address : 0);  // a layer that is not there: nobody stores to it
     }
     const FrameConstants frame = frame_constants(run.info, planes.stride, run.round);
-    return dispatch({*pipeline, run.effect.name, step.name, step.group_width, step.group_height}, run.info,
-                    {std::as_bytes(std::span(&frame, 1)), run.constants}, table);
+    return dispatch({*pipeline, run.effect.name, step.name, number_of(run.params), step.group_width, step.group_height},
+                    run.info, {std::as_bytes(std::span(&frame, 1)), run.constants}, table);
   }
 
   /// A shader that is to run over all pixels, and whose time is taken under these names.
   struct Work {
     VkPipeline pipeline;
     std::string_view effect, pass;
+    std::size_t settings = 0;                         // see Commands::Kind
     int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
   };
+  using Constants = std::initializer_list<std::span<const std::byte>>;
+  using Table = std::span<const VkDeviceAddress>;
 
-  /// Notes down a shader over all pixels that reads constants, one part after the other, and a table of addresses.
-  Result<void> dispatch(const Work& work, const PictureInfo& info,
-                        std::initializer_list<std::span<const std::byte>> constants,
-                        std::span<const VkDeviceAddress> table) {
+  /// Notes down a shader over all pixels that reads constants, one part after the other, and a table of addresses. What
+  /// may take too long for one submission is done in bands; of what is new first a few rows in the middle, where
+  /// there is likely to be more than background.
+  Result<void> dispatch(const Work& work, const PictureInfo& info, Constants constants, Table table) {
+    const int columns = groups_of(info.width, work.group_width), rows = groups_of(info.height, work.group_height);
+    if (!(longest_ms_ > 0.0) || !commands_->takes_times())
+      return note_rows(work, columns, 0, rows, false, constants, table);
+    const Commands::Kind kind{work.pipeline, work.settings};
+    const int first_rows = std::max(first_groups_ / columns, 1);
+    int begin = 0, end = 0;  // rows that are done
+    if (!commands_->ms_of_group(kind)) {
+      if (rows <= first_rows) return note_rows(work, columns, 0, rows, false, constants, table);
+      begin = (rows - first_rows) / 2;
+      end = begin + first_rows;
+      if (auto done = note_rows(work, columns, begin, end, false, constants, table); !done) return done;
+      if (auto done = commands_->finish(); !done) return done;
+    }
+    const bool further = end > begin;
+    if (auto done = note_bands(work, columns, 0, begin, further, constants, table); !done) return done;
+    return note_bands(work, columns, end, rows, further, constants, table);
+  }
+
+  /// Rows of workgroups whose time is known, handed over wherever they become too many.
+  Result<void> note_bands(const Work& work, int columns, int row, int end, bool further, Constants constants,
+                          Table table) {
+    while (row < end) {
+      const double ms_of_row =
+          std::max(columns * commands_->ms_of_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
+      const double left_ms = longest_ms_ - commands_->noted_ms();
+      if (left_ms < ms_of_row && commands_->noted_ms() > 0.0) {
+        if (auto done = commands_->finish(); !done) return done;
+        continue;
+      }
+      const int band = int(std::clamp(left_ms / ms_of_row, 1.0, double(end - row)));
+      if (auto done = note_rows(work, columns, row, row + band, further, constants, table); !done) return done;
+      row += band;
+      further = true;
+    }
+    return {};
+  }
+
+  Result<void> note_rows(const Work& work, int columns, int row, int end, bool further, Constants constants,
+                         Table table) {
     std::size_t bytes = kTableBytes;
     for (const auto& part : constants) bytes += part.size();
     const auto uniforms = commands_->uniforms(bytes);
@@ -479,13 +524,14 @@ class VulkanDevice final : public Device {
       to += part.size();
     }
     commands_->barrier();
-    commands_->begin_pass(work.effect, work.pass);
+    commands_->begin_pass(work.effect, work.pass, {work.pipeline, work.settings}, double(columns) * (end - row),
+                          further);
     gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, work.pipeline);
     const VkDescriptorSet set = pipelines_->constants();
     const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
     gpu_->vk.CmdBindDescriptorSets(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_->pass_layout(), 0, 1, &set, 2,
                                    offsets);
-    over_pixels(*buffer, info, work.group_width, work.group_height);
+    gpu_->vk.CmdDispatchBase(*buffer, 0, std::uint32_t(row), 0, std::uint32_t(columns), std::uint32_t(end - row), 1);
     commands_->end_pass();
     return {};
   }
@@ -550,7 +596,11 @@ class VulkanDevice final : public Device {
     }
     const PictureInfo info = layer_info(frame.info, layer);
     const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
-    return dispatch({*pipeline, "capture", layer_plane(layer, "planes")}, info,
+    // Rays take as long as scene, lights and the layers before make them.
+    const std::size_t kind =
+        ((scenes_ * kMostLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
+        std::size_t(settings.shadows);
+    return dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
                     {std::as_bytes(std::span(&constants, 1))}, table);
   }
 
@@ -613,13 +663,15 @@ class VulkanDevice final : public Device {
     gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, *pipeline);
     gpu_->vk.CmdPushConstants(*buffer, pipelines_->pick_layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,
                               offsetof(PickConstants, factor) + sizeof(int), &constants);
-    over_pixels(*buffer, to.info, kGroup, kGroup);
+    gpu_->vk.CmdDispatch(*buffer, std::uint32_t(groups_of(to.info.width, kGroup)),
+                         std::uint32_t(groups_of(to.info.height, kGroup)), 1);
     return {};
   }
 
-  void over_pixels(VkCommandBuffer buffer, const PictureInfo& info, int group_width, int group_height) {
-    gpu_->vk.CmdDispatch(buffer, std::uint32_t((info.width + group_width - 1) / group_width),
-                         std::uint32_t((info.height + group_height - 1) / group_height), 1);
+  static int groups_of(int pixels, int group) { return (pixels + group - 1) / group; }
+
+  static std::size_t number_of(std::span<const std::byte> bytes) {
+    return std::hash<std::string_view>()({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   }
 
   /// Of the table of planes, on each device a multiple of what constants must be aligned to.
@@ -633,8 +685,11 @@ class VulkanDevice final : public Device {
   int threads_ = 1;
   std::unique_ptr<Device> capture_;
   bool tuned_ = true;
+  double longest_ms_ = 0.0;
+  int first_groups_ = 1;
   DeviceScene scene_;
-  TracedScenePtr traced_;  // only where somebody wanted further cameras
+  std::size_t scenes_ = 0;  // prepared so far
+  TracedScenePtr traced_;   // only where somebody wanted further cameras
 };
 
 std::string summary_of(const PhysicalGpu& gpu) {
@@ -704,7 +759,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   std::string description = fmt::format("vulkan:{}: {}", index, summary_of(chosen));
   if (!here) description += fmt::format("; scenes are captured by {}", capture->description());
   auto device = std::make_unique<VulkanDevice>(*gpu, fmt::format("vulkan:{}", index), std::move(description), threads,
-                                               here ? nullptr : std::move(capture), settings.tuned);
+                                               here ? nullptr : std::move(capture), settings);
   if (auto started = device->start(pipelines); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }
@@ -713,7 +768,8 @@ Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign)
   auto gpu = adopt_gpu(foreign);
   if (!gpu) return gpu.error();
   const std::filesystem::path file = pipeline_file(cache_name(**gpu));
-  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr, true);
+  auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr,
+                                               VulkanSettings{.longest_ms = 0.0});
   if (auto started = device->start(file); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }

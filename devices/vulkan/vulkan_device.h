@@ -24,7 +24,12 @@ struct VulkanSettings {
   /// Where set, validation layers look at every call, synchronization included, and what they say comes here.
   ValidationMessage on_message;
   VulkanCapture capture = VulkanCapture::kAuto;
-  bool tuned = true;                        ///< run passes in their own ways for GPUs, where they have one that fits
+  bool tuned = true;  ///< run passes in their own ways for GPUs, where they have one that fits
+  /// Drivers end work that takes seconds. A pass that is likely to take the time of a submission beyond this is done in
+  /// bands, in several submissions; 0: never.
+  double longest_ms = 200.0;
+  /// Workgroups of a pass that is new, or newly set, after which its time is looked at.
+  int first_groups = 256;
   PFN_vkGetInstanceProcAddr get = nullptr;  ///< null: that of the system's loader
   std::string pipeline_folder;              ///< of compiled pipelines; empty: in the user's cache; "none": nowhere
 };
