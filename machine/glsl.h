@@ -88,28 +88,22 @@ layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPl
 #define IN_REAL(name) IN_REAL_AT(name, 0)
 #define IN_VECTOR(name) IN_TRIPLE_AT(name, 0, x, y, z)
 #define IN_COLOR(name) IN_TRIPLE_AT(name, 0, r, g, b)
-// A plane of every layer: read_NAME_of(layer, place), layer the same for all pixels.
-#define OF_LAYERS(type, name)                   \
-  type read_##name##_of(int layer, int place) { \
-    switch (layer) {                            \
-      case 0:                                   \
-        return read_##name(place);              \
-      case 1:                                   \
-        return read_layer1_##name(place);       \
-      case 2:                                   \
-        return read_layer2_##name(place);       \
-      case 3:                                   \
-        return read_layer3_##name(place);       \
-      case 4:                                   \
-        return read_layer4_##name(place);       \
-      case 5:                                   \
-        return read_layer5_##name(place);       \
-      case 6:                                   \
-        return read_layer6_##name(place);       \
-      default:                                  \
-        return read_layer7_##name(place);       \
-    }                                           \
-  }                                             \
+// A plane of every layer: read_NAME_of(layer, place), layer the same for all pixels. The plane is chosen, not what is
+// read: lavapipe runs all cases of a switch.
+#define SLOT_OF_LAYER(name)                      \
+  int name##_slot_of(int layer) {                \
+    int slot = name##_slot;                      \
+    if (layer == 1) slot = layer1_##name##_slot; \
+    if (layer == 2) slot = layer2_##name##_slot; \
+    if (layer == 3) slot = layer3_##name##_slot; \
+    if (layer == 4) slot = layer4_##name##_slot; \
+    if (layer == 5) slot = layer5_##name##_slot; \
+    if (layer == 6) slot = layer6_##name##_slot; \
+    if (layer == 7) slot = layer7_##name##_slot; \
+    return slot;                                 \
+  }                                              \
+  float read_##name##_of(int layer, int place) { return InPlane(planes[name##_slot_of(layer)]).at[place]; }
+#define NEAR_OF_LAYER(type, name) \
   type near_##name##_of(int layer, int i, int j) { return read_##name##_of(layer, index_of(here.x + i, here.y + j)); }
 #define IN_LAYERS_REAL(name)   \
   IN_REAL_AT(name, 0)          \
@@ -120,17 +114,25 @@ layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPl
   IN_REAL_AT(layer5_##name, 5) \
   IN_REAL_AT(layer6_##name, 6) \
   IN_REAL_AT(layer7_##name, 7) \
-  OF_LAYERS(float, name)
-#define IN_LAYERS_TRIPLE(name, a, b, c)    \
-  IN_TRIPLE_AT(name, 0, a, b, c)           \
-  IN_TRIPLE_AT(layer1_##name, 3, a, b, c)  \
-  IN_TRIPLE_AT(layer2_##name, 6, a, b, c)  \
-  IN_TRIPLE_AT(layer3_##name, 9, a, b, c)  \
-  IN_TRIPLE_AT(layer4_##name, 12, a, b, c) \
-  IN_TRIPLE_AT(layer5_##name, 15, a, b, c) \
-  IN_TRIPLE_AT(layer6_##name, 18, a, b, c) \
-  IN_TRIPLE_AT(layer7_##name, 21, a, b, c) \
-  OF_LAYERS(vec3, name)
+  SLOT_OF_LAYER(name)          \
+  NEAR_OF_LAYER(float, name)
+#define IN_LAYERS_TRIPLE(name, a, b, c)                                                     \
+  IN_TRIPLE_AT(name, 0, a, b, c)                                                            \
+  IN_TRIPLE_AT(layer1_##name, 3, a, b, c)                                                   \
+  IN_TRIPLE_AT(layer2_##name, 6, a, b, c)                                                   \
+  IN_TRIPLE_AT(layer3_##name, 9, a, b, c)                                                   \
+  IN_TRIPLE_AT(layer4_##name, 12, a, b, c)                                                  \
+  IN_TRIPLE_AT(layer5_##name, 15, a, b, c)                                                  \
+  IN_TRIPLE_AT(layer6_##name, 18, a, b, c)                                                  \
+  IN_TRIPLE_AT(layer7_##name, 21, a, b, c)                                                  \
+  SLOT_OF_LAYER(name##_##a)                                                                 \
+  SLOT_OF_LAYER(name##_##b)                                                                 \
+  SLOT_OF_LAYER(name##_##c)                                                                 \
+  vec3 read_##name##_of(int layer, int place) {                                             \
+    return vec3(read_##name##_##a##_of(layer, place), read_##name##_##b##_of(layer, place), \
+                read_##name##_##c##_of(layer, place));                                      \
+  }                                                                                         \
+  NEAR_OF_LAYER(vec3, name)
 #define IN_LAYERS_VECTOR(name) IN_LAYERS_TRIPLE(name, x, y, z)
 #define IN_LAYERS_COLOR(name) IN_LAYERS_TRIPLE(name, r, g, b)
 #define LIST(type, name, length)                                \

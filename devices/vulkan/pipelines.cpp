@@ -116,7 +116,7 @@ Pipelines::~Pipelines() {
       write_pipelines(file_, data);
     }
   }
-  for (const auto& [spirv, pipeline] : pipelines_) vk.DestroyPipeline(device, pipeline, nullptr);
+  for (const auto& [key, pipeline] : pipelines_) vk.DestroyPipeline(device, pipeline, nullptr);
   if (cache_) vk.DestroyPipelineCache(device, cache_, nullptr);
   if (pick_layout_) vk.DestroyPipelineLayout(device, pick_layout_, nullptr);
   if (pass_layout_) vk.DestroyPipelineLayout(device, pass_layout_, nullptr);
@@ -124,8 +124,11 @@ Pipelines::~Pipelines() {
   if (set_layout_) vk.DestroyDescriptorSetLayout(device, set_layout_, nullptr);
 }
 
-Result<VkPipeline> Pipelines::of(const GpuStep& step) {
-  if (const auto found = pipelines_.find(step.spirv.data()); found != pipelines_.end()) return found->second;
+Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte> block) {
+  auto known = options_.find(step.spirv.data());
+  if (known == options_.end()) known = options_.emplace(step.spirv.data(), options_of(step.spirv)).first;
+  const Options options = option_values(known->second, block);
+  if (const auto found = pipelines_.find({step.spirv.data(), options}); found != pipelines_.end()) return found->second;
   const std::vector<std::string_view> table = plane_table(step);
   std::vector<VkSpecializationMapEntry> entries;
   std::vector<std::int32_t> values;
@@ -139,20 +142,23 @@ Result<VkPipeline> Pipelines::of(const GpuStep& step) {
   }
   const VkSpecializationInfo specialization{std::uint32_t(entries.size()), entries.data(),
                                             values.size() * sizeof(std::int32_t), values.data()};
-  return compile(step.spirv, pass_layout_, &specialization);
+  return compile(step.spirv, options, pass_layout_, &specialization);
 }
 
-Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, pick_layout_, nullptr); }
-Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, pass_layout_, nullptr); }
-Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, {}, pick_layout_, nullptr); }
+Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, {}, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, {}, pass_layout_, nullptr); }
 
-Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, VkPipelineLayout layout,
-                                      const VkSpecializationInfo* values) {
-  if (const auto found = pipelines_.find(spirv.data()); found != pipelines_.end()) return found->second;
+Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, const Options& options,
+                                      VkPipelineLayout layout, const VkSpecializationInfo* values) {
+  const std::pair key(spirv.data(), options);
+  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  const std::vector<std::uint32_t> words = options.empty() ? std::vector(spirv.begin(), spirv.end())
+                                                           : with_options(spirv, options_.at(spirv.data()), options);
   const auto& vk = gpu_->vk;
   VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  code.codeSize = spirv.size_bytes();
-  code.pCode = spirv.data();
+  code.codeSize = words.size() * sizeof(std::uint32_t);
+  code.pCode = words.data();
   VkShaderModule shader = VK_NULL_HANDLE;
   if (const auto r = vk.CreateShaderModule(gpu_->device, &code, nullptr, &shader); r != VK_SUCCESS)
     return vulkan_error(r, "compiled a kernel");
@@ -168,7 +174,7 @@ Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, VkPi
   const VkResult made = vk.CreateComputePipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
   vk.DestroyShaderModule(gpu_->device, shader, nullptr);
   if (made != VK_SUCCESS) return vulkan_error(made, "compiled a kernel");
-  pipelines_[spirv.data()] = pipeline;
+  pipelines_[key] = pipeline;
   return pipeline;
 }
 

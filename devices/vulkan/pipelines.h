@@ -3,9 +3,14 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "core/effect.h"
 #include "devices/vulkan/gpu.h"
+#include "devices/vulkan/options.h"
 
 namespace umbrage {
 
@@ -32,8 +37,9 @@ class Pipelines {
   Pipelines(const Pipelines&) = delete;
   Pipelines& operator=(const Pipelines&) = delete;
 
-  /// The step's pipeline, compiled when it is first asked for. Errors: kDevice.
-  Result<VkPipeline> of(const GpuStep& step);
+  /// The step's pipeline for this block of constants, compiled when one with the same options is first asked for.
+  /// Errors: kDevice.
+  Result<VkPipeline> of(const GpuStep& step, std::span<const std::byte> block);
   Result<VkPipeline> pick();
   /// capture.comp and convert.comp, which get constants and a table as passes do.
   Result<VkPipeline> capture();
@@ -46,7 +52,9 @@ class Pipelines {
  private:
   explicit Pipelines(GpuPtr gpu) : gpu_(std::move(gpu)) {}
   Result<void> make_layouts(VkBuffer uniforms);
-  Result<VkPipeline> compile(std::span<const std::uint32_t> spirv, VkPipelineLayout layout,
+  using Options = std::vector<std::optional<std::int32_t>>;
+  /// The pipeline that is kept as that of `spirv` with these options.
+  Result<VkPipeline> compile(std::span<const std::uint32_t> spirv, const Options& options, VkPipelineLayout layout,
                              const VkSpecializationInfo* values);
 
   GpuPtr gpu_;
@@ -55,7 +63,8 @@ class Pipelines {
   VkDescriptorSet set_ = VK_NULL_HANDLE;
   VkPipelineLayout pass_layout_ = VK_NULL_HANDLE, pick_layout_ = VK_NULL_HANDLE;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
-  std::map<const std::uint32_t*, VkPipeline> pipelines_;  // by their SPIR-V
+  std::map<const std::uint32_t*, KernelOptions> options_;                     // by their SPIR-V
+  std::map<std::pair<const std::uint32_t*, Options>, VkPipeline> pipelines_;  // likewise
   std::filesystem::path file_;
   std::size_t read_ = 0;  // bytes of the file
 };

@@ -311,7 +311,7 @@ class VulkanDevice final : public Device {
     constants.far_depth = meaning.far_depth;
     std::copy_n(meaning.turn, 9, constants.turn);
     return dispatch({*pipeline, "image", to_image ? "write" : "read"}, frame.info,
-                    {std::as_bytes(std::span(&constants, 1))}, table);
+                    std::as_bytes(std::span(&constants, 1)), table);
   }
 
   /// How many planes are copied to or from the host at once.
@@ -444,7 +444,8 @@ class VulkanDevice final : public Device {
   }
 
   Result<void> run_step(const PassRun& run, const GpuStep& step, const Planes& planes, const StepPlanes& own) {
-    const auto pipeline = pipelines_->of(step);
+    const std::vector<std::byte> block = block_of(frame_constants(run.info, planes.stride, run.round), run.constants);
+    const auto pipeline = pipelines_->of(step, block);
     if (!pipeline) return pipeline.error();
     std::vector<VkDeviceAddress> table;
     for (std::string_view name : plane_table(step)) {
@@ -452,9 +453,8 @@ class VulkanDevice final : public Device {
       const DevicePlane* plane = found != own.end() ? found->second.get() : planes.find(run.plane(name));
       table.push_back(plane ? plane->address : 0);  // a layer that is not there: nobody stores to it
     }
-    const FrameConstants frame = frame_constants(run.info, planes.stride, run.round);
     return dispatch({*pipeline, run.effect.name, step.name, number_of(run.params), step.group_width, step.group_height},
-                    run.info, {std::as_bytes(std::span(&frame, 1)), run.constants}, table);
+                    run.info, block, table);
   }
 
   /// A shader that is to run over all pixels, and whose time is taken under these names.
@@ -464,10 +464,10 @@ class VulkanDevice final : public Device {
     std::size_t settings = 0;                         // see Commands::Kind
     int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
   };
-  using Constants = std::initializer_list<std::span<const std::byte>>;
+  using Constants = std::span<const std::byte>;
   using Table = std::span<const VkDeviceAddress>;
 
-  /// Notes down a shader over all pixels that reads constants, one part after the other, and a table of addresses. What
+  /// Notes down a shader over all pixels that reads constants and a table of addresses. What
   /// may take too long for one submission is done in bands; of what is new first a few rows in the middle, where
   /// there is likely to be more than background.
   Result<void> dispatch(const Work& work, const PictureInfo& info, Constants constants, Table table) {
@@ -510,19 +510,13 @@ class VulkanDevice final : public Device {
 
   Result<void> note_rows(const Work& work, int columns, int row, int end, bool further, Constants constants,
                          Table table) {
-    std::size_t bytes = kTableBytes;
-    for (const auto& part : constants) bytes += part.size();
-    const auto uniforms = commands_->uniforms(bytes);
+    const auto uniforms = commands_->uniforms(kTableBytes + constants.size());
     if (!uniforms) return uniforms.error();
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     // The table comes first: it is as large for all shaders, and so the constants lie as aligned as it does.
     std::memcpy(uniforms->bytes, table.data(), table.size_bytes());
-    std::byte* to = uniforms->bytes + kTableBytes;
-    for (const auto& part : constants) {
-      std::memcpy(to, part.data(), part.size());
-      to += part.size();
-    }
+    std::memcpy(uniforms->bytes + kTableBytes, constants.data(), constants.size());
     commands_->barrier();
     commands_->begin_pass(work.effect, work.pass, {work.pipeline, work.settings}, double(columns) * (end - row),
                           further);
@@ -601,7 +595,7 @@ class VulkanDevice final : public Device {
         ((scenes_ * kMostLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
         std::size_t(settings.shadows);
     return dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
-                    {std::as_bytes(std::span(&constants, 1))}, table);
+                    std::as_bytes(std::span(&constants, 1)), table);
   }
 
   /// Softens the shadows of lights that have a size: see devices/shared/soften_passes.h.
@@ -615,16 +609,16 @@ class VulkanDevice final : public Device {
     const auto run = [&](const Pass& pass, const PictureInfo& info, const SoftenConstants& constants,
                          const std::map<std::string_view, VkDeviceAddress>& own) -> Result<void> {
       const GpuStep step = plain_step(pass);
-      const auto pipeline = pipelines_->of(step);
+      const std::vector<std::byte> block =
+          block_of(frame_constants(info, planes.stride, 0), std::as_bytes(std::span(&constants, 1)));
+      const auto pipeline = pipelines_->of(step, block);
       if (!pipeline) return pipeline.error();
       std::vector<VkDeviceAddress> table;
       for (std::string_view name : plane_table(step)) {
         const auto found = own.find(name);
         table.push_back(found != own.end() ? found->second : planes.find(std::string(name))->address);
       }
-      const FrameConstants frame_of = frame_constants(info, planes.stride, 0);
-      return dispatch({*pipeline, "capture", pass.name}, info,
-                      {std::as_bytes(std::span(&frame_of, 1)), std::as_bytes(std::span(&constants, 1))}, table);
+      return dispatch({*pipeline, "capture", pass.name}, info, block, table);
     };
     PictureInfo blocks = frame.info;
     blocks.width = (blocks.width + kSoftenBlock - 1) / kSoftenBlock;
@@ -666,6 +660,14 @@ class VulkanDevice final : public Device {
     gpu_->vk.CmdDispatch(*buffer, std::uint32_t(groups_of(to.info.width, kGroup)),
                          std::uint32_t(groups_of(to.info.height, kGroup)), 1);
     return {};
+  }
+
+  /// What a kernel reads besides planes.
+  static std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std::byte> constants) {
+    const auto of_frame = std::as_bytes(std::span(&frame, 1));
+    std::vector<std::byte> block(of_frame.begin(), of_frame.end());
+    block.insert(block.end(), constants.begin(), constants.end());
+    return block;
   }
 
   static int groups_of(int pixels, int group) { return (pixels + group - 1) / group; }

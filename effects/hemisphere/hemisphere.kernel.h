@@ -244,6 +244,54 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
   }
 }
 
+// What lies before a sample point, at the middle of the pixel (x, y) of the i-th layer.
+struct Hiding {
+  Bool before;  // it counts at all
+  Bool hides;
+  Real weight;
+};
+
+// Of the pixel that looks.
+struct Looking {
+  Vec3 position, normal;
+  Real depth, limit;  // of its range, by the first camera
+  Real rounding, least_height, least_nearer;
+};
+
+FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_depth, Bool hideable) {
+  Bool before = tap > 0.0f && point_depth - tap > from.least_nearer;
+  Vec3 seen = seen_position(i, x, y, tap);
+  Vec3 occluder = seen;
+  Real own_depth = from.depth;
+  Real limit = from.limit;
+  if (C.other[i] != 0) {
+    occluder = turned_back(i, seen - added_to(i));
+    own_depth = own_depth_of(i, from.position);
+    limit = range_limit(own_depth);
+  }
+  Vec3 way = occluder - from.position;
+  Real weight = range_weight(own_depth, tap, limit);
+  before = before && weight > 0.0f;
+  Bool hides = before;
+  if (C.other[i] != 0) hides = hides && hideable && dot(way, way) <= Real(C.radius * C.radius);
+  if (C.rises != 0) hides = hides && dot(way, from.normal) > from.least_height;
+  if (kGathersLight) {
+    // Whether it faces the pixel, and what it sends, is looked up later.
+    before = before && dot(way, from.normal) > from.rounding;
+    if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
+  }
+  return Hiding(before, hides, weight);
+}
+
+// Notes down what may send light; returns how much is noted.
+FN int noted(int found, Bool where, int i, Real x, Real y, Real tap, Real point_depth) {
+  append_found_pixel(found, where, (to_uint(to_int(y)) << 16) | to_uint(to_int(x)));
+  append_found_by(found, where, to_uint(this_lane() + Int(i * 256)));
+  append_found_depth(found, where, tap);
+  append_hidden_depth(found, where, point_depth);
+  return found + how_many(where);
+}
+
 FN void gather(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Real depth = near_depth(0, 0);
@@ -266,7 +314,7 @@ FN void gather(Int px, Int py) {
   Real least_height = rounding + Real(C.least_height);
   Real least_nearer = rounding + Real(C.least_nearer);
   Real least_depth = depth * kLeastDepth;
-  Real own_limit = range_limit(depth);
+  Looking from = Looking(position, normal, depth, range_limit(depth), rounding, least_height, least_nearer);
   Int own_place = place_of(to_real(px), to_real(py));
   int found_count = 0;
   Real hidden = Real(0.0f);
@@ -274,7 +322,10 @@ FN void gather(Int px, Int py) {
   if (kGathersLight) clear_arrived();
   Real last_column = Real(float(F.width - 1));
   Real last_line = Real(float(F.height - 1));
-  int at_once = kListLength / C.layer_count;
+  // Compared with a number it is one of a GPU's options (devices/vulkan/options.h): the loop over one layer is then
+  // none.
+  int layers = C.layer_count == 1 ? 1 : C.layer_count;
+  int at_once = kListLength / layers;
   for (int first = 0; first < C.samples; first += at_once) {
     int end = first + at_once < C.samples ? first + at_once : C.samples;
     int kept = 0;
@@ -297,13 +348,14 @@ FN void gather(Int px, Int py) {
       Bool known = surface && !surface;
       // The first camera sees the sample point itself: it is in the open, whatever another camera has before it.
       Bool open = known;
+      Bool found = known;  // the sample point is hidden already
       // As the layer's camera sees it; the same for layers of one camera.
       Real point_depth = depth;
       Bool inside = surface;
       Real x = depth;
       Real y = depth;
       Int place = own_place;
-      for (int i = 0; i < C.layer_count; ++i) {
+      for (int i = 0; i < layers; ++i) {
         if (C.new_view[i] != 0) {
           Vec3 there = point;
           if (C.other[i] != 0) there = turned_to(i, point) + added_to(i);
@@ -323,57 +375,43 @@ FN void gather(Int px, Int py) {
           known = known || inside;
         }
         Real tap = select(inside, read_depth_of(C.layer[i], place), Real(0.0f));
-        keep_tap_x(kept, x);
-        keep_tap_y(kept, y);
-        keep_tap_depth(kept, tap);
-        if (i == 0) open = inside && !(tap > 0.0f && point_depth - tap > least_nearer);
-        // Below 0 where what is found sends light, but does not hide.
-        keep_sample_depth(kept, select(open, -point_depth, point_depth));
-        kept_sample[kept] = k;
-        kept_layer[kept] = i;
-        // No branch: whether any lies before it is hard to foresee.
-        kept += some(tap > 0.0f && point_depth - tap > least_nearer) ? 1 : 0;
+        Bool before = tap > 0.0f && point_depth - tap > least_nearer;
+        if (i == 0) open = inside && !before;
+        if (kLanes == 1) {
+          // Nobody to wait for: it is looked at at once.
+          Hiding by = hiding_of(from, i, x, y, tap, point_depth, !open);
+          Bool hides = by.hides && !found;
+          hidden = hidden + select(hides, by.weight * Real(C.points[5 * k + 4]), Real(0.0f));
+          found = found || hides;
+          if (kGathersLight) found_count = noted(found_count, by.before, i, x, y, tap, point_depth);
+        } else {
+          keep_tap_x(kept, x);
+          keep_tap_y(kept, y);
+          keep_tap_depth(kept, tap);
+          // Below 0 where what is found sends light, but does not hide.
+          keep_sample_depth(kept, select(open, -point_depth, point_depth));
+          kept_sample[kept] = k;
+          kept_layer[kept] = i;
+          // No branch: whether any lies before it is hard to foresee.
+          kept += some(before) ? 1 : 0;
+        }
       }
       count = count + select(known, Real(C.points[5 * k + 4]), Real(0.0f));
     }
-    Bool found = surface && !surface;  // the sample point is hidden already
+    Bool found = surface && !surface;
     for (int slot = 0; slot < kept; ++slot) {
       int i = kept_layer[slot];
       int k = kept_sample[slot];
       if (slot > 0 && k != kept_sample[slot - 1]) found = surface && !surface;
       Real tap = kept_tap_depth(slot);
-      Bool hideable = kept_sample_depth(slot) > 0.0f;
       Real point_depth = abs(kept_sample_depth(slot));
       Real x = kept_tap_x(slot);
       Real y = kept_tap_y(slot);
-      Bool before = tap > 0.0f && point_depth - tap > least_nearer;
-      Vec3 seen = seen_position(i, x, y, tap);
-      Vec3 occluder = seen;
-      Real own_depth = depth;
-      Real limit = own_limit;
-      if (C.other[i] != 0) {
-        occluder = turned_back(i, seen - added_to(i));
-        own_depth = own_depth_of(i, position);
-        limit = range_limit(own_depth);
-      }
-      Vec3 way = occluder - position;
-      Real weight = range_weight(own_depth, tap, limit);
-      before = before && weight > 0.0f;
-      Bool hides = before && !found;
-      if (C.other[i] != 0) hides = hides && hideable && dot(way, way) <= Real(C.radius * C.radius);
-      if (C.rises != 0) hides = hides && dot(way, normal) > least_height;
-      hidden = hidden + select(hides, weight * Real(C.points[5 * k + 4]), Real(0.0f));
+      Hiding by = hiding_of(from, i, x, y, tap, point_depth, kept_sample_depth(slot) > 0.0f);
+      Bool hides = by.hides && !found;
+      hidden = hidden + select(hides, by.weight * Real(C.points[5 * k + 4]), Real(0.0f));
       found = found || hides;
-      if (kGathersLight) {
-        // Whether it faces the pixel, and what it sends, is looked up later.
-        before = before && dot(way, normal) > rounding;
-        if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
-        append_found_pixel(found_count, before, (to_uint(to_int(y)) << 16) | to_uint(to_int(x)));
-        append_found_by(found_count, before, to_uint(this_lane() + Int(i * 256)));
-        append_found_depth(found_count, before, tap);
-        append_hidden_depth(found_count, before, point_depth);
-        found_count += how_many(before);
-      }
+      if (kGathersLight) found_count = noted(found_count, by.before, i, x, y, tap, point_depth);
     }
     if (kGathersLight && (end == C.samples || found_count > kMostFound - kListLength * kLanes)) {
       for (int i = 0; i < C.layer_count; i = C.view_end[i]) {

@@ -1,0 +1,74 @@
+// Which numbers of a kernel's constants become part of its shader, and that it still is one.
+#include "devices/vulkan/options.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
+#include "devices/vulkan/slots.h"
+#include "effects/bitmask/bitmask.h"
+#include "effects/effects.h"
+#include "effects/hemisphere/hemisphere.h"
+
+namespace umbrage {
+namespace {
+
+const Pass& pass_of(std::string_view effect, std::string_view name) {
+  const auto& passes = find_effect(effect)->passes;
+  return *std::find_if(passes.begin(), passes.end(), [&](const Pass& pass) { return pass.name == name; });
+}
+
+const Option* option_at(const KernelOptions& options, std::size_t offset) {
+  for (const Option& option : options.options)
+    if (option.offset == offset) return &option;
+  return nullptr;
+}
+
+TEST(KernelOptions, AreWhatTheKernelCompares) {
+  const KernelOptions options = options_of(pass_of("hemisphere", "occlusion").spirv);
+  const std::size_t effect = sizeof(FrameConstants);
+  const Option* range = option_at(options, effect + offsetof(HemisphereConstants, range));
+  ASSERT_NE(range, nullptr);
+  EXPECT_EQ(range->count, 1);
+  const Option* other = option_at(options, effect + offsetof(HemisphereConstants, other));
+  ASSERT_NE(other, nullptr);
+  EXPECT_EQ(other->count, kLayersRead);
+  EXPECT_NE(option_at(options, effect + offsetof(HemisphereConstants, layer_count)), nullptr);
+  EXPECT_NE(option_at(options, offsetof(FrameConstants, orthographic)), nullptr);
+  // What is counted or computed with is none: another number needs no other shader.
+  EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, samples)), nullptr);
+  EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, seed)), nullptr);
+  EXPECT_EQ(option_at(options, offsetof(FrameConstants, width)), nullptr);
+}
+
+TEST(KernelOptions, AreReadFromTheBlock) {
+  KernelOptions options;
+  options.options = {{4, 1}, {8, 3}, {20, 2}};
+  const std::int32_t block[] = {9, -5, 7, 7, 7, 1, 2};
+  const auto values = option_values(options, std::as_bytes(std::span(block)));
+  ASSERT_EQ(values.size(), 3u);
+  EXPECT_EQ(values[0], -5);
+  EXPECT_EQ(values[1], 7);
+  EXPECT_EQ(values[2], std::nullopt);  // numbers that differ
+}
+
+TEST(KernelOptions, TakeThePlaceOfLoads) {
+  for (const Effect* effect : effects())
+    for (const Pass& pass : effect->passes) {
+      const KernelOptions options = options_of(pass.spirv);
+      std::vector<std::optional<std::int32_t>> values(options.options.size(), 3);
+      const auto words = with_options(pass.spirv, options, values);
+      EXPECT_EQ(words.size(), pass.spirv.size() + 4 * options.loads.size()) << effect->name;
+      EXPECT_EQ(slots_of(words).size(), slots_of(pass.spirv).size()) << effect->name;
+      // Nothing is left to replace, and nothing happens where no value is known.
+      EXPECT_TRUE(options_of(words).loads.empty()) << effect->name << ' ' << pass.name;
+      std::fill(values.begin(), values.end(), std::nullopt);
+      const auto same = with_options(pass.spirv, options, values);
+      EXPECT_TRUE(std::equal(same.begin(), same.end(), pass.spirv.begin(), pass.spirv.end())) << effect->name;
+    }
+}
+
+}  // namespace
+}  // namespace umbrage
