@@ -1,0 +1,62 @@
+// `hemisphere` as somebody would write it by hand for its default settings: one layer, perspective, no light.
+float share(uint v) { return float(v >> 8) / 16777216.0; }
+
+uint scrambled(uint v) {
+  v = (v ^ (v >> 16)) * 0x7feb352du;
+  v = (v ^ (v >> 15)) * 0x846ca68bu;
+  return v ^ (v >> 16);
+}
+
+vec3 position_at(ivec2 p, float z) {
+  vec2 ray = (vec2(p) + 0.5) * vec2(F.ray_scale_x, F.ray_scale_y) + vec2(F.ray_offset_x, F.ray_offset_y);
+  return vec3(ray, -1.0) * z;
+}
+
+void main() {
+  ivec2 here = ivec2(gl_GlobalInvocationID.xy);
+  ivec2 size = ivec2(F.width, F.height);
+  if (any(greaterThanEqual(here, size))) return;
+  float z = depth_at(here);
+  if (isinf(z)) {
+    ao[here.y * F.stride + here.x] = 1.0;
+    return;
+  }
+  vec3 position = position_at(here, z);
+  vec3 normal = normalize(normal_at(here));
+
+  // Noise of a tile of 4 x 4 pixels: an angle, and how lengths are shifted.
+  uint seed = scrambled(0x9e3779b9u + uint(C.seed));
+  uint index = uint(here.y % 4 * 4 + here.x % 4);
+  float angle = (share(index * 0xc13fa9a9u + seed) * 4.0 - 0.5) * 1.57079633;
+  float shift = share(index * 0x91e10da6u + seed * 3u);
+  float shorter = exp(shift * C.log_inner);
+
+  vec3 aside = normalize(cross(abs(normal.y) > 0.99 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0), normal));
+  vec3 tangent = aside * cos(angle) + cross(normal, aside) * sin(angle);
+  mat3 basis = mat3(tangent, cross(normal, tangent), normal) * C.radius;
+
+  float rounding = z * 2e-6;
+  float hidden = 0.0, count = 0.0;
+  for (int k = 0; k < C.samples; ++k) {
+    float along = C.points[5 * k + 3], counts = C.points[5 * k + 4];
+    if (k % 2 == 0) {
+      along *= shorter;
+      if (along < C.inner) along *= C.one_over_inner;
+    } else {
+      along = fract(along + shift);
+    }
+    vec3 point = position + basis * vec3(C.points[5 * k], C.points[5 * k + 1], C.points[5 * k + 2]) * along;
+    float point_z = max(-point.z, z * 1e-3);
+    vec2 place = point.xy / point_z * vec2(C.scale_x[0], C.scale_y[0]) + vec2(C.offset_x[0], C.offset_y[0]);
+    ivec2 there = ivec2(floor(place));
+    if (any(lessThan(there, ivec2(0))) || any(greaterThanEqual(there, size))) continue;
+    count += counts;
+    float tap = depth_at(there);
+    if (!(tap > 0.0) || point_z - tap <= rounding + C.least_nearer) continue;
+    vec3 way = position_at(there, tap) - position;
+    if (dot(way, normal) <= rounding + C.least_height) continue;
+    float fade = C.limit / max(abs(z - tap), C.limit);
+    hidden += fade * fade * (3.0 - 2.0 * fade) * counts;
+  }
+  ao[here.y * F.stride + here.x] = max(0.0, 1.0 - hidden * C.weight / max(count, 1e-6));
+}
