@@ -1,0 +1,128 @@
+// The picture and the table of docs/vulkan.md: every look of every built-in scene by both devices, the GPU's own
+// capture included. It takes minutes on lavapipe, so it runs when asked for: umbrage_tests
+// --gtest_also_run_disabled_tests --gtest_filter='VulkanSheet.*' It writes vulkan-errors.png and vulkan-errors.md to
+// the folder UMBRAGE_SHEET_FOLDER, or where it stands.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "apps/job/job.h"
+#include "io/image_file.h"
+#include "scene/builtin.h"
+#include "vulkan_support.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+constexpr int kSmaller = 4;      // pixels of a picture that one of the sheet stands for, to a side
+constexpr int kWorst = 2;        // likewise of differences, of which the largest is shown
+constexpr double kShown = 16.0;  // what differences are multiplied by
+constexpr double kSeen = 2.0 / 255.0;
+
+constexpr const char* kChannels[] = {"color.r", "color.g", "color.b"};
+
+Image picture(Device& device, const std::string& scene_name, const DrawSettings& settings) {
+  auto scene = load_scene(scene_name);
+  EXPECT_TRUE(scene);
+  furnish(*scene, settings);
+  EXPECT_TRUE(device.prepare(*scene));
+  StageTimes times;
+  const auto frame = draw(device, *scene, settings, times);
+  EXPECT_TRUE(frame) << frame.error().message;
+  return *device.download(*frame, {"color.r", "color.g", "color.b"});
+}
+
+struct Sheet {
+  int columns, rows, width, height;
+  Image image;
+  Sheet(int across, int down, int cell_width, int cell_height)
+      : columns(across),
+        rows(down),
+        width(cell_width),
+        height(cell_height),
+        image(across * cell_width, down * cell_height) {
+    for (const char* channel : kChannels) image.add(channel);
+  }
+};
+
+/// Puts a cell's pixels in, each made by `of` of `step` x `step` of a plane.
+template <class Of>
+void put(Sheet& sheet, int column, int row, int step, const Of& of) {
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < kHeight / step; ++y)
+      for (int x = 0; x < kWidth / step; ++x)
+        sheet.image.planes[std::size_t(c)].at(column * sheet.width + x, row * sheet.height + y) =
+            float(of(c, x * step, y * step));
+}
+
+TEST(VulkanSheet, DISABLED_LooksOfAllScenes) {
+  auto made = make_vulkan_device({.capture = VulkanCapture::kGpu}, make_cpu_device());
+  ASSERT_TRUE(made);
+  Device& gpu = **made;
+  const auto cpu = make_cpu_device();
+  const char* wish = std::getenv("UMBRAGE_SHEET_FOLDER");
+  const std::filesystem::path folder = wish ? wish : ".";
+  const auto scenes = builtin_scenes();
+  Sheet pictures(int(scenes.size()), int(looks().size()), kWidth / kSmaller, kHeight / kSmaller);
+  Sheet errors(int(scenes.size()), int(looks().size()), kWidth / kWorst, kHeight / kWorst);
+  std::string table =
+      "| look | scene | most, in 1/255 | mean, in 1/255 | pixels over 2/255, of 10 000 |\n| --- | --- | --- | --- | "
+      "--- |\n";
+  long over_all = 0;
+  int row = 0;
+  for (const Look* look : looks()) {
+    int column = 0;
+    for (const auto& scene : scenes) {
+      DrawSettings settings;
+      settings.width = kWidth;
+      settings.height = kHeight;
+      settings.look = std::string(look->name);
+      const std::string name = fmt::format("scene:{}?detail=20000", scene.name);
+      const Image a = picture(*cpu, name, settings), b = picture(gpu, name, settings);
+      double most = 0.0, sum = 0.0;
+      long over = 0;
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          double worst = 0.0;
+          for (std::size_t c = 0; c < 3; ++c)
+            worst = std::max(worst, std::fabs(double(a.planes[c].at(x, y)) - double(b.planes[c].at(x, y))));
+          most = std::max(most, worst);
+          sum += worst;
+          over += worst > kSeen;
+        }
+      over_all += over;
+      table += fmt::format("| {} | {} | {:.1f} | {:.4f} | {:.2f} |\n", look->name, scene.name, most * 255.0,
+                           sum * 255.0 / (kWidth * kHeight), 1e4 * double(over) / (kWidth * kHeight));
+      fmt::print("{} {}: most {:.1f}/255, {} over\n", look->name, scene.name, most * 255.0, over);
+      std::fflush(stdout);
+      put(pictures, column, row, kSmaller, [&](int c, int x, int y) {
+        double all = 0.0;
+        for (int j = 0; j < kSmaller; ++j)
+          for (int i = 0; i < kSmaller; ++i) all += double(a.planes[std::size_t(c)].at(x + i, y + j));
+        return all / (kSmaller * kSmaller);
+      });
+      put(errors, column, row, kWorst, [&](int c, int x, int y) {
+        double worst = 0.0;
+        for (int j = 0; j < kWorst; ++j)
+          for (int i = 0; i < kWorst; ++i)
+            worst = std::max(worst, std::fabs(double(a.planes[std::size_t(c)].at(x + i, y + j)) -
+                                              double(b.planes[std::size_t(c)].at(x + i, y + j))));
+        return kShown * worst;
+      });
+      ++column;
+    }
+    ++row;
+  }
+  fmt::print("{} pixels over 2/255, of {}\n", over_all, long(kWidth) * kHeight * long(scenes.size() * looks().size()));
+  EXPECT_TRUE(write_image(folder / "vulkan-looks.png", pictures.image, {.small = true}));
+  EXPECT_TRUE(write_image(folder / "vulkan-errors.png", errors.image, {.small = true}));
+  EXPECT_TRUE(write_text(folder / "vulkan-errors.md", table));
+}
+
+}  // namespace
+}  // namespace umbrage
