@@ -268,9 +268,62 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   return {};
 }
 
+/// Reads up to a zero byte; false where the file ends before or the text is no name.
+bool skip_name(std::FILE* stream, bool& empty) {
+  constexpr int kLongest = 256;
+  for (int i = 0; i < kLongest; ++i) {
+    const int c = std::fgetc(stream);
+    if (c == EOF) return false;
+    if (c != 0) continue;
+    empty = i == 0;
+    return true;
+  }
+  return false;
+}
+
+/// Whether all attributes of the headers end within the file. The library makes room for what a damaged one claims, up
+/// to 2 GB, before it looks.
+bool attributes_end(std::FILE* stream, std::int64_t size) {
+  constexpr int kFlags = 5, kHeaders = 8;  // where they stand
+  constexpr int kSeveralParts = 0x10;      // in the second byte of the version
+  std::fseek(stream, kFlags, SEEK_SET);
+  const int flags = std::fgetc(stream);
+  std::fseek(stream, kHeaders, SEEK_SET);
+  // A header is attributes and an empty name; several headers end with an empty one.
+  bool first = true;
+  while (true) {
+    bool empty = false;
+    if (flags == EOF || !skip_name(stream, empty)) return false;
+    if (empty && (first || (flags & kSeveralParts) == 0)) return true;
+    first = empty;
+    if (empty) continue;
+    unsigned char length[4];
+    bool no_type = false;
+    if (!skip_name(stream, no_type) || std::fread(length, 1, sizeof length, stream) != sizeof length) return false;
+    const std::int64_t bytes = std::int64_t(length[0]) | std::int64_t(length[1]) << 8 | std::int64_t(length[2]) << 16 |
+                               std::int64_t(length[3]) << 24;
+    if (bytes > size - std::ftell(stream) || std::fseek(stream, long(bytes), SEEK_CUR) != 0) return false;
+  }
+}
+
+Error cut_header(const fs::path& file) {
+  return file_error("'{}' cannot be read as EXR: its header is cut short or damaged", file.string());
+}
+
+/// How often smaller a compression can make pixels at best: deflate 1032 times, and DWA and PIZ what run lengths have
+/// shortened 64 times before. A shorter file cannot hold what a damaged header promises.
+std::int64_t best_ratio(Imf::Compression compression) {
+  constexpr std::int64_t kDeflate = 1032, kRuns = 64;
+  const bool runs_first = compression == Imf::PIZ_COMPRESSION || compression == Imf::DWAA_COMPRESSION ||
+                          compression == Imf::DWAB_COMPRESSION;
+  return runs_first ? kDeflate * kRuns : kDeflate;
+}
+
 Result<Image> read(const fs::path& file) {
   std::int64_t size = 0;
-  if (Result<InputFile> openable = open_to_read(file, size); !openable) return openable.error();
+  const Result<InputFile> stream = open_to_read(file, size);
+  if (!stream) return stream.error();
+  if (!attributes_end(stream->get(), size)) return cut_header(file);
   set_up();
   try {
     constexpr bool kNoRepair = false;  // an unfinished file is an error, not a picture with holes
@@ -278,15 +331,31 @@ Result<Image> read(const fs::path& file) {
     const Imath::Box2i& display = input.header(0).displayWindow();
     if (Result<void> sane = check_window(file, display); !sane) return sane.error();
     Image image(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1);
-    std::int64_t values = 0;
+    std::int64_t values = 0, stored = 0;
     for (int part = 0; part < input.parts(); ++part) {
-      const Imf::ChannelList& channels = input.header(part).channels();
-      for (auto it = channels.begin(); it != channels.end(); ++it) values += std::int64_t(image.width) * image.height;
+      const Imf::Header& header = input.header(part);
+      const Imath::Box2i& data = header.dataWindow();
+      if (Result<void> sane = check_window(file, data); !sane) return sane.error();
+      const std::int64_t width = std::int64_t(data.max.x) - data.min.x + 1,
+                         height = std::int64_t(data.max.y) - data.min.y + 1;
+      std::int64_t bytes = 0;
+      for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+        values += std::max(width * height, std::int64_t(image.width) * image.height);
+        stored += width * height;
+        bytes += width * height * (it.channel().type == Imf::HALF ? 2 : 4);
+      }
+      if (bytes / best_ratio(header.compression()) > size)
+        return file_error("'{}' is cut short: {} bytes cannot hold {} x {} pixels", file.string(), size, width, height);
     }
     constexpr std::int64_t kMaxValues = std::int64_t(1) << 31;  // 8 GB
     if (values > kMaxValues)
       return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.string(), values,
                         image.width, image.height, kMaxValues);
+    // A crop may be a small part of its frame, but a frame of gigabytes with next to nothing in it is a damaged header.
+    constexpr std::int64_t kMostEmpty = std::int64_t(1) << 27, kMostTimes = 64;
+    if (values > kMostEmpty + kMostTimes * stored)
+      return file_error("'{}' says that its frame is {} x {} pixels, of which it holds too few", file.string(),
+                        image.width, image.height);
     for (int part = 0; part < input.parts(); ++part)
       if (Result<void> done = read_part(file, input, part, image); !done) return done.error();
     if (image.planes.empty()) return file_error("'{}' has no channels", file.string());
@@ -309,6 +378,7 @@ Result<std::optional<Camera>> read_camera(const fs::path& file) {
   char start[4] = {};
   const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
   if (!recognises(std::string_view(start, got))) return std::optional<Camera>();
+  if (!attributes_end(stream->get(), size)) return cut_header(file);
   set_up();
   try {
     constexpr bool kNoRepair = false;
