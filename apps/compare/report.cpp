@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <map>
-#include <sstream>
 
 #include "core/check.h"
 #include "core/srgb.h"
@@ -64,46 +61,6 @@ Image class_picture(const ClassMap& classes) {
       plane.at(x, y) = c == PixelClass::kBackground ? 0.0f : kStep * float(int(c) + 1);
     }
   return image;
-}
-
-nlohmann::json terms_json(const Terms& terms) {
-  nlohmann::json json = {{"radius", terms.radius}, {"samples", terms.samples},   {"falloff", terms.falloff},
-                         {"normal", terms.normal}, {"settings", terms.settings}, {"guard", terms.guard}};
-  // Named only where they are not as usual.
-  if (terms.layers != 1) json["layers"] = terms.layers;
-  if (terms.extra_views != 0) json["extra_views"] = terms.extra_views;
-  if (terms.scale != "full") json["scale"] = terms.scale;
-  if (!terms.filter.empty()) json["filter"] = terms.filter;
-  if (!terms.quality.empty()) json["quality"] = terms.quality;
-  return json;
-}
-
-/// Records of earlier versions are of occlusion, and do not say so.
-std::string quantity_of(const nlohmann::json& record) {
-  return record.value("quantity", std::string(kQuantityNames[int(Quantity::kOcclusion)]));
-}
-
-/// What makes two records the same measurement.
-std::string key_of(const nlohmann::json& record) {
-  std::string key = quantity_of(record) + '\n';
-  for (const char* field : {"scene", "camera", "technique", "setting"})
-    key += record.at(field).get<std::string>() + '\n';
-  return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
-}
-
-/// How much a score may grow before it counts as worse: what rounding on another SIMD target changes, and no more.
-struct Tolerance {
-  const char* field;
-  double absolute, relative;
-};
-constexpr Tolerance kTolerances[] = {
-    {"rmse", 5e-4, 0.01}, {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01}, {"bias", 5e-4, 0.01}, {"ssim", 1e-3, 0.0}};
-
-/// A score such that less is better.
-double badness(const nlohmann::json& record, std::string_view field) {
-  const double value = record.at(field).get<double>();
-  if (field == "ssim") return 1.0 - value;
-  return std::abs(value);
 }
 
 }  // namespace
@@ -188,86 +145,6 @@ Result<std::string> report_page(const Comparison& comparison, const std::string&
   const std::size_t mark = page.find(kDataMark);
   if (mark == std::string::npos) fail_check("the page has no place for its data");
   return page.replace(mark, kDataMark.size(), text);
-}
-
-Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return file_error("{}: the baseline cannot be read", file.string());
-  std::ostringstream text;
-  text << stream.rdbuf();
-  nlohmann::json baseline = nlohmann::json::parse(text.str(), nullptr, false);
-  const auto no_scores = [&] {
-    return file_error("{}: this is no list of scores, as compare writes into scores.json", file.string());
-  };
-  if (!baseline.is_array() || baseline.empty()) return no_scores();
-  for (const nlohmann::json& record : baseline) {
-    if (!record.is_object() || !record.contains("format")) return no_scores();
-    if (record["format"] != kScoresFormat)
-      return file_error(
-          "{}: its scores are of format {}, which another version measured; this one measures format {}: make it anew",
-          file.string(), record["format"].dump(), kScoresFormat);
-    for (const char* field :
-         {"scene", "camera", "technique", "setting", "view", "radius", "falloff", "normal", "settings", "guard"})
-      if (!record.contains(field) || !record[field].is_string()) return no_scores();
-    if (record.contains("quantity") && !record["quantity"].is_string()) return no_scores();
-    for (const char* field : {"width", "height", "samples", "rmse", "bias", "ssim", "p99", "flip"})
-      if (!record.contains(field) || !record[field].is_number()) return no_scores();
-  }
-  return baseline;
-}
-
-Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, const std::string& name) {
-  nlohmann::json now = terms_json(terms);
-  now["layers"] = terms.layers;
-  now["extra_views"] = terms.extra_views;
-  now["scale"] = terms.scale;
-  now["filter"] = terms.filter;
-  now["quality"] = terms.quality;
-  const nlohmann::json seldom_named = {
-      {"layers", 1}, {"extra_views", 0}, {"scale", "full"}, {"filter", ""}, {"quality", ""}};
-  for (const nlohmann::json& record : baseline)
-    for (const auto& [field, value] : now.items()) {
-      const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);
-      if (before != value)
-        return file_error("{}: it was measured on other terms: {} {}, now {}", name, field, before.dump(),
-                          value.dump());
-    }
-  return {};
-}
-
-Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohmann::json& scores,
-                                     const std::string& name) {
-  std::map<std::string, const nlohmann::json*> now;
-  for (const nlohmann::json& record : scores) now[key_of(record)] = &record;
-  BaselineCheck check;
-  for (const nlohmann::json& before : baseline) {
-    const auto found = now.find(key_of(before));
-    if (found == now.end()) {
-      ++check.missing;
-      continue;
-    }
-    const nlohmann::json& after = *found->second;
-    if (before.at("view") != after.at("view"))
-      return file_error("{}: its camera {} of {} looked elsewhere: {}, now {}", name,
-                        before.at("camera").get<std::string>(), before.at("scene").get<std::string>(),
-                        before.at("view").dump(), after.at("view").dump());
-    ++check.compared;
-    for (const auto& [field, absolute, relative] : kTolerances) {
-      const double bad_before = badness(before, field), bad_now = badness(after, field);
-      if (!(bad_now > bad_before + absolute + relative * bad_before)) continue;
-      check.worse.push_back(fmt::format(
-          "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
-          after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
-          after.at("technique").get<std::string>(),
-          after.at("setting") == "" ? "as the look has it" : after.at("setting").get<std::string>(),
-          quantity_of(after) == "light" ? "light's " : "", field, before.at(field).get<double>(),
-          after.at(field).get<double>()));
-    }
-  }
-  if (check.compared == 0)
-    return file_error("{}: none of its {} scores is of a scene, camera, size and technique that were compared now",
-                      name, check.missing);
-  return check;
 }
 
 }  // namespace umbrage
