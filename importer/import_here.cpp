@@ -10,7 +10,9 @@
 #include <assimp/scene.h>
 
 #include <algorithm>
+#include <assimp/DefaultLogger.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -190,6 +192,24 @@ struct Files : Assimp::DefaultIOSystem {
   }
 };
 
+/// Hears that Assimp has dropped faces with indices out of range, which it only tells its log. The log is the process's
+/// own: one import at a time.
+struct DroppedFaces : Assimp::LogStream {
+  bool& dropped;
+  explicit DroppedFaces(bool& dropped) : dropped(dropped) {}
+  void write(const char* message) override { dropped = dropped || std::strstr(message, "out-of-range indices"); }
+};
+
+struct Log {
+  bool dropped_faces = false;
+  Log() {
+    constexpr int kNowhereElse = 0;
+    Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, kNowhereElse);
+    Assimp::DefaultLogger::get()->attachStream(new DroppedFaces(dropped_faces), Assimp::Logger::Warn);  // takes it
+  }
+  ~Log() { Assimp::DefaultLogger::kill(); }
+};
+
 glm::dmat4 matrix_of(const aiMatrix4x4& m) {
   return glm::transpose(
       glm::dmat4(m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2, m.d3, m.d4));
@@ -358,6 +378,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_CAMERAS, false);
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_READ_LIGHTS, false);
+  const Log log;
   const aiScene* source = importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_SortByPType);
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
@@ -379,6 +400,9 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (rules.gltf.lights > 0)
     scene.warnings.push_back(
         fmt::format("the file's {} are not used; looks bring their own", rules.gltf.lights == 1 ? "light" : "lights"));
+  if (log.dropped_faces) {
+    scene.warnings.push_back("some triangles have corners that are not among the vertices, and are left out");
+  }
   if (!missing_libraries.empty()) {
     scene.warnings.push_back(fmt::format("the material library {} is not there; surfaces are shown in a neutral colour",
                                          missing_libraries.front()));

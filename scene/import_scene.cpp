@@ -38,6 +38,14 @@ std::optional<Result<Scene>> import_own(const fs::path& file, const std::string&
   return read_ply(file, texture);
 }
 
+/// Triangles with an index beyond the vertices: the file is damaged.
+std::size_t triangles_astray(const Mesh& mesh) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
+    count += std::max({mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]}) >= mesh.positions.size();
+  return count;
+}
+
 }  // namespace
 
 const std::vector<std::string>& import_formats() {
@@ -85,6 +93,12 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   }
   if (scene.meshes.empty()) return file_error("{}: has no triangles and no points", file.string());
   const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
+  std::size_t astray = 0;
+  for (const Mesh& mesh : scene.meshes) astray += triangles_astray(mesh);
+  if (astray > 0) {
+    scene.warnings.push_back(fmt::format(
+        "{} of {} triangles have corners that are not among the vertices, and are left out", astray, triangles));
+  }
   const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points);
   if (scene.meshes.empty() && points > 0) {
     return file_error("{}: has no points that can be drawn; all {} are not finite", file.string(), points);
@@ -94,11 +108,11 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
                       triangles);
   }
   constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
-  if (dropped * kWorthSaying > triangles + points) {
-    scene.warnings.push_back(
-        points == 0
-            ? fmt::format("{} of {} triangles are degenerate or not finite and are left out", dropped, triangles)
-            : fmt::format("{} of {} points are not finite and are left out", dropped, points));
+  if (dropped > astray && (dropped - astray) * kWorthSaying > triangles + points) {
+    scene.warnings.push_back(points == 0
+                                 ? fmt::format("{} of {} triangles are degenerate or not finite and are left out",
+                                               dropped - astray, triangles)
+                                 : fmt::format("{} of {} points are not finite and are left out", dropped, points));
   }
   return imported;
 }

@@ -681,7 +681,28 @@ TEST_F(Import, DropsWhatCannotBeDrawn) {
   EXPECT_EQ(scene.triangle_count(), 1u);
   EXPECT_EQ(scene.meshes[0].positions.size(), 3u);
   EXPECT_EQ(scene.bounds_max, glm::vec3(1, 1, 0)) << "vertices that no triangle uses do not count";
-  EXPECT_EQ(scene.warnings.size(), 1u);
+  ASSERT_EQ(scene.warnings.size(), 2u);
+  EXPECT_EQ(scene.warnings[0], "1 of 5 triangles have corners that are not among the vertices, and are left out");
+  EXPECT_EQ(scene.warnings[1], "3 of 5 triangles are degenerate or not finite and are left out");
+}
+
+TEST_F(Import, SaysThatIndicesAreOutOfRange) {
+  // glTF, too, where the reader drops such triangles itself.
+  std::string text = triangle_gltf("", "{}");
+  const std::string indices = std::string("\0\0\1\0\2\0\0\0\1\0\x63\0", 12);
+  text.replace(text.find(R"("TEXCOORD_0":1})"), 15, R"("TEXCOORD_0":1},"indices":2)");
+  text.replace(text.find(R"("type":"VEC2"})"), 14,
+               R"("type":"VEC2"},{"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"})");
+  text.replace(text.find(R"("byteLength":24})"), 16, R"("byteLength":24},{"buffer":1,"byteLength":12})");
+  text.replace(text.find(R"("}],
+"textures")"),
+               15, R"("},{"byteLength":12,"uri":"data:application/octet-stream;base64,)" + base64(indices) + R"("}],
+"textures")");
+  const Scene scene = read("astray.gltf", text);
+  EXPECT_EQ(scene.triangle_count(), 1u);
+  ASSERT_FALSE(scene.warnings.empty());
+  EXPECT_NE(scene.warnings[0].find("have corners that are not among the vertices"), std::string::npos)
+      << scene.warnings[0];
 }
 
 // ---- normals and clean triangles, without files
