@@ -82,10 +82,10 @@ Result<const ImageFormat*> format_of(const fs::path& file) {
     dotted.push_back("." + endings.back());
   }
   if (ending.empty())
-    return file_error("'{}' has no ending that names an image format: it should be {}", file.string(), listed(dotted));
+    return usage_error("'{}' has no ending that names an image format: it should be {}", file.string(), listed(dotted));
   const std::string nearest = suggestion(ending, endings);
   const bool near = nearest.find("did you mean") != std::string::npos;
-  return file_error("'{}' ends in '.{}', which is no image format here: it should be {}{}", file.string(), ending,
+  return usage_error("'{}' ends in '.{}', which is no image format here: it should be {}{}", file.string(), ending,
                     listed(dotted), near ? nearest : "");
 }
 

@@ -31,6 +31,7 @@ struct ImageFormat {
 std::span<const ImageFormat> image_formats();
 
 /// The format that a path's ending names, or an error that lists the endings. Call it before long work starts.
+/// Errors: kUsage.
 Result<const ImageFormat*> format_of(const std::filesystem::path& file);
 
 /// Whether a file can be created at `file`: its folder exists and is writable, and it is not itself a folder.
@@ -40,7 +41,7 @@ Result<void> check_writable(const std::filesystem::path& file);
 /// PNG: planes color.r, color.g, color.b and, if there, color.a as they are, clamped to [0, 1], NaN as 0; or the only
 /// plane, as grey. PFM: the same, float, without alpha. EXR: every plane; color.r/g/b/a become R, G, B, A; `depth`
 /// becomes depth.Z; names ending in .r .g .b .a .x .y .z get that letter in upper case; with `half`, depth and id
-/// planes are float all the same. Errors: kFile.
+/// planes are float all the same. Errors: kFile; kUsage for an ending that names no format.
 Result<void> write_image(const std::filesystem::path& file, const Image& image, const WriteSettings& settings = {});
 
 /// The bytes of the PNG file that write_image would write. Errors: kFile.

@@ -444,9 +444,9 @@ TEST_F(Cli, RefusesPlacesToWrite) {
   to("folder", {"folder", "is a folder"});
   to("folder/", {"folder", "is a folder"});
   to("", {"empty"});
-  to("out", {"'out'", ".png", ".exr", ".pfm"});
-  to("out.jpg", {"'out.jpg'", ".png", ".exr", ".pfm"});
-  to("out.pgn", {"did you mean 'png'"});
+  bad("tri.obj -o out", 2, {"'out'", ".png", ".exr", ".pfm"});
+  bad("tri.obj -o out.jpg", 2, {"'out.jpg'", ".png", ".exr", ".pfm"});
+  bad("tri.obj -o out.pgn", 2, {"did you mean 'png'"});
   to("/proc/out.png", {"/proc/out.png", "cannot be written"});
   if (::geteuid() != 0) {  // nothing is forbidden to root
     fs::create_directory(folder_ / "locked");
@@ -538,6 +538,10 @@ TEST_F(Cli, RefusesValues) {
       bad_option(fmt::format("{} {}", option, text), {option, fmt::format("'{}'", text), "+Y"});
   for (const char* text : {"0", "180", "-30", "wide", "nan"})
     bad_option(fmt::format("--camera-view-angle {}", text), {"--camera-view-angle", fmt::format("'{}'", text), "179"});
+  bad_option("--camera-position 1,2,3 --camera-focal-point 1,2,3", {"--camera-position", "'1,2,3'", "its own place"});
+  bad_option("--look= studio", {"--look needs a value after its '='"});
+  bad_option("--set toon.bands=2.5", {"toon.bands", "'2.5'", "a whole number from"});
+  bad("tri.obj -o out.bmp", 2, {"'out.bmp'", ".png, .exr or .pfm"});
   bad_option("--camera-zoom-factor 0", {"--camera-zoom-factor", "'0'"});
   bad_option("--camera-azimuth-angle x", {"--camera-azimuth-angle", "'x'"});
   bad_option("--camera-elevation-angle 1e9", {"--camera-elevation-angle", "'1e9'"});

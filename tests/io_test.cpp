@@ -26,6 +26,7 @@
 #include <fstream>
 #include <limits>
 #include <random>
+#include <sstream>
 #include <thread>
 
 #include "io/format.h"
@@ -127,9 +128,10 @@ void expect_same(const Image& got, const Image& expected) {
 
 /// Expects a kFile error whose sentence holds all of `words`.
 template <class T>
-void expect_error(const Result<T>& result, std::initializer_list<std::string_view> words) {
+void expect_error(const Result<T>& result, std::initializer_list<std::string_view> words,
+                  ErrorKind kind = ErrorKind::kFile) {
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::kFile);
+  EXPECT_EQ(result.error().kind, kind);
   for (std::string_view word : words)
     EXPECT_NE(result.error().message.find(word), std::string::npos)
         << "'" << word << "' is missing in: " << result.error().message;
@@ -150,12 +152,43 @@ TEST_F(ImageFile, EndingsNameFormats) {
   EXPECT_EQ((*format_of("PICTURE.PNG"))->extension, "png");
 }
 
+TEST_F(ImageFile, ExrHeadersPromiseNoMoreThanTheFileHolds) {
+  const fs::path file = *this / "a.exr";
+  Image image(4, 4);
+  image.add("depth");
+  ASSERT_TRUE(write_image(file, image));
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  const std::string sound = text.str();
+  const auto expect_refused = [&](const std::string& bytes, std::string_view reason) {
+    std::ofstream(file, std::ios::binary) << bytes;
+    expect_error(read_image(file), {"a.exr", reason});
+  };
+  const auto with = [&](const std::string& before, std::size_t after, std::uint32_t number) {
+    std::string bytes = sound;
+    const std::size_t at = bytes.find(before) + before.size() + after;
+    for (int i = 0; i < 4; ++i) bytes[at + std::size_t(i)] = char(number >> (8 * i));
+    return bytes;
+  };
+  const std::string window("Window\0box2i\0\x10\0\0\0", 17), text_kind("software\0string\0", 16);
+  expect_refused(with(text_kind, 0, 0x70000000u), "its header is cut short or damaged");
+  std::string large = with("data" + window, 8, 65535);
+  const std::size_t at = large.find("display" + window) + 7 + window.size() + 8;
+  for (int i = 0; i < 2; ++i) large[at + std::size_t(i)] = '\xff';
+  expect_refused(large, "cut short");
+  std::string frame = sound;
+  for (const std::size_t side : {0u, 4u})
+    for (std::size_t i = 0; i < 2; ++i) frame[at + side + i] = side == 4 && i == 1 ? '\x0f' : '\xff';
+  expect_refused(frame, "its frame is 65536 x 4096 pixels, of which it holds too few");
+}
+
 TEST_F(ImageFile, UnknownEndingListsAll) {
-  expect_error(format_of("out.webp"), {"'out.webp'", ".webp", ".png, .exr or .pfm"});
-  expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".png, .exr or .pfm"});
-  expect_error(format_of("out"), {"'out'", "no ending", ".png, .exr or .pfm"});
-  expect_error(format_of(""), {".png, .exr or .pfm"});
-  expect_error(write_image(*this / "x.jpg", random_image(2, 2, {"a"})), {"x.jpg", ".png, .exr or .pfm"});
+  expect_error(format_of("out.webp"), {"'out.webp'", ".webp", ".png, .exr or .pfm"}, ErrorKind::kUsage);
+  expect_error(format_of("out.pngg"), {"did you mean 'png'?", ".png, .exr or .pfm"}, ErrorKind::kUsage);
+  expect_error(format_of("out"), {"'out'", "no ending", ".png, .exr or .pfm"}, ErrorKind::kUsage);
+  expect_error(format_of(""), {".png, .exr or .pfm"}, ErrorKind::kUsage);
+  expect_error(write_image(*this / "x.jpg", random_image(2, 2, {"a"})), {"x.jpg", ".png, .exr or .pfm"},
+               ErrorKind::kUsage);
   EXPECT_TRUE(listing().empty());
 }
 

@@ -97,6 +97,14 @@ std::optional<Error> empty_option(const CLI::App& app) {
   return std::nullopt;
 }
 
+/// `--name=`, which CLI11 would give the next word for a value.
+std::optional<Error> option_without_value(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (word.starts_with(kDashes) && word.size() > kDashes.size() + 1 && word.find('=') == word.size() - 1)
+      return usage_error("{} needs a value after its '='", word.substr(0, word.size() - 1));
+  return std::nullopt;
+}
+
 /// One word of a command line, in quotes where a shell would take it apart.
 std::string quoted(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_not_of(
@@ -139,6 +147,7 @@ int run(int argc, char** argv) {
 
   std::vector<std::string> words = with_command(argc, argv, commands);
   if (const auto error = misspelt_command(words, commands)) return report(*error);
+  if (const auto error = option_without_value(words)) return report(*error);
   auto configured = with_config(app, std::move(words));
   if (!configured) return report(configured.error());
   words = std::move(*configured);

@@ -219,6 +219,9 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
         number("--camera-elevation-angle", o.elevation, -kAnyAngle, kAnyAngle, framing.elevation_deg),
         number("--camera-zoom-factor", o.zoom, 1e-3, 1e3, framing.zoom)})
     if (!done) return done.error();
+  if (framing.position && framing.focal_point && *framing.position == *framing.focal_point)
+    return usage_error(
+        "--camera-position and --camera-focal-point are both '{}': a camera cannot look at its own place", o.position);
   framing.orthographic = o.orthographic;
   const auto whole = [](std::string_view option, const std::string& text, int least, int most,
                         std::optional<int>& out) -> Result<void> {
