@@ -16,6 +16,7 @@ namespace {
 
 umbrage::Result<umbrage::Scene> fail(const std::filesystem::path& file, const umbrage::ImportSettings& settings) {
   const std::string how = file.stem();
+  std::signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would have its say
   if (how == "crash") std::raise(SIGSEGV);
   if (how == "abort") std::abort();
   if (how == "killed") std::raise(SIGKILL);

@@ -1,0 +1,209 @@
+#include "readers.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "apps/compare/baseline.h"
+#include "core/check.h"
+#include "core/length.h"
+#include "core/parameters.h"
+#include "importer/import_here.h"
+#include "io/image_file.h"
+#include "scene/builtin.h"
+#include "scene/finish.h"
+#include "scene/off.h"
+#include "scene/ply.h"
+#include "scene/texture_file.h"
+#include "scene/transfer.h"
+#include "seeds.h"
+
+namespace umbrage::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+void expect(bool holds, std::string_view what) {
+  if (!holds) fail_check(what);
+}
+
+void check(const Error& error, ErrorKind kind = ErrorKind::kFile) {
+  expect(error.kind == kind, error.message);
+  expect(!error.message.empty() && error.message.find('\n') == std::string::npos, error.message);
+}
+
+void check(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) {
+    for (const std::uint32_t index : mesh.indices) check_less(index, mesh.positions.size(), "index");
+    check_equal(mesh.normals.size(), mesh.positions.size(), "normals");
+    check_less(std::size_t(mesh.material), scene.materials.size(), "material");
+  }
+  for (const std::string& warning : scene.warnings) expect(warning.find('\n') == std::string::npos, warning);
+}
+
+/// A file in memory with a path to open it by.
+struct MemoryFile {
+  int descriptor = ::memfd_create("fuzz", 0);
+  fs::path path = fmt::format("/proc/self/fd/{}", descriptor);
+  explicit MemoryFile(std::string_view bytes) {
+    expect(::pwrite(descriptor, bytes.data(), bytes.size(), 0) == ssize_t(bytes.size()), "no memory for a file");
+  }
+  ~MemoryFile() { ::close(descriptor); }
+};
+
+void check_model(Result<Scene> scene) {
+  if (!scene) return check(scene.error());
+  finish_scene(*scene);
+  check(*scene);
+}
+
+void read_as_ply(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  std::string texture;
+  check_model(read_ply(file.path, texture));
+  static_cast<void>(ply_texture(file.path));
+}
+
+void read_as_off(std::string_view bytes) { check_model(read_off(MemoryFile(bytes).path)); }
+
+/// By what the file's ending says, through Assimp.
+template <const char* const& kEnding>
+void import_as(std::string_view bytes) {
+  static const fs::path folder = [] {
+    std::string name = (fs::temp_directory_path() / "umbrage-fuzz-XXXXXX").string();
+    expect(::mkdtemp(name.data()) != nullptr, "no folder for a file");
+    static const fs::path kept = name;
+    std::atexit([] {
+      std::error_code ignored;
+      fs::remove_all(kept, ignored);
+    });
+    return kept;
+  }();
+  const fs::path file = folder / (std::string("model.") + kEnding);
+  std::ofstream(file, std::ios::binary) << bytes;
+  const Result<Scene> scene = import_here(file, {});
+  if (scene)
+    check(*scene);
+  else
+    check(scene.error());
+}
+
+void read_as_image(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  const Result<Image> image = read_image(file.path);
+  if (image) {
+    expect(image->width > 0 && image->height > 0 && !image->planes.empty(), "an empty image");
+    for (const Plane& plane : image->planes) {
+      check_equal(plane.width, image->width, "width");
+      check_equal(plane.height, image->height, "height");
+    }
+  } else {
+    check(image.error());
+  }
+  if (const auto camera = read_camera(file.path); !camera) check(camera.error());
+}
+
+void read_as_texture(std::string_view bytes) {
+  const auto* start = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  const Result<Texture> texture = decode_texture({start, bytes.size()}, "a texture");
+  if (!texture) return check(texture.error());
+  check_equal(texture->rgba.size(), std::size_t(texture->width) * std::size_t(texture->height) * 4, "texels");
+}
+
+/// The first byte chooses a row of a table with every type of parameter, the others are the value.
+void read_as_setting(std::string_view bytes) {
+  struct Params {
+    float real;
+    int whole, on, choice;
+    Length length, above_zero;
+  };
+  static const std::vector<Parameter> table = {
+      {.name = "real", .offset = offsetof(Params, real), .least = -1.5, .most = 1e6},
+      {.name = "whole", .type = ParameterType::kInt, .offset = offsetof(Params, whole), .least = -3, .most = 1e9},
+      {.name = "on", .type = ParameterType::kBool, .offset = offsetof(Params, on)},
+      {.name = "choice",
+       .type = ParameterType::kChoice,
+       .offset = offsetof(Params, choice),
+       .choices = {"skip", "zero", "clamp"}},
+      {.name = "length", .type = ParameterType::kLength, .offset = offsetof(Params, length), .most = 1e3},
+      {.name = "above_zero",
+       .type = ParameterType::kLength,
+       .offset = offsetof(Params, above_zero),
+       .most = 1e9,
+       .above_zero = true}};
+  if (bytes.empty()) return;
+  const Parameter& row = table[static_cast<unsigned char>(bytes[0]) % table.size()];
+  const std::string_view text = bytes.substr(1);
+  ParameterBytes params = initial_parameters(table, sizeof(Params));
+  const ParameterBytes before = params;
+  if (const auto set = set_parameter("effect", row, text, params); !set) {
+    expect(set.error().kind == ErrorKind::kUsage && !set.error().message.empty(), "the kind of an error");
+    return expect(params == before, "a wrong value changed something");
+  }
+  // What it says of the value is a value, and says the same once more.
+  const std::string said = parameter_text(row, params);
+  const auto again = set_parameter("effect", row, said, params);
+  expect(bool(again), said);
+  check_equal(parameter_text(row, params), said, "a value's text");
+}
+
+void read_as_scene_name(std::string_view bytes) {
+  // Sound names make scenes, which takes time and is tested elsewhere.
+  constexpr std::string_view kDetail = "?detail=";
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    const std::string name = "scene:" + std::string(scene.name);
+    if (bytes == name || (bytes.starts_with(name + std::string(kDetail)) && bytes.size() <= name.size() + 16)) return;
+  }
+  const Result<Scene> scene = make_builtin_scene(bytes);
+  expect(!scene && scene.error().kind == ErrorKind::kUsage, "a name that is none");
+}
+
+void read_as_transfer(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  const auto received = receive_import(file.descriptor);
+  if (!received || !*received) return;
+  for (const Mesh& mesh : (*received)->meshes)
+    for (const std::uint32_t index : mesh.indices) check_less(index, mesh.positions.size(), "index");
+}
+
+void read_as_baseline(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  const auto baseline = read_baseline(file.path);
+  if (!baseline) return check(baseline.error());
+  if (const auto checked = check_baseline(*baseline, *baseline, "a baseline"); checked)
+    check_equal(checked->worse.size(), 0u, "scores worse than themselves");
+}
+
+constexpr const char *kObj = "obj", *kStl = "stl", *kGltf = "gltf", *kGlb = "glb", *k3ds = "3ds", *kDae = "dae",
+                     *kFbx = "fbx";
+
+constexpr Reader kReaders[] = {
+    {"ply", read_as_ply, ply_seeds, false},
+    {"off", read_as_off, off_seeds, false},
+    {"png", read_as_image, png_seeds, false},
+    {"pfm", read_as_image, pfm_seeds, false},
+    {"setting", read_as_setting, setting_seeds, false},
+    {"scene-name", read_as_scene_name, scene_name_seeds, false},
+    {"transfer", read_as_transfer, transfer_seeds, false},
+    {"baseline", read_as_baseline, baseline_seeds, false},
+    {"exr", read_as_image, exr_seeds, true},
+    {"texture", read_as_texture, texture_seeds, true},
+    {"obj", import_as<kObj>, obj_seeds, true},
+    {"stl", import_as<kStl>, stl_seeds, true},
+    {"gltf", import_as<kGltf>, gltf_seeds, true},
+    {"glb", import_as<kGlb>, glb_seeds, true},
+    {"3ds", import_as<k3ds>, seeds_of_3ds, true},
+    {"dae", import_as<kDae>, dae_seeds, true},
+    {"fbx", import_as<kFbx>, fbx_seeds, true},
+};
+
+}  // namespace
+
+std::span<const Reader> readers() { return kReaders; }
+
+}  // namespace umbrage::fuzz

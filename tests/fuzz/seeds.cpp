@@ -1,0 +1,304 @@
+#include "seeds.h"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+
+#include "io/image_file.h"
+#include "scene/transfer.h"
+
+namespace umbrage::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using std::string_literals::operator""s;
+
+static_assert(std::endian::native == std::endian::little, "the binary seeds are made as they lie in memory");
+
+template <class... T>
+std::string bytes_of(T... values) {
+  std::string bytes;
+  (bytes.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
+  return bytes;
+}
+
+std::string from_hex(std::string_view digits) {
+  std::string bytes;
+  for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
+    bytes += char(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16));
+  return bytes;
+}
+
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned group = 0;
+    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? std::uint8_t(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63u] : '=';
+  }
+  return out;
+}
+
+/// What write_image makes of an image.
+std::string image_bytes(const std::string& ending, const Image& image, const WriteSettings& settings = {}) {
+  std::string folder = (fs::temp_directory_path() / "umbrage-seed-XXXXXX").string();
+  if (!::mkdtemp(folder.data())) return {};
+  const fs::path file = fs::path(folder) / ("seed." + ending);
+  std::ostringstream text;
+  if (write_image(file, image, settings)) text << std::ifstream(file, std::ios::binary).rdbuf();
+  fs::remove_all(folder);
+  return text.str();
+}
+
+Image small_image(std::initializer_list<std::string_view> planes) {
+  Image image(3, 2);
+  float value = 0.0f;
+  for (const std::string_view name : planes) {
+    Plane& plane = image.add(name);
+    for (int y = 0; y < 2; ++y)
+      for (int x = 0; x < 3; ++x) plane.at(x, y) = (value += 0.03f);
+  }
+  return image;
+}
+
+std::string two_texels_tga() {
+  std::string file(18, '\0');
+  file[2] = 2, file[12] = 2, file[14] = 1, file[16] = 32, file[17] = 0x28;
+  file.append("\0\0\xff\xff\0\xff\0\0", 8);
+  return file;
+}
+
+/// Positions and texture coordinates of one triangle, its indices, then the JSON of what refers to them.
+const std::string& triangle_buffer() {
+  static const std::string buffer = bytes_of(0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f) +
+                                    bytes_of(0.f, 0.f, 1.f, 0.f, 0.f, 1.f) +
+                                    bytes_of(std::uint16_t(0), std::uint16_t(1), std::uint16_t(2), std::uint16_t(0));
+  return buffer;
+}
+
+std::string triangle_json(const std::string& uri) {
+  const std::string tga = "data:image/x-tga;base64," + base64(two_texels_tga());
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"children":[1],"scale":[1,2,1]},
+{"mesh":0,"translation":[0,0,1],"rotation":[0,0,0,1]}],"meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},
+"indices":2,"material":0}]}],"materials":[{"name":"m","pbrMetallicRoughness":{"baseColorTexture":{"index":0},
+"baseColorFactor":[1,0.5,0,1],"metallicFactor":0.5,"roughnessFactor":0.5},"alphaMode":"MASK","emissiveFactor":[1,1,1]}],
+"textures":[{"source":0}],"images":[{"uri":")" +
+         tga + R"("}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"},{"bufferView":2,"componentType":5123,"count":3,"type":"SCALAR"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24},
+{"buffer":0,"byteOffset":60,"byteLength":6}],"buffers":[{"byteLength":68)" +
+         uri + "}]}";
+}
+
+std::string chunk_of_3ds(std::uint16_t kind, const std::string& content) {
+  return bytes_of(kind, std::uint32_t(content.size() + 6)) + content;
+}
+
+}  // namespace
+
+Seeds ply_seeds() {
+  const std::string vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string positions = bytes_of(0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f);
+  return {
+      "ply\nformat ascii 1.0\n" + vertices + faces + "0 0 0\n1 0 0\n0 1e0 -.5\n3 0 1 2\n",
+      "ply\nformat binary_little_endian 1.0\ncomment a\n" + vertices + faces + positions + "\3"s + bytes_of(0, 1, 2),
+      "ply\r\nformat ascii 1.0\r\ncomment TextureFile a b.png\r\nelement vertex 4\r\nproperty double x\r\n"
+      "property double y\r\nproperty double z\r\nproperty float nx\r\nproperty float ny\r\nproperty float nz\r\n"
+      "property float s\r\nproperty float t\r\nproperty uchar red\r\nproperty uchar green\r\nproperty uchar blue\r\n"
+      "element tristrips 1\r\nproperty list int int vertex_indices\r\nend_header\r\n"
+      "0 0 0 0 0 1 0 0 255 0 0\r\n1 0 0 0 0 1 1 0 0 255 0\r\n0 1 0 0 0 1 0 1 0 0 255\r\n1 1 0 0 0 1 1 1 9 9 9\r\n"
+      "6 0 1 2 -1 1 3\r\n",
+      "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty short x\nproperty uint y\nproperty char z\n"
+      "property list ushort float other\nend_header\n" +
+          from_hex("0001"
+                   "00000002"
+                   "03"
+                   "0001"
+                   "3f800000")};
+}
+
+Seeds off_seeds() {
+  return {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+          "STCNOFF # a comment\n4 1 0\n0 0 0 0 0 1 1 0 0 1 0 0\n1 0 0 0 0 1 0 1 0 1 1 0\n1 1 0 0 0 1 0 0 1 1 1 1\n"
+          "0 1 0 0 0 1 .5 .5 .5 1 0 1\n4 0 1 2 3 255 0 0\n"};
+}
+
+Seeds obj_seeds() {
+  return {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+          "# a\nmtllib none.mtl\no a b\ng g\nv 0 0 0 1 0 0\nv 1 0 0\nv .5 1 0\nv -1 -1e-3 2\nvt 0 0\nvt 1 0\nvt 1 1\n"
+          "vn 0 0 1\nusemtl m\ns 1\nf 1/1/1 2/2/1 3/3/1\nf 1//1 2//1 3//1 4//1\nf -1 -2 -3\nl 1 2\np 1\n"};
+}
+
+Seeds stl_seeds() {
+  return {
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+      "endsolid a\n",
+      std::string(80, ' ') + bytes_of(1u) + bytes_of(0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f) +
+          "\0\0"s};
+}
+
+Seeds gltf_seeds() {
+  return {triangle_json(R"(,"uri":"data:application/octet-stream;base64,)" + base64(triangle_buffer()) + "\""),
+          triangle_json(R"(,"uri":"none.bin")")};
+}
+
+Seeds glb_seeds() {
+  std::string json = triangle_json(""), binary = triangle_buffer();
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const std::uint32_t size = std::uint32_t(12 + 8 + json.size() + 8 + binary.size());
+  return {"glTF" + bytes_of(2u, size, std::uint32_t(json.size())) + "JSON" + json +
+          bytes_of(std::uint32_t(binary.size())) + "BIN\0"s + binary};
+}
+
+Seeds seeds_of_3ds() {
+  const auto chunk = chunk_of_3ds;
+  const std::string vertices = chunk(0x4110, bytes_of(std::uint16_t(3), 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f));
+  const std::string uvs = chunk(0x4140, bytes_of(std::uint16_t(3), 0.f, 0.f, 1.f, 0.f, 0.f, 1.f));
+  const std::string material_of_faces = chunk(0x4130, "m\0"s + bytes_of(std::uint16_t(1), std::uint16_t(0)));
+  const std::string faces =
+      chunk(0x4120, bytes_of(std::uint16_t(1), std::uint16_t(0), std::uint16_t(1), std::uint16_t(2), std::uint16_t(7)) +
+                        material_of_faces);
+  const std::string color = chunk(0xa020, chunk(0x0011, "\x80\x40\x20"));
+  const std::string material = chunk(0xafff, chunk(0xa000, "m\0"s) + color + chunk(0xa200, chunk(0xa300, "a.png\0"s)));
+  const std::string object = chunk(0x4000, "o\0"s + chunk(0x4100, vertices + uvs + faces));
+  return {chunk(0x4d4d, chunk(0x0002, bytes_of(3u)) + chunk(0x3d3d, material + object))};
+}
+
+Seeds dae_seeds() {
+  return {R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit meter="1"/><up_axis>Z_UP</up_axis></asset>
+<library_effects><effect id="e"><profile_COMMON><technique sid="c"><phong><diffuse><color>1 0 0 1</color></diffuse></phong>
+</technique></profile_COMMON></effect></library_effects><library_materials><material id="m"><instance_effect url="#e"/>
+</material></library_materials><library_geometries><geometry id="g"><mesh><source id="p">
+<float_array id="a" count="9">0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source="#a" count="3" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common>
+</source><vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1" material="s">
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><translate>1 2 3</translate><instance_geometry url="#g">
+<bind_material><technique_common><instance_material symbol="s" target="#m"/></technique_common></bind_material>
+</instance_geometry></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)"};
+}
+
+Seeds fbx_seeds() {
+  return {R"(; FBX 7.3.0 project file
+FBXHeaderExtension:  {
+  FBXHeaderVersion: 1003
+  FBXVersion: 7300
+}
+GlobalSettings:  {
+  Version: 1000
+  Properties70:  {
+    P: "UpAxis", "int", "Integer", "",2
+    P: "UpAxisSign", "int", "Integer", "",1
+  }
+}
+Objects:  {
+  Geometry: 11, "Geometry::", "Mesh" {
+    Vertices: *9 {
+      a: 0,0,0,1,0,0,0,1,0
+    }
+    PolygonVertexIndex: *3 {
+      a: 0,1,-3
+    }
+    GeometryVersion: 124
+  }
+  Model: 12, "Model::m", "Mesh" {
+    Version: 232
+    Properties70:  {
+      P: "Lcl Translation", "Lcl Translation", "", "A",1,2,3
+    }
+  }
+  Material: 13, "Material::m", "" {
+    Version: 102
+    ShadingModel: "phong"
+    Properties70:  {
+      P: "DiffuseColor", "Color", "", "A",0.5,0.25,1
+    }
+  }
+}
+Connections:  {
+  C: "OO",12,0
+  C: "OO",11,12
+  C: "OO",13,12
+}
+)"};
+}
+
+Seeds png_seeds() {
+  const Image color = small_image({"color.r", "color.g", "color.b", "color.a"});
+  return {image_bytes("png", color), image_bytes("png", small_image({"grey"}), {.bits = 16})};
+}
+
+Seeds exr_seeds() {
+  Camera camera;
+  return {image_bytes("exr", small_image({"depth", "normal.x", "id"}), {.camera = &camera}),
+          image_bytes("exr", small_image({"color.r", "color.g", "color.b"}), {.half = true})};
+}
+
+Seeds pfm_seeds() { return {image_bytes("pfm", small_image({"grey"})), "PF\n1 1\n1.0\n" + bytes_of(1.f, 2.f, 3.f)}; }
+
+Seeds texture_seeds() {
+  const std::string bmp = "BM" +
+                          bytes_of(58u, 0u, 54u, 40u, 1, 1, std::uint16_t(1), std::uint16_t(24), 0u, 4u, 0, 0, 0u, 0u) +
+                          "\xff\x80\x40\0"s;
+  return {image_bytes("png", small_image({"color.r", "color.g", "color.b"})),
+          two_texels_tga(),
+          bmp,
+          "P6\n2 1\n255\nabcdef",
+          "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x40\x40\x40\x80",
+          from_hex("47494638376102000200810000ff000000ff000000000000002c000000000200020000080700010408002020003b"),
+          from_hex("ffd8ffe000104a46494600010100000100010000ffdb0043" + std::string(130, 'f') +
+                   "c0000b080002000201011100ffc40014000100000000000000000000000000000001ffc400161000030000000000000000"
+                   "000000000000000131ffda0008010100003f00543fffd9")};
+}
+
+Seeds setting_seeds() {
+  return {"\0-1.25"s,
+          "\1-3"s,
+          "\2yes"s,
+          "\3zero"s,
+          "\4"
+          "5%"s,
+          "\4"
+          "0.5"s,
+          "\5"
+          "1e-3"s};
+}
+
+Seeds scene_name_seeds() { return {"scene:atrium?detail=1e6x", "scene:rooms", "scene:?", "room"}; }
+
+Seeds transfer_seeds() {
+  Scene scene;
+  scene.textures.push_back({"t", 1, 1, {1, 2, 3, 4}});
+  scene.materials.push_back({.name = "m", .texture = 0});
+  scene.meshes.push_back({.name = "a", .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, .indices = {0, 1, 2}});
+  scene.lights.emplace_back();
+  scene.warnings.push_back("w");
+  Seeds seeds;
+  for (const Result<Scene>& imported : {Result<Scene>(scene), Result<Scene>(file_error("a sentence"))}) {
+    const int file = ::memfd_create("seed", 0);
+    if (!send_import(file, imported)) continue;
+    std::string& bytes = seeds.emplace_back(std::size_t(::lseek(file, 0, SEEK_END)), '\0');
+    if (::pread(file, bytes.data(), bytes.size(), 0) < 0) bytes.clear();
+    ::close(file);
+  }
+  return seeds;
+}
+
+Seeds baseline_seeds() {
+  return {R"([{"bias":0.1,"camera":"auto","device":"cpu","falloff":"none","flip":0.1,"format":2,"guard":"0%","height":8,
+"ms":1.5,"normal":"face","p99":0.3,"psnr":20.0,"quantity":"occlusion","radius":"20%","rmse":0.1,"samples":64,
+"scene":"room","setting":"","settings":"","ssim":0.9,"technique":"hbao","view":"0 0 1","width":8}])"};
+}
+
+}  // namespace umbrage::fuzz
