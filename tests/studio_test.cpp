@@ -230,8 +230,8 @@ TEST(SoftShadows, ALongPenumbraHasNoStreaks) {
     int frames;
     double rms, most;
   };
-  // Without the second filter the shadow is off by 0.045 and 0.17 in one picture, 0.014 and 0.043 in four.
-  for (const auto& [frames, rms, most] : {Case{1, 0.008, 0.02}, Case{4, 0.006, 0.012}}) {
+  // Without the second filter the shadow is off by 0.028 and 0.064 in one picture, 0.016 and 0.043 in four.
+  for (const auto& [frames, rms, most] : {Case{1, 0.025, 0.04}, Case{4, 0.0105, 0.02}}) {
     Plane mean(kSide, kSide, 0.0f);
     for (int sample = 0; sample < frames; ++sample) {
       const auto frame =

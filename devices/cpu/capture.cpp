@@ -196,8 +196,6 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
 void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
   static const DiscPoints points = disc_points();
   static const auto rim = rim_points();
-  // Where penumbrae are wide, what 4 x 4 blocks have is averaged too: each has other rays.
-  const int block = surfaces.x0 / kBlock % kBlock + surfaces.y0 / kBlock % kBlock * kBlock;
   for (const ShadowLight& light : drawing.lights) {
     std::array<float, kPacket> lit{};
     float scale = 1.0f;
@@ -215,8 +213,7 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
       lit = {};
       for (int ray = 0; ray < light.rays; ++ray)
         trace_to_light(drawing, surfaces, light, true,
-                       points[std::size_t(ray + (drawing.sample + kSoftenRays * block) * light.rays) % kDiscPoints],
-                       lit, out);
+                       points[std::size_t(ray + drawing.sample * light.rays) % kDiscPoints], lit, out);
       scale = 1.0f / float(light.rays);
     }
     for (int k = 0; k < kPacket; ++k)

@@ -3,7 +3,6 @@
 #define UMBRAGE_DEVICES_SHARED_SOFTEN_H
 
 const int kSoftenBlock = 4;  // pixels: a block's shadow rays go to as many places on the light as it has pixels
-const int kSoftenRays = 4;   // rays of a pixel after which the places of the next block's begin
 // Half of the filter's width, in pixels: at least that of the first filter.
 const float kSoftenLeast = 2.0f, kSoftenMost = 14.0f;
 const int kSoftenBlocks = 4;  // as many blocks away the widest filter has ended

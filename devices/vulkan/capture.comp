@@ -402,7 +402,7 @@ bool arrives(Receiver r, int light, bool soft, vec2 place) {
 }
 
 // The share of a light that arrives. Called by all pixels of the workgroup together.
-float shadow_of(Receiver r, bool there, int light, ivec2 tile, int k) {
+float shadow_of(Receiver r, bool there, int light, int k) {
   int rays = C.light_rays[light], block = r.block;
   float lit = 0.0f;
   bool partly = rays > 0;
@@ -418,10 +418,8 @@ float shadow_of(Receiver r, bool there, int light, ivec2 tile, int k) {
   }
   if (!partly || !there) return lit;
   lit = 0.0f;
-  // Blocks around have other rays: devices/cpu/capture.cpp.
-  int first = C.sample_index + kSoftenRays * (tile.y % kSoftenBlock * kSoftenBlock + tile.x % kSoftenBlock);
   for (int ray = 0; ray < rays; ++ray)
-    if (arrives(r, light, true, disc_point((ray + first * rays) % kCaptureDiscPoints, k))) lit += 1.0f;
+    if (arrives(r, light, true, disc_point((ray + C.sample_index * rays) % kCaptureDiscPoints, k))) lit += 1.0f;
   return lit / float(rays);
 }
 
@@ -498,7 +496,7 @@ void main() {
         barrier();
       }
       Receiver receiver = Receiver(s, start, hit.t, ray.direction, block, measured);
-      float lit = shadow_of(receiver, there, light, here / kSoftenBlock, k);
+      float lit = shadow_of(receiver, there, light, k);
       if (there) put(first + kShadowSlot + C.light_index[light], place, lit);
       if (measured) {
         barrier();
