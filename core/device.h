@@ -70,8 +70,10 @@ class Device {
   /// guard band included.
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
   /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
-  /// On layer n > 0 all its inputs and outputs are that layer's.
-  virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0) = 0;
+  /// On layer n > 0 all its inputs and outputs are that layer's. For missing pixels only an effect can run of which
+  /// runs_for_missing holds.
+  virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
+                           PixelSet pixels = PixelSet::kAll) = 0;
   /// A frame that holds every `factor`th pixel, across and down, of these planes in all the layers that have them: see
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;

@@ -1,6 +1,13 @@
 #include "core/effect.h"
 
+#include <algorithm>
+
 namespace umbrage {
+
+bool runs_for_missing(const Effect& effect, const ParameterBytes& params) {
+  return std::any_of(effect.passes.begin(), effect.passes.end(),
+                     [&](const Pass& pass) { return pass.for_missing && (!pass.needed || pass.needed(params)); });
+}
 
 float length_px(const Length& length, float whole_px, const PictureInfo& info) {
   return length.relative ? length.value / 100.0f * whole_px : length.value / float(info.reduced);

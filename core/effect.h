@@ -32,6 +32,10 @@ struct GpuWay {
   std::vector<GpuStep> steps;
 };
 
+/// Which pixels an effect is run for: all, or those alone where `ao` is kMissing. These get the occlusion of a run for
+/// all, and nothing else; the others keep theirs.
+enum class PixelSet { kAll, kMissing };
+
 /// One run over all pixels.
 struct Pass {
   std::string_view name;
@@ -44,6 +48,7 @@ struct Pass {
   std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs in place of it
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always
   int tile_width = 1 << 20, tile_height = 16;              ///< tile that the CPU likes
+  bool for_all = true, for_missing = false;                ///< for which pixels it runs
 };
 
 enum class EffectKind {
@@ -76,6 +81,9 @@ struct Effect {
   /// How often the passes run, all of them in order, each time; null: once.
   int (*rounds)(const ParameterBytes& params) = nullptr;
 };
+
+/// Whether an effect can be run for missing pixels: it needs a pass for them with these params.
+bool runs_for_missing(const Effect& effect, const ParameterBytes& params);
 
 /// What a length that is written in pixels is in pixels of this picture, of which several may make one at reduced
 /// resolution; a share is of `whole_px`, the picture's share_width() or share_height().

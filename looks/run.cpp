@@ -126,7 +126,8 @@ Result<void> run_step(const LookRun& run, const Steps& steps, std::size_t step, 
 }
 
 /// Runs the steps from `first` to before `last` at reduced resolution, and brings the occlusion and the light that they
-/// make to the frame.
+/// make to the frame. What no computed pixel shows, a technique that can computes at full resolution; at a quarter that
+/// would be too much.
 Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last, Device& device,
                          Frame& frame) {
   std::vector<std::string> read;
@@ -140,7 +141,7 @@ Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t fir
   bool light = false;
   for (std::size_t step = first; step < last; ++step)
     for (const Pass& pass : steps[step]->passes) {
-      if (pass.needed && !pass.needed(params_of(run, *steps[step]))) continue;
+      if (!pass.for_all || (pass.needed && !pass.needed(params_of(run, *steps[step])))) continue;
       const bool once = !steps[step]->rounds || steps[step]->rounds(params_of(run, *steps[step])) == 1;
       for (std::string_view input : pass.inputs) {
         if (once && has(pass.later_inputs, input)) continue;
@@ -156,11 +157,16 @@ Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t fir
   std::vector<std::string> taken_back = {"ao"};
   if (light) taken_back.insert(taken_back.end(), {"indirect.r", "indirect.g", "indirect.b"});
   if (auto done = device.place(*small, taken_back, frame); !done) return done;
+  const Effect& technique = *steps[first];
+  const bool leave = run.occlusion_every == 2 && runs_for_missing(technique, params_of(run, technique));
   EffectSettings settings = *run.settings;
   for (const std::string& setting : {fmt::format("upsample.factor={}", run.occlusion_every),
-                                     fmt::format("upsample.indirect={}", light ? "on" : "off")})
+                                     fmt::format("upsample.indirect={}", light ? "on" : "off"),
+                                     fmt::format("upsample.leave={}", leave ? "on" : "off")})
     if (auto set = apply_setting(settings, setting, run.handed_in); !set) fail_check(set.error().message);
   if (auto done = device.run(*find_effect("upsample"), settings.find("upsample")->second, frame); !done) return done;
+  if (leave)
+    if (auto done = device.run(technique, params_of(run, technique), frame, 0, PixelSet::kMissing); !done) return done;
   run.after("upsample");
   return {};
 }

@@ -26,13 +26,31 @@ struct Kernel {
 };
 
 void Run(const KernelFrame& frame, const Tile& tile) {
+  MissingPixels missing(frame, tile);
+  Int px = 0, py = 0;
+  // Where nothing is to be computed, not even planes are looked up by their names.
+  if (frame.frame.missing != 0 && !missing.next(px, py)) return;
   Kernel kernel{{frame}};
   const auto lane = hn::Iota(DI(), 0);  // once: it is made number by number
-  for (int y = tile.y0; y < tile.y1; ++y)
-    for (int x = tile.x0; x < tile.x1; x += kLanes) {
+  int x = tile.x0, y = tile.y0;
+  // One call, since it is inlined.
+  for (;;) {
+    if (HWY_LIKELY(frame.frame.missing == 0)) {
+      if (x >= tile.x1) {
+        x = tile.x0;
+        ++y;
+      }
+      if (y >= tile.y1) break;
       kernel.view.move(x, y);
-      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(hn::Add(lane, hn::Set(DI(), x)), Int(y));
+      px = hn::Add(lane, hn::Set(DI(), x));
+      py = Int(y);
+      x += kLanes;
+    } else {
+      kernel.view.move_to(px, py);
     }
+    kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(px, py);
+    if (HWY_UNLIKELY(frame.frame.missing != 0) && !missing.next(px, py)) break;
+  }
 }
 
 }  // namespace
@@ -71,6 +89,7 @@ void UMBRAGE_CONCAT(run_scalar_, UMBRAGE_KERNEL)(const KernelFrame& frame, const
   scalar::Kernel kernel{{frame}};
   for (int y = tile.y0; y < tile.y1; ++y)
     for (int x = tile.x0; x < tile.x1; ++x) {
+      if (!kernel.view.is_computed(x, y)) continue;
       kernel.view.x = x;
       kernel.view.y = y;
       kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(x, y);

@@ -10,11 +10,15 @@ const int kLayersRead = 8;
 // The most planes, inputs and outputs, of one pass.
 const int kMostPlanes = 128;
 
+// What `ao` holds where a pixel is left to be computed: more than any occlusion or light.
+const float kMissing = 2e30f;
+
 struct FrameConstants {
   int width, height;
   int stride;        // floats from one row of a plane to the next
   int orthographic;  // 0 or 1
   int round;         // of an effect whose passes run several times: 0 in the first
+  int missing;       // 1: only pixels where `ao` is kMissing are computed
   float ray_scale_x, ray_offset_x, ray_scale_y, ray_offset_y;
 };
 

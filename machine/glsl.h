@@ -198,9 +198,10 @@ layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPl
 #define OUT_VECTOR(name) OUT_TRIPLE(OutPlane, name, x, y, z)
 #define OUT_COLOR(name) OUT_TRIPLE(OutPlane, name, r, g, b)
 
-#define UMBRAGE_MAIN(name)                               \
-  void main() {                                          \
-    here = ivec2(gl_GlobalInvocationID.xy);              \
-    if (here.x >= F.width || here.y >= F.height) return; \
-    name##_pixel(here.x, here.y);                        \
+#define UMBRAGE_MAIN(name)                                                                               \
+  void main() {                                                                                          \
+    here = ivec2(gl_GlobalInvocationID.xy);                                                              \
+    if (here.x >= F.width || here.y >= F.height) return;                                                 \
+    if (F.missing != 0 && !(InOutPlane(planes[kMostPlanes - 1]).at[index_of_own()] >= kMissing)) return; \
+    name##_pixel(here.x, here.y);                                                                        \
   }

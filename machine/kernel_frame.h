@@ -22,6 +22,7 @@ struct KernelFrame {
   FrameConstants frame;
   const void* constants;  ///< the effect's constants struct
   std::span<const KernelPlane> planes;
+  const float* ao = nullptr;  ///< where FrameConstants::missing is set
 
   /// The plane of that name; aborts where the effect's table does not list it.
   float* plane(std::string_view name) const;

@@ -29,6 +29,9 @@ struct LanesView {
   int x = 0, y = 0;         // the first lane's pixel
   bool inner = false;       // all lanes lie kMargin or more inside the picture
   std::ptrdiff_t here = 0;  // of pixel (x, y) in a plane
+  // Lanes are pixels from anywhere, these; x, y and here are then without meaning, and there is no corner and no block.
+  bool scattered = false;
+  Int column = 0, row = 0;
 
   HWY_INLINE void move(int to_x, int to_y) {
     x = to_x;
@@ -36,6 +39,12 @@ struct LanesView {
     inner =
         x >= kMargin && x + kLanes + kMargin <= frame.frame.width && y >= kMargin && y + kMargin < frame.frame.height;
     here = std::ptrdiff_t(y) * frame.frame.stride + x;
+  }
+  HWY_INLINE void move_to(Int columns, Int rows) {
+    scattered = true;
+    inner = false;
+    column = columns;
+    row = rows;
   }
 
   float* plane(std::string_view name) const { return frame.plane(name); }
@@ -59,11 +68,12 @@ struct LanesView {
     return near_border(plane, i, j);
   }
   HWY_NOINLINE Real near_border(const float* plane, int i, int j) const {
-    const int row = HWY_MIN(HWY_MAX(y + j, 0), frame.frame.height - 1);
-    const int column = x + i;
-    const float* start = plane + std::ptrdiff_t(row) * frame.frame.stride;
-    if (column >= 0 && column + kLanes <= frame.frame.width) return hn::LoadU(D(), start + column);
-    return hn::GatherIndex(D(), start, clamp(Int(hn::Iota(DI(), column)), Int(0), Int(frame.frame.width - 1)).v);
+    if (scattered) return load(plane, column + Int(i), row + Int(j));
+    const int line = HWY_MIN(HWY_MAX(y + j, 0), frame.frame.height - 1);
+    const int first = x + i;
+    const float* start = plane + std::ptrdiff_t(line) * frame.frame.stride;
+    if (first >= 0 && first + kLanes <= frame.frame.width) return hn::LoadU(D(), start + first);
+    return hn::GatherIndex(D(), start, clamp(Int(hn::Iota(DI(), first)), Int(0), Int(frame.frame.width - 1)).v);
   }
   // Loads by steps of f, 1, 2 or 4: lanes start at a multiple of it wherever they are as many as f.
   HWY_INLINE Real corner(const float* plane, int f, int i, int j) const {
@@ -104,11 +114,63 @@ struct LanesView {
   HWY_INLINE Bool inside(int i, int j) const {
     if (HWY_LIKELY(inner && unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin))
       return Int(0) == Int(0);
-    const Int column = hn::Iota(DI(), x + i);
-    const bool row = y + j >= 0 && y + j < frame.frame.height;
-    return column >= Int(row ? 0 : 0x7fffffff) && column < Int(frame.frame.width);
+    const Int columns = scattered ? column + Int(i) : Int(hn::Iota(DI(), x + i));
+    const Int rows = scattered ? row + Int(j) : Int(y + j);
+    return columns >= Int(0) && columns < Int(frame.frame.width) && rows >= Int(0) && rows < Int(frame.frame.height);
   }
-  HWY_INLINE void store(float* plane, Real v) const { hn::StoreU(v.v, D(), plane + here); }
+  HWY_INLINE void store(float* plane, Real v) const {
+    if (HWY_UNLIKELY(scattered))
+      scatter(plane, v);
+    else
+      hn::StoreU(v.v, D(), plane + here);
+  }
+  HWY_NOINLINE void scatter(float* plane, Real v) const {
+    hn::ScatterIndex(v.v, D(), plane, (row * Int(frame.frame.stride) + column).v);
+  }
+};
+
+/// The pixels of a tile where `ao` is kMissing, kLanes at a time. Where fewer are left, the last of them stands in all
+/// other lanes: they compute the same, and store it to the same place.
+class MissingPixels {
+ public:
+  MissingPixels(const KernelFrame& frame, const Tile& tile) : frame_(frame), tile_(tile), x_(tile.x0), y_(tile.y0) {}
+
+  HWY_NOINLINE bool next(Int& columns, Int& rows) {
+    for (; count_ < kLanes && y_ < tile_.y1; x_ += kLanes) {
+      if (x_ >= tile_.x1) {
+        x_ = tile_.x0 - kLanes;
+        ++y_;
+        continue;
+      }
+      const float* ao = frame_.ao + std::ptrdiff_t(y_) * frame_.frame.stride;
+      const Bool missing = {hn::Ge(hn::LoadU(D(), ao + x_), hn::Set(D(), kMissing))};
+      if (HWY_LIKELY(!some(missing))) continue;
+      const Int x = hn::Iota(DI(), x_);
+      const Bool inside = missing && x < Int(tile_.x1);
+      hn::StoreU(packed(inside, to_uint(x)).v, DU(), columns_ + count_);
+      hn::StoreU(to_uint(Int(y_)).v, DU(), rows_ + count_);
+      count_ += how_many(inside);
+    }
+    if (count_ == 0) return false;
+    for (int i = count_; i < kLanes; ++i) {
+      columns_[i] = columns_[count_ - 1];
+      rows_[i] = rows_[count_ - 1];
+    }
+    columns = to_signed(hn::Load(DU(), columns_));
+    rows = to_signed(hn::Load(DU(), rows_));
+    hn::Store(hn::Load(DU(), columns_ + kLanes), DU(), columns_);
+    hn::Store(hn::Load(DU(), rows_ + kLanes), DU(), rows_);
+    count_ = HWY_MAX(count_ - kLanes, 0);
+    return true;
+  }
+
+ private:
+  const KernelFrame& frame_;
+  const Tile& tile_;
+  int x_, y_;
+  int count_ = 0;  // pixels found, not yet handed out
+  HWY_ALIGN std::uint32_t columns_[2 * kLanes];
+  HWY_ALIGN std::uint32_t rows_[2 * kLanes];
 };
 
 }  // namespace

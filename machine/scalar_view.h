@@ -9,6 +9,10 @@ struct ScalarView {
   const KernelFrame& frame;
   int x = 0, y = 0;
 
+  bool is_computed(int at_x, int at_y) const {
+    return frame.frame.missing == 0 || frame.ao[std::ptrdiff_t(at_y) * frame.frame.stride + at_x] >= kMissing;
+  }
+
   float* plane(std::string_view name) const { return frame.plane(name); }
   /// Any pixel; coordinates outside are clamped to the border.
   Real load(const float* plane, Int X, Int Y) const {

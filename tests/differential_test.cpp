@@ -9,6 +9,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "machine/cpu_target.h"
+#include "machine/frame_constants.h"
 #include "run_effect.h"
 #include "support.h"
 #include "vulkan_support.h"
@@ -268,6 +269,53 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
           EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0)
               << effect.name << ' ' << a.names[p] << " setting " << k << " at " << size.width << 'x' << size.height;
       }
+}
+
+bool is_missing(int x, int y) { return test::hash(unsigned(x) + 4099u * unsigned(y)) % 7 == 0 || (x > 90 && y == 17); }
+
+// They get the occlusion of a run for all, to the bit; others, and light, stay as they are.
+TEST_P(Differential, MissingPixelsAreAsInARunForAll) {
+  const Effect& effect = *GetParam();
+  for (const bool bleeding : {false, true}) {
+    if (bleeding && !find_parameter(effect, "bleeding")) continue;
+    const ParameterBytes params =
+        test::parameters_of(effect, bleeding ? test::Settings{{"bleeding", "1"}} : test::Settings{});
+    if (!runs_for_missing(effect, params)) continue;
+    for (const Size size : kSizes) {
+      GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 5);
+      add_made_inputs(effect, gbuffer);
+      const auto check = [&](Device& device, const std::string& what) {
+        SCOPED_TRACE(fmt::format("{}, bleeding {}, at {}x{}", what, bleeding, size.width, size.height));
+        auto frame = *device.upload(gbuffer);
+        ASSERT_TRUE(device.run(effect, params, frame));
+        const Plane all = device.download(frame, {"ao"})->planes[0];
+        Image start(size.width, size.height);
+        for (const char* name : {"ao", "indirect.r"}) start.add(name) = Plane(size.width, size.height, 0.25f);
+        for (int y = 0; y < size.height; ++y)
+          for (int x = 0; x < size.width; ++x)
+            if (is_missing(x, y)) start.plane("ao").at(x, y) = kMissing;
+        ASSERT_TRUE(device.add(start, frame));
+        ASSERT_TRUE(device.run(effect, params, frame, 0, PixelSet::kMissing));
+        const Image made = *device.download(frame, {"ao", "indirect.r"});
+        long wrong = 0;
+        for (int y = 0; y < size.height; ++y)
+          for (int x = 0; x < size.width; ++x) {
+            wrong += made.planes[0].at(x, y) != (is_missing(x, y) ? all.at(x, y) : 0.25f);
+            wrong += made.planes[1].at(x, y) != 0.25f;
+          }
+        EXPECT_EQ(wrong, 0);
+      };
+      check(*make_cpu_device({.scalar = true}), "scalar");
+      for (const std::string& target : simd_target_names()) {
+        ASSERT_TRUE(choose_simd_target(target));
+        check(*make_cpu_device({}), target);
+      }
+      if (Device* const device = test::vulkan_device()) {
+        const test::NoMessages no_messages;
+        check(*device, "vulkan");
+      }
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Effects, Differential, testing::ValuesIn(effects().begin(), effects().end()),

@@ -107,8 +107,9 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer) override {
-    return run_passes(effect, params, frame, layer,
+  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer,
+                   PixelSet pixels) override {
+    return run_passes(effect, params, frame, layer, pixels,
                       [&](const PassRun& pass) { return run_pass(pass, planes_of(frame)); });
   }
 
@@ -217,21 +218,29 @@ class CpuDevice final : public Device {
     for (std::string_view name : pass.outputs)
       kernel_planes.push_back({name, run.is_there(name) ? planes.image.plane(run.plane(name)).data() : nullptr});
     const int stride = planes.image.plane(run.plane(pass.outputs[0])).stride;
-    const KernelFrame kernel_frame{frame_constants(info, stride, run.round), run.constants.data(), kernel_planes};
-    const CpuKernel kernel = settings_.scalar ? pass.scalar : settings_.tuned && pass.tuned ? pass.tuned : pass.lanes;
+    const bool all = run.pixels == PixelSet::kAll;
+    const Plane* ao = all ? nullptr : planes.image.find(run.plane("ao"));
+    if (!all && !ao) return missing_plane(run, "ao");
+    const KernelFrame kernel_frame{frame_constants(info, stride, run.round, run.pixels), run.constants.data(),
+                                   kernel_planes, ao ? ao->data() : nullptr};
+    const bool tuned = settings_.tuned && pass.tuned && all;
+    const CpuKernel kernel = settings_.scalar ? pass.scalar : tuned ? pass.tuned : pass.lanes;
 
-    const int tile_width = std::min(pass.tile_width, stride);
+    // Missing pixels are few: each tile leaves lanes over, but pixels far from each other share no cache lines.
+    constexpr int kMissingTile = 128;
+    const int tile_width = std::min(all ? pass.tile_width : kMissingTile, stride);
+    const int tile_height = all ? pass.tile_height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
-    const int rows = (info.height + pass.tile_height - 1) / pass.tile_height;
+    const int rows = (info.height + tile_height - 1) / tile_height;
     Watch watch(go_on, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<int>(0, rows * columns, 1),
           [&](const tbb::blocked_range<int>& range) {
             for (int t = range.begin(); t < range.end() && !watch.ended(); ++t) {
-              const int x0 = t % columns * tile_width, y0 = t / columns * pass.tile_height;
+              const int x0 = t % columns * tile_width, y0 = t / columns * tile_height;
               kernel(kernel_frame,
-                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + pass.tile_height, info.height)});
+                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, info.height)});
               watch.done(1);
             }
           },

@@ -6,13 +6,14 @@
 
 namespace umbrage {
 
-FrameConstants frame_constants(const PictureInfo& info, int stride, int round) {
+FrameConstants frame_constants(const PictureInfo& info, int stride, int round, PixelSet pixels) {
   const Camera& camera = info.camera;
   return {.width = info.width,
           .height = info.height,
           .stride = stride,
           .orthographic = camera.projection == Projection::kOrthographic ? 1 : 0,
           .round = round,
+          .missing = pixels == PixelSet::kMissing ? 1 : 0,
           .ray_scale_x = (camera.right - camera.left) / float(info.width),
           .ray_offset_x = camera.left,
           .ray_scale_y = -(camera.top - camera.bottom) / float(info.height),
@@ -24,17 +25,20 @@ std::string PassRun::plane(std::string_view name) const { return layer_plane(lay
 bool PassRun::is_there(std::string_view output) const { return layer_of_plane(output) <= int(info.more_layers.size()); }
 
 Result<void> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                        const std::function<Result<void>(const PassRun&)>& run) {
+                        PixelSet pixels, const std::function<Result<void>(const PassRun&)>& run) {
   check_equal(params.size(), effect.params_size, effect.name);
   if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
+  if (pixels == PixelSet::kMissing && !runs_for_missing(effect, params))
+    fail_check(fmt::format("{} does not run for missing pixels", effect.name));
   std::vector<std::byte> constants(effect.constants_size);
   const PictureInfo info = layer_info(frame.info, layer);
   effect.constants(params, info, constants.data());
-  const int rounds = effect.rounds ? effect.rounds(params) : 1;
+  const int rounds = effect.rounds && pixels == PixelSet::kAll ? effect.rounds(params) : 1;
   for (int round = 0; round < rounds; ++round)
     for (const Pass& pass : effect.passes) {
       if (pass.needed && !pass.needed(params)) continue;
-      if (auto done = run({effect, pass, params, constants, info, layer, round}); !done) return done;
+      if (!(pixels == PixelSet::kAll ? pass.for_all : pass.for_missing)) continue;
+      if (auto done = run({effect, pass, params, constants, info, layer, round, pixels}); !done) return done;
     }
   return {};
 }

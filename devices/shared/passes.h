@@ -12,7 +12,7 @@
 namespace umbrage {
 
 /// What kernels read of a picture whose planes have rows `stride` floats apart.
-FrameConstants frame_constants(const PictureInfo& info, int stride, int round);
+FrameConstants frame_constants(const PictureInfo& info, int stride, int round, PixelSet pixels = PixelSet::kAll);
 
 /// One pass of an effect as it is to run.
 struct PassRun {
@@ -21,6 +21,7 @@ struct PassRun {
   std::span<const std::byte> params, constants;
   const PictureInfo& info;  ///< as the layer shows the picture
   int layer = 0, round = 0;
+  PixelSet pixels = PixelSet::kAll;
 
   /// The name in the frame of one of the pass's planes.
   std::string plane(std::string_view name) const;
@@ -30,7 +31,7 @@ struct PassRun {
 
 /// Calls `run` for each pass that the effect needs with these params, in order. Ends with the first error.
 Result<void> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                        const std::function<Result<void>(const PassRun&)>& run);
+                        PixelSet pixels, const std::function<Result<void>(const PassRun&)>& run);
 
 /// The error of a pass that reads a plane which the picture does not have.
 Error missing_plane(const PassRun& run, std::string_view plane);

@@ -144,8 +144,9 @@ class VulkanDevice final : public Device {
     return copy_to(planes, frame);
   }
 
-  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer) override {
-    return run_passes(effect, params, frame, layer, [&](const PassRun& pass) {
+  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer,
+                   PixelSet pixels) override {
+    return run_passes(effect, params, frame, layer, pixels, [&](const PassRun& pass) {
       return is_ended() ? interrupted() : run_pass(pass, planes_of(frame));
     });
   }
@@ -418,7 +419,7 @@ class VulkanDevice final : public Device {
     for (std::string_view output : pass.outputs)
       if (run.is_there(output))
         if (auto made = writable(planes, run.plane(output)); !made) return made.error();
-    if (tuned_)
+    if (tuned_ && run.pixels == PixelSet::kAll)
       for (const GpuWay& way : pass.gpu_ways)
         if (way.fits(run.constants.data())) return run_way(run, way, planes);
     return run_step(run, plain_step(pass), planes, {});
@@ -444,7 +445,8 @@ class VulkanDevice final : public Device {
   }
 
   Result<void> run_step(const PassRun& run, const GpuStep& step, const Planes& planes, const StepPlanes& own) {
-    const std::vector<std::byte> block = block_of(frame_constants(run.info, planes.stride, run.round), run.constants);
+    const std::vector<std::byte> block =
+        block_of(frame_constants(run.info, planes.stride, run.round, run.pixels), run.constants);
     const auto pipeline = pipelines_->of(step, block);
     if (!pipeline) return pipeline.error();
     std::vector<VkDeviceAddress> table;
@@ -452,6 +454,12 @@ class VulkanDevice final : public Device {
       const auto found = own.find(name);
       const DevicePlane* plane = found != own.end() ? found->second.get() : planes.find(run.plane(name));
       table.push_back(plane ? plane->address : 0);  // a layer that is not there: nobody stores to it
+    }
+    if (run.pixels == PixelSet::kMissing) {
+      const DevicePlane* ao = planes.find(run.plane("ao"));
+      if (!ao) return missing_plane(run, "ao");
+      table.resize(kMostPlanes);
+      table.back() = ao->address;  // as machine/glsl.h reads it
     }
     return dispatch({*pipeline, run.effect.name, step.name, number_of(run.params), step.group_width, step.group_height},
                     run.info, block, table);

@@ -132,7 +132,8 @@ const Effect& effect_alchemy() {
                   .lanes = run_lanes_alchemy,
                   .spirv = kSpirv,
                   .tile_width = 128,
-                  .tile_height = 32}},
+                  .tile_height = 32,
+                  .for_missing = true}},
   };
   return effect;
 }

@@ -117,7 +117,8 @@ const Effect& effect_hbao() {
                   .lanes = run_lanes_hbao,
                   .spirv = kSpirv,
                   .tile_width = 128,
-                  .tile_height = 32}},
+                  .tile_height = 32,
+                  .for_missing = true}},
   };
   return effect;
 }

@@ -229,7 +229,8 @@ const Effect& effect_sphere() {
                   .lanes = run_lanes_sphere,
                   .spirv = kSpirv,
                   .tile_width = 128,
-                  .tile_height = 32}},
+                  .tile_height = 32,
+                  .for_missing = true}},
   };
   return effect;
 }

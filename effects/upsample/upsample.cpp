@@ -31,6 +31,10 @@ const std::vector<Parameter> kTable = {
      .help = "upsample the reflected light too, not the occlusion alone; --ao-scale sets it",
      .type = ParameterType::kBool,
      .offset = offsetof(UpsampleParams, indirect)},
+    {.name = "leave",
+     .help = "leave pixels that too few others fit for the technique to compute; --ao-scale sets it",
+     .type = ParameterType::kBool,
+     .offset = offsetof(UpsampleParams, leave)},
     {.name = "distance",
      .help = "how far a pixel may lie off another's plane to join it fully",
      .offset = offsetof(UpsampleParams, distance),
@@ -51,7 +55,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
   const auto& params = as<UpsampleParams>(bytes);
   const int factor = params.factor == kUpsampleQuarter ? 4 : 2;
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
-  *static_cast<UpsampleConstants*>(out) = {factor, params.distance, float(1.0 / (1.0 - cosine))};
+  *static_cast<UpsampleConstants*>(out) = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
 }
 
 bool light_too(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }

@@ -6,6 +6,7 @@
 struct UpsampleParams {
   int factor;      // kUpsampleHalf, kUpsampleQuarter
   int indirect;    // 0 or 1
+  int leave;       // 0 or 1
   float distance;  // pixels
   float angle;     // degrees
 };
@@ -15,6 +16,7 @@ const int kUpsampleHalf = 0, kUpsampleQuarter = 1;
 
 struct UpsampleConstants {
   int factor;      // 2 or 4
+  int leave;       // 0 or 1
   float distance;  // pixels
   float turn;      // 1 / (1 - cosine of the angle)
 };

@@ -13,8 +13,8 @@ CONST float kOtherKind = 1e6f;  // misfit of surface and background, and the lar
 CONST float kOutside = 2e6f;    // of what is not in the picture
 // Where no pixel joins, the nearest in depth gives most. Where any does, this is too little to be seen.
 CONST float kLeastJoint = 1e-6f;
-// Where the four nearest pixels join by less than this, the sixteen nearest are asked: at the rims of things, and on
-// leaves and wires that none of the four shows.
+// Where the four nearest pixels join by less than this, at the rims of things and on leaves and wires that none of the
+// four shows, the technique is left to compute the pixel, or else the sixteen nearest are asked.
 CONST float kFew = 0.1f;
 CONST float kLeastSquare = 1e-2f;  // of a distance in blocks: the nearest pixel but the own one is a quarter off
 // What rounds a normal, and interpolates it over a coarse mesh, turns it by a few degrees. On a surface seen at a
@@ -91,6 +91,9 @@ FN Vec3 shares_of(Int px, Int py) {
   Bool few = sum < kFew && !corner;
   return Vec3(select(few, Real(-1.0f), right * scale), below * scale, both * scale);
 }
+
+// Occlusion of a pixel that too few join: that of background is known.
+FN Real left_ao() { return select(is_surface(near_depth(0, 0)), Real(kMissing), Real(1.0f)); }
 
 // The weight of the block (i, j) to the right and below, where sixteen are asked.
 FN Real wide_weight(int i, int j, Int px, Int py) {

@@ -12,7 +12,7 @@ FN void upsample_ao_pixel(Int px, Int py) {
   Real change =
       (small_ao(1, 0) - own) * shares.x + (small_ao(0, 1) - own) * shares.y + (small_ao(1, 1) - own) * shares.z;
   Bool few = shares.x < 0.0f;
-  if (some(few)) {
+  if (some(few) && C.leave == 0) {
     Real sum = Real(0.0f);
     Real wide = Real(0.0f);
     for (int j = -1; j <= 2; ++j)
@@ -23,5 +23,7 @@ FN void upsample_ao_pixel(Int px, Int py) {
       }
     change = select(few, wide * (Real(1.0f) / sum), change);
   }
-  store_ao(own + change);
+  Real ao = own + change;
+  if (C.leave != 0) ao = select(few, left_ao(), ao);
+  store_ao(ao);
 }

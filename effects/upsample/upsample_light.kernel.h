@@ -19,11 +19,14 @@ FN void upsample_light_pixel(Int px, Int py) {
                       (small_light(1, 1) - own_light) * shares.z;
   Bool few = shares.x < 0.0f;
   if (some(few)) {
+    // Where the technique is to compute the occlusion, light is borrowed from the four nearest: sixteen would cost
+    // more.
+    int nearest = C.leave != 0 ? 0 : 1;
     Real sum = Real(0.0f);
     Real wide = Real(0.0f);
     Vec3 wide_light = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-    for (int j = -1; j <= 2; ++j)
-      for (int i = -1; i <= 2; ++i) {
+    for (int j = -nearest; j <= 1 + nearest; ++j)
+      for (int i = -nearest; i <= 1 + nearest; ++i) {
         Real weight = wide_weight(i, j, px, py);
         sum = sum + weight;
         wide = mad(weight, small_ao(i, j) - own, wide);
@@ -33,6 +36,8 @@ FN void upsample_light_pixel(Int px, Int py) {
     change = select(few, wide * scale, change);
     light_change = select(few, wide_light * scale, light_change);
   }
-  store_ao(own + change);
+  Real ao = own + change;
+  if (C.leave != 0) ao = select(few, left_ao(), ao);
+  store_ao(ao);
   store_indirect(own_light + light_change);
 }

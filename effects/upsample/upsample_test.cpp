@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "looks/looks.h"
+#include "machine/frame_constants.h"
 #include "run_effect.h"
 #include "scene/builtin.h"
 #include "scene/framing.h"
@@ -236,6 +237,31 @@ TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
   });
 }
 
+TEST(Upsample, LeavesOcclusionThatNoPixelShows) {
+  // A wire between computed pixels again, and a slit in its middle that shows background.
+  GBuffer g = to_upsample(16, 16);
+  Image& image = g.layers[0];
+  for (int y = 0; y < 16; ++y)
+    for (int x = 0; x < 16; ++x) {
+      image.plane("depth").at(x, y) = x != 5 ? (x < 5 ? 5.0f : 9.0f) : y == 7 ? kInfinity : 8.0f;
+      for (const char* name : kMade) image.plane(reduced_plane(name)).at(x, y) = x < 3 ? 0.25f : 0.75f;
+    }
+  for (const bool light : {false, true}) {
+    Settings settings = by(2, light);
+    settings.push_back({"leave", "on"});
+    test::on_every_target("upsample", g, settings, [&](const Image& out) {
+      for (int y = 0; y < 14; ++y) {
+        EXPECT_EQ(out.plane("ao").at(4, y), 0.25f);
+        EXPECT_EQ(out.plane("ao").at(5, y), y == 7 ? 1.0f : kMissing);
+        EXPECT_EQ(out.plane("ao").at(6, y), 0.75f);
+        if (!light) continue;
+        EXPECT_GE(out.plane("indirect.g").at(5, y), 0.25f);
+        EXPECT_LE(out.plane("indirect.g").at(5, y), 0.75f);
+      }
+    });
+  }
+}
+
 TEST(Upsample, PlanesAtGrazingAnglesAreAsFacingOnes) {
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {30.0, 69.0, 80.0}) {
@@ -343,12 +369,9 @@ const std::vector<std::string> kHemisphere = {
     "sphere.range=smooth", "sphere.range_factor=1",   "sphere.map=linear", "sphere.threshold=0",  "sphere.border=skip"};
 
 TEST(Upsample, HalfResolutionIsCloseToFull) {
-  // At 191 x 347 some scenes have much that is thinner than the distance of computed pixels.
-  const std::pair<const char*, double> scenes_and_most[] = {
-      {"scene:solids?detail=4000", 0.02},  {"scene:claw?detail=20000", 0.0215}, {"scene:room?detail=20000", 0.02},
-      {"scene:pink?detail=20000", 0.0225}, {"scene:tank?detail=20000", 0.037},  {"scene:terrain?detail=20000", 0.02},
-      {"scene:atrium?detail=20000", 0.025}};
-  for (const auto& [name, most_small] : scenes_and_most) {
+  for (const char* name :
+       {"scene:solids?detail=4000", "scene:claw?detail=20000", "scene:room?detail=20000", "scene:pink?detail=20000",
+        "scene:tank?detail=20000", "scene:terrain?detail=20000", "scene:atrium?detail=20000"}) {
     Drawing drawing(name);
     for (const Size size : {Size{1023, 767}, {191, 347}, {3, 2}, {1, 1}})
       for (const int every : {2, 4}) {
@@ -361,8 +384,18 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
         const Plane small = drawing.ao(size, orthographic, guard, every, "sphere", kHemisphere, &depth);
         const Deviation e = error_of(small, full, depth);
         EXPECT_LT(std::fabs(e.bias), every == 2 ? 0.003 : 0.005);
+        // The tank is a heap of thin things, which leave little for a filter to join: at 191 x 347 its noise alone, of
+        // two pictures with 64 samples, is 0.021. With 256 samples, half of that:
+        const bool noisy = size.width == 191 && std::string_view(name).starts_with("scene:tank");
         if (every == 2) {
-          EXPECT_LT(e.rmse, size.width == 191 ? most_small : 0.02);
+          EXPECT_LT(e.rmse, noisy ? 0.0237 : 0.02);
+        }
+        if (every == 2 && noisy) {
+          std::vector<std::string> finer = kHemisphere;
+          finer[0] = "sphere.samples=256";
+          const Plane fine = drawing.ao(size, orthographic, guard, 1, "sphere", finer, &depth);
+          const Plane fine_half = drawing.ao(size, orthographic, guard, 2, "sphere", finer, &depth);
+          EXPECT_LT(error_of(fine_half, fine, depth).rmse, 0.02);
         }
         if (size.width > 100) {
           EXPECT_GT(e.rmse, 1e-3);  // it did run at another resolution
