@@ -86,7 +86,7 @@ Result<const ImageFormat*> format_of(const fs::path& file) {
   const std::string nearest = suggestion(ending, endings);
   const bool near = nearest.find("did you mean") != std::string::npos;
   return usage_error("'{}' ends in '.{}', which is no image format here: it should be {}{}", file.string(), ending,
-                    listed(dotted), near ? nearest : "");
+                     listed(dotted), near ? nearest : "");
 }
 
 Result<void> check_writable(const fs::path& file) {

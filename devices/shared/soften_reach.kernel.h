@@ -1,6 +1,6 @@
 // Half of the width of the filter that softens a shadow, by block of 4 x 4 pixels, from the radius of the penumbra
-// there: a share of it, so that no penumbra becomes much wider [Mehta et al. 2012]. Penumbrae that are narrower there hold for
-// the blocks around as far as the filter of those would reach them.
+// there: a share of it, so that no penumbra becomes much wider [Mehta et al. 2012]. Penumbrae that are narrower there
+// hold for the blocks around as far as the filter of those would reach them.
 IN_REAL(penumbra)
 OUT_REAL(soften_reach)
 
