@@ -453,6 +453,23 @@ class DrawProgress {
   double told_ = 0.0;
 };
 
+/// The recipe's look, whose effects are told to `times` and `progress` as they are done. Effects that are handed in
+/// have nobody yet who runs them.
+LookRun look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress) {
+  return {.look = recipe.look,
+          .occlusion = recipe.occlusion,
+          .occlusion_every = recipe.occlusion_every,
+          .settings = &recipe.settings,
+          .after =
+              [&times, &progress](std::string_view name) {
+                times.done(name);
+                progress.step_done();
+              },
+          .stops = {},
+          .handed_in = handed_in(),
+          .run_handed_in = {}};
+}
+
 }  // namespace
 
 Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
@@ -475,18 +492,8 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), own_thread_only(device.go_on)});
     return planes ? device.add(*planes, on) : planes.error();
   };
-  LookRun run{.look = recipe->look,
-              .occlusion = recipe->occlusion,
-              .occlusion_every = recipe->occlusion_every,
-              .settings = &recipe->settings,
-              .after =
-                  [&](std::string_view name) {
-                    times.done(name);
-                    progress.step_done();
-                  },
-              .stops = {},
-              .handed_in = handed_in(),
-              .run_handed_in = run_reference};
+  LookRun run = look_run(*recipe, times, progress);
+  run.run_handed_in = run_reference;
   const auto set = [&](const std::string& setting) {
     if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) fail_check(done.error().message);
   };
@@ -601,18 +608,7 @@ Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const DrawSettings& 
   progress.step_done();
   times.done("upload");
   if (auto done = apply_radius(single, frame->info, recipe->settings); !done) return done.error();
-  const LookRun run{.look = recipe->look,
-                    .occlusion = recipe->occlusion,
-                    .occlusion_every = recipe->occlusion_every,
-                    .settings = &recipe->settings,
-                    .after =
-                        [&](std::string_view name) {
-                          times.done(name);
-                          progress.step_done();
-                        },
-                    .stops = {},
-                    .handed_in = handed_in(),
-                    .run_handed_in = {}};
+  const LookRun run = look_run(*recipe, times, progress);
   if (const auto stops = run_look(run, device, *frame); !stops) return stops.error();
   if (auto done = progress.end(); !done) return done.error();
   return frame;

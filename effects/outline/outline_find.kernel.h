@@ -41,8 +41,8 @@ CONST float kTurnRange = 0.4f;  // share of the threshold within which a crease 
 CONST float kSharp = 0.1f;
 CONST float kMostStep = 0.35f;  // of a wide bevel's turn, in one step: or else it is several edges
 CONST float kAsStrong = 1.03f;  // what is as strong as its neighbours is a peak, where strides are longer than a pixel
-CONST float kBevel = 0.25f;
-CONST float kRound = 0.6f;
+CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
+CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
 // Weights of a step's turn and of those one and two steps off. Two like steps up to four apart are one peak in their
@@ -209,7 +209,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real t = Real(0.5f);
   Real plain_turn = max(max(square(a1 - a2), square(b2 - b1)), max(square(a2 - a3), square(b3 - b2)));
   Bool plain = plain_turn < turn * kSteady;
-  if (stride > 1) plain = plain && !plain;
+  if (stride > 1) plain = plain && !plain;  // of a wide bevel the middle counts
   if (stride == 1 && some(plain && peak)) {
     Vec2 plane_a = nearness(px, py, -i, -j, i);
     Vec2 plane_b = nearness(px, py, 2 * i, 2 * j, i);
