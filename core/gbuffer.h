@@ -43,8 +43,10 @@ struct PictureInfo {
   std::vector<Light> lights;           ///< in view space
   glm::mat4 view_from_first{1.0f};     ///< from the view space of the first layer's camera; see layer_info
   std::vector<LayerInfo> more_layers;  ///< what the layers beyond the first are; empty for a bare first layer
-  glm::vec3 ambient{0.3f};
-  float scene_radius = 1.0f;  ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
+  glm::vec3 ambient{0.3f};             ///< its mean over all normals
+  AmbientShape ambient_shape;          ///< in view space
+  float usual_light = 1.0f;            ///< luminance of what the lights make of white: see Scene
+  float scene_radius = 1.0f;           ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
   float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
   int ground_object = -1;  ///< object id of a ground that only shows the shade on it; below 0: there is none
   int reduced = 1;         ///< of a picture at reduced resolution: it holds every so manieth pixel, across and down

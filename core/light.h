@@ -1,5 +1,8 @@
 // Light: what shines on a scene.
 #pragma once
+#include <array>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
 namespace umbrage {
@@ -21,6 +24,20 @@ struct Light {
   float radius = 0.0f;        ///< (point) of the ball that shines, scene units; 0: a point, with hard shadows
   bool casts_shadow = false;  ///< its shadow is captured if it is one of the first kMostShadows lights
 };
+
+/// How ambient light depends on the normal of the surface that it falls on: in each colour it differs from its mean by
+/// (n, 1) M (n, 1) [Ramamoorthi and Hanrahan 2001]. All 0: it comes alike from everywhere.
+struct AmbientShape {
+  std::array<glm::mat4, 3> by_color{glm::mat4(0.0f), glm::mat4(0.0f),
+                                    glm::mat4(0.0f)};  ///< red, green, blue; symmetric
+
+  bool even() const;
+  /// What is added to the mean where the normal is `n`, a unit vector.
+  glm::vec3 at(glm::vec3 n) const;
+};
+
+/// The same light in other axes.
+AmbientShape turned(const AmbientShape& shape, const glm::mat3& rotation);
 
 /// Lights whose shadows a capture can hold, one plane each.
 inline constexpr int kMostShadows = 8;

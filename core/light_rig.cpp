@@ -6,7 +6,7 @@
 namespace umbrage {
 
 LightRig light_rig(Rig rig, const PictureInfo& info) {
-  LightRig out{.lights = {}, .ambient = info.ambient};
+  LightRig out{.lights = {}, .ambient = info.ambient, .ambient_shape = info.ambient_shape};
   std::vector<Light> lights = info.lights;
   if (rig != Rig::kScene) {
     // The light of [Chamberlin 2011]: ambient 0.3 and diffuse 0.7, so that white seen head on is white.
@@ -15,6 +15,7 @@ LightRig light_rig(Rig rig, const PictureInfo& info) {
     const LightKind kind = rig == Rig::kHead ? LightKind::kHead : LightKind::kDirectional;
     lights.assign(1, Light{.kind = kind, .direction = above_left, .color = glm::vec3(kLight)});
     out.ambient = glm::vec3(kAmbient);
+    out.ambient_shape = {};
     out.shadows = false;
   }
   for (int k = 0; k < std::min(int(lights.size()), kMostRigLights); ++k) {

@@ -24,6 +24,7 @@ struct RigLight {
 struct LightRig {
   std::vector<RigLight> lights;  ///< the key light first; at most kMostRigLights
   glm::vec3 ambient{0.0f};
+  AmbientShape ambient_shape;
   bool shadows = true;  ///< whether the captured shadows are those of these lights
 };
 

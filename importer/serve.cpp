@@ -9,6 +9,7 @@
 
 #include <cstdlib>
 #include <new>
+#include <string_view>
 
 #include "importer/limits.h"
 #include "scene/import_apart.h"
@@ -17,16 +18,15 @@
 
 namespace umbrage {
 
-void serve_import(int argc, char** argv, const ImportFunction& import) {
+void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what an ended program has asked for
-  constexpr int kWords = 6;
-  if (argc != kWords || ::fcntl(kImportResult, F_GETFD) < 0 || ::fcntl(kImportDone, F_GETFD) < 0) {
+  constexpr int kWords = 6, kPanoramaWords = 3;
+  const bool of_panorama = argc == kPanoramaWords && std::string_view(argv[1]) == kReadPanorama;
+  if ((argc != kWords && !of_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 || ::fcntl(kImportDone, F_GETFD) < 0) {
     fmt::print(stderr, "umbrage-import: this program is started by umbrage and its library, not by hand\n");
     std::_Exit(int(ErrorKind::kUsage));
   }
-  const std::filesystem::path file = argv[1];
-  const auto number = [&](int i) { return std::strtof(argv[i], nullptr); };
-  const ImportSettings settings{.crease_angle_deg = number(2), .up = {number(3), number(4), number(5)}};
+  const std::filesystem::path file = argv[of_panorama ? 2 : 1];
   // A short life with much memory: what is freed is kept for the next list, not handed back page by page.
   constexpr int kStep = 1 << 24, kNever = 1 << 30;
   ::mallopt(M_TOP_PAD, kStep);
@@ -34,15 +34,23 @@ void serve_import(int argc, char** argv, const ImportFunction& import) {
   ::mallopt(M_MMAP_THRESHOLD, kNever);
   limit_process();
   allow_for(file);
-  const Result<Scene> imported = [&]() -> Result<Scene> {
+  const auto guarded = [&](const auto& read) -> decltype(read()) {
     try {
-      return import(file, settings);
+      return read();
     } catch (const std::bad_alloc&) {
       return too_large_to_read(file);
     }
-  }();
+  };
+  bool sent = false;
+  if (of_panorama) {
+    sent = send_panorama(kImportResult, guarded([&] { return panorama(file); }));
+  } else {
+    const auto number = [&](int i) { return std::strtof(argv[i], nullptr); };
+    const ImportSettings settings{.crease_angle_deg = number(2), .up = {number(3), number(4), number(5)}};
+    sent = send_import(kImportResult, guarded([&] { return import(file, settings); }));
+  }
   const char byte = 1;
-  if (send_import(kImportResult, imported) && ::write(kImportDone, &byte, 1) == 1) std::_Exit(0);
+  if (sent && ::write(kImportDone, &byte, 1) == 1) std::_Exit(0);
   // Nothing is freed one by one: the process ends.
   std::_Exit(int(ErrorKind::kFile));
 }

@@ -6,6 +6,10 @@
 
 namespace umbrage {
 
+float usual_stops(const PictureInfo& info) {
+  return info.usual_light > 0.0f && std::isfinite(info.usual_light) ? -std::log2(info.usual_light) : 0.0f;
+}
+
 Result<float> metered_stops(Device& device, const Frame& frame) {
   constexpr int kEvery = 3;             // pixels across and down: a tenth of them tells as much
   constexpr double kHighlights = 0.03;  // share of the surfaces that may be brighter than white
@@ -24,16 +28,17 @@ Result<float> metered_stops(Device& device, const Frame& frame) {
                               0.0722f * image->planes[2].at(x, y);
       if (std::isfinite(luminance)) seen.push_back(std::max(luminance, 0.0f));
     }
-  if (seen.empty()) return 0.0f;
+  const float usual = usual_stops(frame.info);
+  if (seen.empty()) return usual;
   const auto bright = seen.begin() + long(double(seen.size() - 1) * (1.0 - kHighlights));
   std::nth_element(seen.begin(), bright, seen.end());
-  if (!(*bright > 0.0f)) return 0.0f;
+  if (!(*bright > 0.0f)) return usual;
   double logs = 0.0;
   for (const float v : seen) logs += std::log2(std::max(v, kBlack * *bright));
-  const float to_white = std::log2(kMeteredWhite / *bright);
-  const float to_grey = std::log2(kMeteredGrey) - float(logs / double(seen.size()));
+  const float to_white = std::log2(kMeteredWhite / *bright) - usual;
+  const float to_grey = std::log2(kMeteredGrey) - float(logs / double(seen.size())) - usual;
   const float stops = std::max(to_white, std::min(to_grey, to_white + kMostBeyond));
-  return std::clamp(kHowFar * stops, -kMostStops, kMostStops);
+  return usual + std::clamp(kHowFar * stops, -kMostStops, kMostStops);
 }
 
 }  // namespace umbrage

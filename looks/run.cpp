@@ -177,8 +177,11 @@ Result<float> run_output(const LookRun& run, Device& device, Frame& frame) {
   ParameterBytes bytes = run.settings->find(output.name)->second;
   auto& params = as<OutputParams>(bytes);
   float stops = 0.0f;
-  if (params.metering != 0) {
-    const Result<float> metered = run.stops ? Result<float>(*run.stops) : metered_stops(device, frame);
+  if (params.metering != kMeteringNone) {
+    const bool by_light = params.metering == kMeteringLight;
+    const Result<float> metered = run.stops  ? Result<float>(*run.stops)
+                                  : by_light ? Result<float>(usual_stops(frame.info))
+                                             : metered_stops(device, frame);
     if (!metered) return metered;
     stops = *metered;
     params.exposure += stops;

@@ -18,6 +18,7 @@
 #include <cstring>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "scene/transfer.h"
 
@@ -74,16 +75,11 @@ Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
   return ended;
 }
 
-Result<pid_t> spawn(const fs::path& program, const fs::path& file, const ImportSettings& settings, int result,
+Result<pid_t> spawn(const fs::path& program, const fs::path& file, const std::vector<std::string>& words, int result,
                     int done) {
-  const std::string words[] = {kProgram,
-                               file.string(),
-                               fmt::format("{}", settings.crease_angle_deg),
-                               fmt::format("{}", settings.up.x),
-                               fmt::format("{}", settings.up.y),
-                               fmt::format("{}", settings.up.z)};
-  char* arguments[std::size(words) + 1] = {};
-  for (std::size_t i = 0; i < std::size(words); ++i) arguments[i] = const_cast<char*>(words[i].c_str());
+  std::vector<char*> arguments = {const_cast<char*>(kProgram)};
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
 
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
@@ -102,7 +98,7 @@ Result<pid_t> spawn(const fs::path& program, const fs::path& file, const ImportS
   posix_spawnattr_setsigdefault(&attributes, &all);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
-  const int failed = ::posix_spawn(&child, program.c_str(), &files, &attributes, arguments, environ);
+  const int failed = ::posix_spawn(&child, program.c_str(), &files, &attributes, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (failed != 0)
@@ -111,7 +107,7 @@ Result<pid_t> spawn(const fs::path& program, const fs::path& file, const ImportS
   return child;
 }
 
-/// Why there is no scene, of a process that has ended without one.
+/// Why there is nothing, of a process that has ended without one.
 Error ended_early(const fs::path& file, const Ended& ended) {
   const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM)
@@ -147,7 +143,12 @@ fs::path import_program() {
   return {};
 }
 
-Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings) {
+namespace {
+
+/// Runs umbrage-import with these words, which name the file, and takes over what it has read.
+template <class T>
+Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words,
+                     std::optional<Result<T>> (*receive)(int)) {
   const fs::path program = import_program();
   if (program.empty())
     return file_error("{}: cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
@@ -159,21 +160,35 @@ Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings)
   if (result.number < 0 || told.number < 0 || done.number < 0)
     return file_error("{}: cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
-  const auto child = spawn(program, file, settings, result.number, done.number);
+  const auto child = spawn(program, file, words, result.number, done.number);
   if (!child) return child.error();
   done.close();  // the child's end alone is open now: that it ends is seen, too
   char byte = 0;
   ssize_t got = 0;
   do got = ::read(told.number, &byte, 1);
   while (got < 0 && errno == EINTR);
-  std::optional<Result<Scene>> received;
-  if (got == 1) received = receive_import(result.number);
+  std::optional<Result<T>> received;
+  if (got == 1) received = receive(result.number);
   const Ended ended = wait_for(*child, started);
   if (received) return std::move(*received);
   if (got == 1)
     return file_error("{}: cannot be read: {} is of another version than this program", file.string(),
                       program.string());
   return ended_early(file, ended);
+}
+
+}  // namespace
+
+Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings) {
+  const auto number = [](float v) { return fmt::format("{}", v); };
+  return read_apart<Scene>(file,
+                           {file.string(), number(settings.crease_angle_deg), number(settings.up.x),
+                            number(settings.up.y), number(settings.up.z)},
+                           receive_import);
+}
+
+Result<Panorama> read_panorama_apart(const fs::path& file) {
+  return read_apart<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama);
 }
 
 }  // namespace umbrage

@@ -1,5 +1,6 @@
 // Import in a process of its own, so that a reader that crashes, never ends or eats memory takes nothing along.
 #pragma once
+#include "scene/environment.h"
 #include "scene/import.h"
 
 namespace umbrage {
@@ -12,6 +13,12 @@ inline constexpr int kImportResult = 3, kImportDone = 4;
 /// signal handler is touched. Errors: kFile; those of the reader, one sentence where it crashed or was stopped, and one
 /// where the program umbrage-import is not there.
 Result<Scene> import_apart(const std::filesystem::path& file, const ImportSettings& settings);
+
+/// The word after which umbrage-import is named a file that read_panorama is to read.
+inline constexpr const char* kReadPanorama = "--panorama";
+
+/// The same for read_panorama of scene/texture_file.h: the decoders are not ours.
+Result<Panorama> read_panorama_apart(const std::filesystem::path& file);
 
 /// Where umbrage-import is: as the environment's UMBRAGE_IMPORT says, else beside the program or library that holds
 /// this function or in its ../libexec/umbrage, else where it was to be installed. Empty where it is in none of these.

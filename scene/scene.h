@@ -67,7 +67,10 @@ struct Scene {
   std::vector<View> views;    ///< suggested, the first is used where nobody names a camera; empty: automatic framing
   std::vector<View> cameras;  ///< those that the file holds, used where asked for
   glm::vec3 up{0.0f, 1.0f, 0.0f};
-  glm::vec3 ambient{0.3f};                       ///< radiance from everywhere
+  glm::vec3 ambient{0.3f};     ///< radiance from everywhere, the mean over all normals
+  AmbientShape ambient_shape;  ///< in world space
+  /// Luminance of white that is turned to the light: pictures are exposed for it. Lights of our own make about 1.
+  float usual_light = 1.0f;
   glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
   int ground_object = -1;                        ///< object id of what add_ground added; below 0: nothing
   std::vector<std::string> warnings;             ///< one sentence each, for the user

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/result.h"
+#include "scene/environment.h"
 #include "scene/scene.h"
 
 namespace umbrage {
@@ -16,5 +17,14 @@ Result<Texture> decode_texture(std::span<const std::uint8_t> bytes, const std::s
 
 /// Reads and decodes a file. Errors: kFile.
 Result<Texture> read_texture(const std::filesystem::path& file);
+
+/// Of an image of what is around a scene: 16384 x 8192.
+inline constexpr std::int64_t kMostPanoramaPixels = std::int64_t(1) << 27;
+/// What is larger is reduced to this as it is read.
+inline constexpr int kWidestPanorama = 8192, kHighestPanorama = 4096;
+
+/// The same for an image of what is around a scene: HDR as it is, other formats as sRGB. Errors: kFile.
+Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std::string& name);
+Result<Panorama> read_panorama(const std::filesystem::path& file);
 
 }  // namespace umbrage

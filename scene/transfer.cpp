@@ -44,11 +44,21 @@ void pass(Archive& archive, View& view) {
   archive(eye, target, angle_deg, up, height, name);
 }
 template <class Archive>
+void pass(Archive& archive, AmbientShape& shape) {
+  auto& [by_color] = shape;
+  for (glm::mat4& matrix : by_color) archive(matrix[0], matrix[1], matrix[2], matrix[3]);
+}
+template <class Archive>
 void pass(Archive& archive, Scene& scene) {
-  auto& [name, meshes, materials, textures, lights, views, cameras, up, ambient, bounds_min, bounds_max, ground_object,
-         warnings] = scene;
-  archive(name, meshes, materials, textures, lights, views, cameras, up, ambient, bounds_min, bounds_max, ground_object,
-          warnings);
+  auto& [name, meshes, materials, textures, lights, views, cameras, up, ambient, ambient_shape, usual_light, bounds_min,
+         bounds_max, ground_object, warnings] = scene;
+  archive(name, meshes, materials, textures, lights, views, cameras, up, ambient, ambient_shape, usual_light,
+          bounds_min, bounds_max, ground_object, warnings);
+}
+template <class Archive>
+void pass(Archive& archive, Panorama& panorama) {
+  auto& [name, width, height, rgb] = panorama;
+  archive(name, width, height, rgb);
 }
 template <class Archive>
 void pass(Archive& archive, Error& error) {
@@ -69,8 +79,8 @@ std::uint64_t version_mark() {
   std::uint64_t mark = 14695981039346656037u;  // FNV-1a
   const auto add = [&](std::uint64_t value) { mark = (mark ^ value) * 1099511628211u; };
   for (const char c : std::string_view(UMBRAGE_VERSION)) add(std::uint64_t(c));
-  for (const std::size_t size :
-       {sizeof(Scene), sizeof(Mesh), sizeof(Material), sizeof(Texture), sizeof(Light), sizeof(View), sizeof(Error)})
+  for (const std::size_t size : {sizeof(Scene), sizeof(Mesh), sizeof(Material), sizeof(Texture), sizeof(Light),
+                                 sizeof(View), sizeof(Panorama), sizeof(Error)})
     add(size);
   return mark;
 }
@@ -191,24 +201,29 @@ bool sound(const Scene& scene) {
   return true;
 }
 
-}  // namespace
+bool sound(const Panorama& panorama) {
+  return panorama.width >= 1 && panorama.height >= 1 &&
+         panorama.rgb.size() == std::size_t(panorama.width) * std::size_t(panorama.height) * 3;
+}
 
-bool send_import(int file, const Result<Scene>& imported) {
+template <class T>
+bool send(int file, const Result<T>& read) {
   Writer writer{file};
   std::uint64_t mark = version_mark(), end = kEnd;
-  bool has_scene = bool(imported);
-  writer(mark, has_scene);
+  bool there = bool(read);
+  writer(mark, there);
   // One function lists the fields for both ways; writing changes nothing.
-  if (has_scene)
-    writer(const_cast<Scene&>(*imported));
+  if (there)
+    writer(const_cast<T&>(*read));
   else
-    writer(const_cast<Error&>(imported.error()));
+    writer(const_cast<Error&>(read.error()));
   writer(end);
   writer.flush(writer.small.data(), writer.small.size());
   return !writer.failed;
 }
 
-std::optional<Result<Scene>> receive_import(int file) {
+template <class T>
+std::optional<Result<T>> receive(int file) {
   struct stat status {};
   if (::fstat(file, &status) != 0 || status.st_size <= 0) return std::nullopt;
   const std::size_t size = std::size_t(status.st_size);
@@ -219,20 +234,27 @@ std::optional<Result<Scene>> receive_import(int file) {
 
   Reader reader{static_cast<const char*>(mapped), size};
   std::uint64_t mark = 0, end = 0;
-  bool has_scene = false;
-  reader(mark, has_scene);
+  bool there = false;
+  reader(mark, there);
   if (mark != version_mark()) return std::nullopt;
-  Scene scene;
+  T value;
   Error error;
-  if (has_scene)
-    reader(scene);
+  if (there)
+    reader(value);
   else
     reader(error);
   reader(end);
   if (reader.failed || end != kEnd) return std::nullopt;
-  if (!has_scene) return Result<Scene>(std::move(error));
-  if (!sound(scene)) return std::nullopt;
-  return Result<Scene>(std::move(scene));
+  if (!there) return Result<T>(std::move(error));
+  if (!sound(value)) return std::nullopt;
+  return Result<T>(std::move(value));
 }
+
+}  // namespace
+
+bool send_import(int file, const Result<Scene>& imported) { return send(file, imported); }
+bool send_panorama(int file, const Result<Panorama>& read) { return send(file, read); }
+std::optional<Result<Scene>> receive_import(int file) { return receive<Scene>(file); }
+std::optional<Result<Panorama>> receive_panorama(int file) { return receive<Panorama>(file); }
 
 }  // namespace umbrage

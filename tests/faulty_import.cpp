@@ -1,4 +1,4 @@
-// An umbrage-import whose reader fails as the model's name says, for tests: it crashes, never ends, waits forever, eats
+// An umbrage-import whose reader fails as the file's name says, for tests: it crashes, never ends, waits forever, eats
 // memory, gives up, or claims to be ready and is not. The limits of time are set lower than people have them.
 #include <sys/resource.h>
 #include <unistd.h>
@@ -11,10 +11,11 @@
 #include "importer/import_here.h"
 #include "importer/serve.h"
 #include "scene/import_apart.h"
+#include "scene/texture_file.h"
 
 namespace {
 
-umbrage::Result<umbrage::Scene> fail(const std::filesystem::path& file, const umbrage::ImportSettings& settings) {
+void fail(const std::filesystem::path& file) {
   const std::string how = file.stem();
   std::signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would have its say
   if (how == "crash") std::raise(SIGSEGV);
@@ -42,9 +43,18 @@ umbrage::Result<umbrage::Scene> fail(const std::filesystem::path& file, const um
   if (how == "liar") {
     if (::write(umbrage::kImportResult, "nonsense", 8) == 8 && ::write(umbrage::kImportDone, "", 1) == 1) std::_Exit(0);
   }
+}
+
+umbrage::Result<umbrage::Scene> import(const std::filesystem::path& file, const umbrage::ImportSettings& settings) {
+  fail(file);
   return umbrage::import_here(file, settings);
+}
+
+umbrage::Result<umbrage::Panorama> panorama(const std::filesystem::path& file) {
+  fail(file);
+  return umbrage::read_panorama(file);
 }
 
 }  // namespace
 
-int main(int argc, char** argv) { umbrage::serve_import(argc, argv, fail); }
+int main(int argc, char** argv) { umbrage::serve_import(argc, argv, import, panorama); }

@@ -142,6 +142,27 @@ void add_picture_options(CLI::App& command, CommonOptions& o) {
   command.add_flag("--no-background", o.no_background, "transparent where there is no surface")->group(picture);
 }
 
+void add_light_options(CLI::App& command, CommonOptions& o) {
+  const auto light = "Light";
+  command
+      .add_option(
+          "--hdri-file", o.hdri_file,
+          "image of all directions, equirectangular, that lights the scene: .hdr, .exr, .png, .jpg, or sky: for "
+          "a clear sky [none]")
+      ->group(light);
+  command
+      .add_flag("--hdri-ambient", o.hdri_ambient,
+                "light the scene by it, as it does unless --hdri-ambient=false is given [true]")
+      ->group(light);
+  command.add_flag("--hdri-skybox", o.hdri_skybox, "show it behind the scene")->group(light);
+  command.add_option("--hdri-rotation", o.hdri_rotation, "turn it about the world's up, degrees [0]")->group(light);
+  command.add_option("--hdri-intensity", o.hdri_intensity, "factor on its light [1]")->group(light);
+  command
+      .add_option("--light-size", o.light_size,
+                  "what the key light spans as the scene sees it, degrees; more: softer shadows [the light's]")
+      ->group(light);
+}
+
 void add_device_options(CLI::App& command, CommonOptions& o) {
   const auto device = "Device";
   command
@@ -217,7 +238,10 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
         number("--camera-view-angle", o.view_angle, 0.1, 179.0, framing.view_angle_deg),
         number("--camera-azimuth-angle", o.azimuth, -kAnyAngle, kAnyAngle, framing.azimuth_deg),
         number("--camera-elevation-angle", o.elevation, -kAnyAngle, kAnyAngle, framing.elevation_deg),
-        number("--camera-zoom-factor", o.zoom, 1e-3, 1e3, framing.zoom)})
+        number("--camera-zoom-factor", o.zoom, 1e-3, 1e3, framing.zoom),
+        number("--hdri-rotation", o.hdri_rotation, -kAnyAngle, kAnyAngle, draw.hdri.rotation_deg),
+        number("--hdri-intensity", o.hdri_intensity, 0.0, kMostIntensity, draw.hdri.intensity),
+        number("--light-size", o.light_size, 0.0, kWidestLight, draw.light_size_deg)})
     if (!done) return done.error();
   if (framing.position && framing.focal_point && *framing.position == *framing.focal_point)
     return usage_error(
@@ -244,6 +268,10 @@ Result<DrawSettings> draw_settings(const CommonOptions& o) {
     return usage_error("--guard-band cannot be '{}': it takes 0% to {:g}% of the picture's longer side", o.guard_band,
                        kWidestGuard);
   draw.guard_percent = float(*guard);
+  draw.hdri.file = o.hdri_file;
+  draw.hdri.ambient = o.hdri_ambient;
+  draw.hdri.skybox = o.hdri_skybox;
+  if (auto fine = check_hdri(draw.hdri, o.no_background); !fine) return fine.error();
   draw.look = o.look;
   draw.quality = o.quality;
   constexpr std::string_view kGrounds[] = {"auto", "on", "off"};

@@ -24,6 +24,8 @@ struct CommonOptions {
   std::string layers, extra_views, guard_band = "0%";
   std::string background;
   bool no_background = false;
+  std::string hdri_file, hdri_rotation = "0", hdri_intensity = "1", light_size;
+  bool hdri_ambient = true, hdri_skybox = false;
   std::string device = "auto", threads = "0";
   bool verbose = false;
 };
@@ -35,6 +37,9 @@ void add_scene_options(CLI::App& command, CommonOptions& options);
 void add_technique_options(CLI::App& command, CommonOptions& options);
 void add_picture_options(CLI::App& command, CommonOptions& options);
 void add_device_options(CLI::App& command, CommonOptions& options);
+
+/// What shines on the scene.
+void add_light_options(CLI::App& command, CommonOptions& options);
 
 /// The options, parsed. Errors: kUsage, naming the option and what it takes.
 Result<DrawSettings> draw_settings(const CommonOptions& options);

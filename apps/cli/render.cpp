@@ -156,6 +156,14 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
   }
   if (!o.radius.empty() && recipe.occlusion == kNoOcclusion)
     sentences.push_back(fmt::format("--ao-radius {} does nothing: this picture has no occlusion", o.radius));
+  const bool shines = std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
+    const Effect* effect = find_effect(name);
+    const Parameter* rig = effect ? find_parameter(*effect, "rig") : nullptr;
+    return rig && parameter_text(*rig, recipe.settings.find(effect->name)->second) == "scene";
+  });
+  if (!o.hdri_file.empty() && !o.hdri_skybox && (!shines || !o.hdri_ambient))
+    sentences.push_back(o.hdri_ambient ? fmt::format("--hdri-file does nothing: the look {} brings its own light", look)
+                                       : "--hdri-file does nothing: it is to be neither light nor background");
   if (scene.point_count() == 0) {
     const char* what = !o.point_size.empty() ? "--point-size" : o.point_shape != "auto" ? "--point-sprites" : nullptr;
     if (what) sentences.push_back(fmt::format("{} does nothing: {} has no points", what, scene.name));
@@ -255,6 +263,9 @@ Result<void> render(const RenderOptions& o) {
   auto device = device_of(o);
   if (!device) return device.error();
 
+  const auto hdri_warnings = read_hdri(draw_with->hdri);
+  if (!hdri_warnings) return hdri_warnings.error();
+  for (const std::string& warning : *hdri_warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
   auto scene = load_models(o.models, o.input_format, *import_with);
   if (!scene) return scene.error();
   if (!o.camera_index.empty())
@@ -296,6 +307,7 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_scene_options(*command, *options);
   add_technique_options(*command, *options);
   add_picture_options(*command, *options);
+  add_light_options(*command, *options);
   command
       ->add_option("--camera-index", options->camera_index,
                    "a camera of the file, from 0: see umbrage info [none of them]")

@@ -5,9 +5,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vector_relational.hpp>
 #include <thread>
 
+#include "apps/job/hdri.h"
 #include "core/check.h"
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
@@ -174,6 +177,11 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
   const int guard = int(std::ceil(draw.guard_percent / 100.0f * float(std::max(draw.width, draw.height))));
   const long width = draw.width + 2L * guard, height = draw.height + 2L * guard;
   const Quality* quality = quality_of(draw, look);
+  int shadow_rays = quality ? quality->shadow_rays : look.shadow_rays;
+  // Lights that are given a size show it.
+  const bool of_hdri =
+      draw.hdri.lights() && std::find(look.effects.begin(), look.effects.end(), "lighting") != look.effects.end();
+  if (of_hdri || draw.light_size_deg.value_or(0.0f) > 0.0f) shadow_rays = std::max(shadow_rays, 1);
   CaptureSettings settings{.width = draw.width,
                            .height = draw.height,
                            .shadows = shadows,
@@ -181,7 +189,7 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
                            .back_sides = look.back_sides,
                            .extra_views = draw.extra_views.value_or(look.extra_views),
                            .guard = guard,
-                           .shadow_rays = quality ? quality->shadow_rays : look.shadow_rays};
+                           .shadow_rays = shadow_rays};
   // A quality wants no more layers than there is room for.
   while (!draw.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
   const auto layers = layer_count(settings);
@@ -283,9 +291,40 @@ bool gathers_light(const Look& look, const EffectSettings& settings) {
   });
 }
 
+/// Applies a setting that is right whatever the user says.
+void set_own(EffectSettings& settings, std::string_view setting) {
+  if (auto done = apply_setting(settings, setting, handed_in()); !done) fail_check(done.error().message);
+}
+
+/// Whether the look shows how bright the scene's lights are.
+bool shows_light(const Look& look, const EffectSettings& settings) {
+  const bool has = std::find(look.effects.begin(), look.effects.end(), "lighting") != look.effects.end();
+  return has && by_scene_lights(*find_effect("lighting"), settings);
+}
+
+/// What an image around the scene changes in a look: one that it lights takes its light as it is, and is exposed for
+/// it.
+void use_hdri(const DrawSettings& draw, Recipe& recipe) {
+  if (draw.hdri.shown()) set_own(recipe.settings, "output.sky=on");
+  if (!draw.hdri.lights() || !shows_light(*recipe.look, recipe.settings)) return;
+  set_own(recipe.settings, "lighting.ambient=1");
+  if (as<OutputParams>(recipe.settings.find("output")->second).metering != kMeteringNone) return;
+  set_own(recipe.settings, "output.metering=light");
+  set_own(recipe.settings, "output.exposure=0");
+}
+
+/// The key light's disc or ball, as wide as that many degrees of what the scene's middle sees.
+void widen_key_light(float angle_deg, Scene& scene) {
+  if (scene.lights.empty()) return;
+  Light& key = scene.lights[0];
+  key.angle_deg = angle_deg;
+  key.radius = glm::distance(key.position, scene.center()) * std::tan(glm::radians(0.5f * angle_deg));
+}
+
 }  // namespace
 
 void furnish(Scene& scene, const DrawSettings& settings) {
+  if (settings.hdri.lights()) light_by(settings.hdri, scene);
   const Look* look = find_look(settings.look);
   if (!look || !look->ground || settings.ground == Ground::kOff) return;  // make_recipe says what is wrong
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
@@ -341,6 +380,7 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
   if (quality)
     for (const std::string_view setting : recipe.frames > 1 ? quality->settings_of_frames : quality->settings)
       if (auto done = apply_setting(recipe.settings, setting, handed_in()); !done) fail_check(done.error().message);
+  use_hdri(draw, recipe);
   for (const std::string& setting : draw.settings)
     if (setting.starts_with("upsample.factor=") || setting.starts_with("upsample.indirect="))
       return usage_error("--set {}: {} follows from --ao-scale", setting, setting.substr(0, setting.find('=')));
@@ -398,6 +438,7 @@ Result<void> finish_average(Device& device, const PictureSum& total, ParameterBy
   if (!mean) return mean.error();
   as<OutputParams>(output).exposure = 0.0f;  // each frame had them
   as<OutputParams>(output).shoulder = 1.0f;
+  as<OutputParams>(output).sky = 0;
   if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done;
   const auto color = device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
   if (!color) return color.error();
@@ -477,8 +518,9 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   auto recipe = make_recipe(settings);
   if (!recipe) return recipe.error();
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
-  if (scene.lights.empty())
+  if (scene.lights.empty() && !settings.hdri.lights())
     if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
+  if (settings.light_size_deg) widen_key_light(*settings.light_size_deg, scene);
   auto capture_with = capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();
   DrawProgress progress(device, settings.progress, int(recipe->look->effects.size()), recipe->frames);
@@ -503,7 +545,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   if (averages) {
     // Light with alpha, so that edges mix with the background as light does.
     set("output.transfer=none");
-    set("output.transparent=on");
+    if (!settings.hdri.shown()) set("output.transparent=on");
   }
   const FrameNoise noise = frame_noise(*recipe);
   PictureSum total;
@@ -515,6 +557,15 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     if (!frame) return frame;
     times.done("capture");
     progress.step_done();
+    if (settings.hdri.shown()) {
+      // Looks that do not show how bright lights are show a sky as if white lay in it.
+      const float gain = shows_light(*recipe->look, recipe->settings) || !(scene.usual_light > 0.0f)
+                             ? settings.hdri.intensity
+                             : settings.hdri.intensity / scene.usual_light;
+      if (auto added = device.add(sky_planes(settings.hdri, scene.up, gain, frame->info), *frame); !added)
+        return added.error();
+      times.done("sky");
+    }
     if (total.count == 0)
       if (auto done = apply_radius(settings, frame->info, recipe->settings); !done) return done.error();
     if (averages && !noise.parameter.empty())

@@ -11,6 +11,7 @@
 #include "core/device.h"
 #include "core/result.h"
 #include "looks/looks.h"
+#include "scene/environment.h"
 #include "scene/framing.h"
 #include "scene/import.h"
 #include "scene/scene.h"
@@ -42,6 +43,18 @@ enum class Ground {
   kOff,
 };
 
+/// What is around a scene, by an image: names as of the command line's options.
+struct Hdri {
+  std::string file;  ///< empty: none. "sky:" is the one that is built in
+  bool ambient = true, skybox = false;
+  float rotation_deg = 0.0f;
+  float intensity = 1.0f;
+  std::shared_ptr<const Panorama> panorama;  ///< what the file holds, once read_hdri has read it
+
+  bool lights() const { return !file.empty() && ambient; }
+  bool shown() const { return !file.empty() && skybox; }
+};
+
 struct DrawSettings {
   int width = 1024, height = 1024;
   Framing framing;
@@ -53,10 +66,12 @@ struct DrawSettings {
   int shadows = 0;     ///< trace the shadows of so many lights though no effect of the look reads them
   std::optional<int> layers;  ///< surfaces captured along each primary ray; nothing: as many as the look wants
   Ground ground = Ground::kAuto;
-  std::string quality;                ///< a name of looks/quality.h; empty: the look's own
-  std::optional<int> frames;          ///< pictures that are averaged; nothing: as many as the quality says
-  std::vector<std::string> averaged;  ///< planes besides the picture that are averaged, too, where it is of frames
-  std::optional<int> extra_views;     ///< further cameras; nothing: as many as the look wants
+  Hdri hdri;
+  std::optional<float> light_size_deg;  ///< of the key light, seen from the scene; nothing: as it is
+  std::string quality;                  ///< a name of looks/quality.h; empty: the look's own
+  std::optional<int> frames;            ///< pictures that are averaged; nothing: as many as the quality says
+  std::vector<std::string> averaged;    ///< planes besides the picture that are averaged, too, where it is of frames
+  std::optional<int> extra_views;       ///< further cameras; nothing: as many as the look wants
   float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
   /// Told the share that is done, now and then, by the thread that draws; false ends the work. See Device::go_on.
   std::function<bool(double)> progress = [](double) { return true; };
@@ -105,7 +120,18 @@ Result<Recipe> make_recipe(const DrawSettings& draw);
 /// them and its guard band.
 Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows);
 
-/// Adds to a scene what the picture wants besides the model: the ground. Before the device is prepared.
+inline constexpr double kMostIntensity = 1e6;  ///< of Hdri
+inline constexpr double kWidestLight = 90.0;   ///< of light_size_deg
+
+/// Whether it makes sense. Errors: kUsage.
+Result<void> check_hdri(const Hdri& hdri, bool transparent);
+
+/// Reads the file of `hdri`, if there is one: EXR, PNG and PFM by io/, others in a process of their own. Gives
+/// sentences for people who may have meant another one. Errors: kFile; kUsage for numbers that cannot be.
+Result<std::vector<std::string>> read_hdri(Hdri& hdri);
+
+/// Adds to a scene what the picture wants besides the model: the ground, and the light of `hdri`, which takes the place
+/// of the scene's own. Before the device is prepared.
 void furnish(Scene& scene, const DrawSettings& draw);
 
 /// Draws a prepared scene: captures, runs the look. Scene must be the one that the device was prepared with; lights are

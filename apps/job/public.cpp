@@ -71,6 +71,13 @@ Result<DrawSettings> draw_settings(const RenderRequest& request) {
   settings.extra_views = request.extra_views;
   settings.frames = request.anti_aliasing;
   settings.guard_percent = request.guard_band;
+  settings.hdri = {.file = request.hdri_file,
+                   .ambient = request.hdri_ambient,
+                   .skybox = request.hdri_skybox,
+                   .rotation_deg = request.hdri_rotation_deg,
+                   .intensity = request.hdri_intensity,
+                   .panorama = nullptr};
+  settings.light_size_deg = request.light_size_deg;
   const CameraRequest& camera = request.camera;
   Framing& framing = settings.framing;
   framing.view_angle_deg = camera.view_angle_deg;
@@ -91,7 +98,11 @@ Result<DrawSettings> draw_settings(const RenderRequest& request) {
         within("--layers", request.layers.value_or(1), 1, kMostLayers),
         within("--extra-views", request.extra_views.value_or(0), 0, kMostExtraViews),
         within("--anti-aliasing", request.anti_aliasing.value_or(1), 1, kMostFrames),
-        within("--guard-band", request.guard_band, 0.0, 100.0)})
+        within("--guard-band", request.guard_band, 0.0, 100.0),
+        within("--hdri-rotation", request.hdri_rotation_deg, -kAnyAngle, kAnyAngle),
+        within("--hdri-intensity", request.hdri_intensity, 0.0, kMostIntensity),
+        within("--light-size", request.light_size_deg.value_or(0.0f), 0.0, kWidestLight),
+        check_hdri(settings.hdri, request.transparent)})
     if (!done) return done.error();
   constexpr std::string_view kGrounds[] = {"auto", "on", "off"};
   const auto ground = std::find(std::begin(kGrounds), std::end(kGrounds), request.ground);
@@ -183,9 +194,12 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
   if (!settings->progress(0.0)) return interrupted();
+  const auto hdri_warnings = read_hdri(settings->hdri);
+  if (!hdri_warnings) return hdri_warnings.error();
   auto scene = load_scene(request.model, *import_with);
   if (!scene) return scene.error();
-  warnings = scene->warnings;
+  warnings = *hdri_warnings;
+  warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
   if (!settings->progress(0.0)) return interrupted();
   furnish(*scene, *settings);
   Opened opened{std::move(*device), std::make_unique<Scene>(std::move(*scene)), std::move(*settings), request.passes};

@@ -27,6 +27,8 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   info.depth_max = farthest > 0.0f ? farthest : 1.0f;
   info.depth_min = std::clamp(nearest, kNearestShare * info.depth_max, info.depth_max);
   const glm::mat3 rotation(camera.view_from_world);
+  info.ambient_shape = turned(scene.ambient_shape, rotation);
+  info.usual_light = scene.usual_light;
   for (Light light : scene.lights) {
     light.direction = rotation * light.direction;
     light.position = glm::vec3(camera.view_from_world * glm::vec4(light.position, 1.0f));

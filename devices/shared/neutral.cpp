@@ -26,7 +26,7 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" || plane == "material_id")
     return 0.0f;
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
-      plane.starts_with("emission."))
+      plane.starts_with("emission.") || plane.starts_with("sky."))
     return 0.0f;
   if (of_layer) return 0.0f;  // what an effect makes of every layer, of one that is not there
   return std::nullopt;

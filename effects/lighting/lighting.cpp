@@ -1,5 +1,6 @@
 #include "effects/lighting/lighting.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "core/effect.h"
@@ -80,6 +81,14 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.ambient_r = rig.ambient.r * params.ambient;
   c.ambient_g = rig.ambient.g * params.ambient;
   c.ambient_b = rig.ambient.b * params.ambient;
+  c.shaped = rig.ambient_shape.even() ? 0 : 1;
+  for (int color = 0; color < 3; ++color) {
+    const glm::mat4 m = rig.ambient_shape.by_color[color] * params.ambient;
+    const float factors[kLightingShape] = {2.0f * m[0][3], 2.0f * m[1][3], 2.0f * m[2][3],
+                                           2.0f * m[0][1], 2.0f * m[1][2], 2.0f * m[2][0],
+                                           m[0][0],        m[1][1],        m[2][2]};
+    std::copy_n(factors, kLightingShape, color == 0 ? c.shape_r : color == 1 ? c.shape_g : c.shape_b);
+  }
   c.shadow = rig.shadows ? params.shadow : 0.0f;
   static_assert(kLightingMostLights == kMostRigLights);
   c.light_count = int(rig.lights.size());

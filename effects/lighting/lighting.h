@@ -2,6 +2,7 @@
 #ifndef UMBRAGE_EFFECTS_LIGHTING_H
 #define UMBRAGE_EFFECTS_LIGHTING_H
 const int kLightingMostLights = 16;
+const int kLightingShape = 9;
 
 // One row of the table in lighting.cpp per field.
 struct LightingParams {
@@ -17,6 +18,8 @@ struct LightingConstants {
   int light_count;
   int clay, display;  // 0 or 1
   float ambient_r, ambient_g, ambient_b;
+  int shaped;  // 0 or 1: ambient light depends on the normal, by these factors of x, y, z, xy, yz, zx, xx, yy and zz
+  float shape_r[kLightingShape], shape_g[kLightingShape], shape_b[kLightingShape];
   float diffuse, specular, emission, shadow;
   // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
   int kind[kLightingMostLights];

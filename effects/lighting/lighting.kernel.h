@@ -21,6 +21,7 @@ IN_COLOR(emission)
 OUT_COLOR(direct)
 OUT_COLOR(ambient)
 
+#include "effects/lighting/lighting_around.kernel.h"
 #include "effects/lighting/lighting_lights.kernel.h"
 
 // The share of a light that arrives; lights after those that have a plane have no shadow.
@@ -70,6 +71,5 @@ FN void lighting_pixel(Int px, Int py) {
   }
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   store_direct(select(surface, finite_or_zero(sum), none));
-  Vec3 around = Vec3(Real(C.ambient_r), Real(C.ambient_g), Real(C.ambient_b));
-  store_ambient(select(surface, finite_or_zero(albedo * around), none));
+  store_ambient(select(surface, finite_or_zero(albedo * light_around(normal)), none));
 }

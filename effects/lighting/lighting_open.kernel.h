@@ -4,6 +4,7 @@ IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(open_light)
 
+#include "effects/lighting/lighting_around.kernel.h"
 #include "effects/lighting/lighting_lights.kernel.h"
 
 FN Real luminance_of(Real r, Real g, Real b) { return r * 0.2126f + g * 0.7152f + b * 0.0722f; }  // Rec.709
@@ -13,7 +14,8 @@ FN void lighting_open_pixel(Int px, Int py) {
   Bool surface = is_finite(depth);
   Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
   Vec3 normal = near_normal(0, 0);
-  Real sum = luminance_of(Real(C.ambient_r), Real(C.ambient_g), Real(C.ambient_b));
+  Vec3 around = light_around(normal);
+  Real sum = luminance_of(around.x, around.y, around.z);
   for (int k = 0; k < C.light_count; ++k) {
     Vec3 light = towards_light(k, position);
     Real arrives = arriving_share(k, position);

@@ -51,7 +51,11 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
       f.clay ? glm::dvec3(1.0) : glm::dvec3(value("albedo.r"), value("albedo.g"), value("albedo.b"));
   const double exponent = value("shininess");
   Lit lit;
-  lit.ambient = albedo * glm::dvec3(g.info.ambient) * f.ambient;
+  const glm::dvec4 up_to_second(normal, 1.0);
+  for (int c = 0; c < 3; ++c)
+    lit.ambient[c] = g.info.ambient[c] +
+                     glm::dot(up_to_second, glm::dmat4(g.info.ambient_shape.by_color[std::size_t(c)]) * up_to_second);
+  lit.ambient = glm::max(lit.ambient, glm::dvec3(0.0)) * albedo * f.ambient;
   lit.error = 1e-6;
   if (image.find("emission.r") && !f.clay)
     lit.direct = f.emission * glm::dvec3(value("emission.r"), value("emission.g"), value("emission.b"));
@@ -229,6 +233,7 @@ TEST(Lighting, RigsReplaceLightsAmbientAndShadow) {
       const GBuffer g = varied(perspective);
       GBuffer expected = g;
       expected.info.ambient = glm::vec3(0.3f);
+      expected.info.ambient_shape = {};
       expected.info.lights = {{.kind = head ? LightKind::kHead : LightKind::kDirectional,
                                .direction = above_left,
                                .color = glm::vec3(0.7f)}};

@@ -27,10 +27,11 @@ const std::vector<Parameter> kTable = {
      .most = kMostStops,
      .unit = "stops"},
     {.name = "metering",
-     .help = "brightness that suits the picture, besides `exposure`: none, or by how bright its surfaces are",
+     .help = "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "
+             "bright the light is that --hdri-file gives",
      .type = ParameterType::kChoice,
      .offset = offsetof(OutputParams, metering),
-     .choices = {"none", "picture"}},
+     .choices = {"none", "picture", "light"}},
     {.name = "shoulder",
      .help = "light from which on it is compressed, so that nothing exceeds white; 1: nothing is",
      .offset = offsetof(OutputParams, shoulder),
@@ -60,13 +61,18 @@ const std::vector<Parameter> kTable = {
      .help = "alpha 0 and black where there is no surface",
      .type = ParameterType::kBool,
      .offset = offsetof(OutputParams, transparent)},
+    {.name = "sky",
+     .help = "show the light of the planes `sky`, which --hdri-skybox makes, where there is no surface",
+     .type = ParameterType::kBool,
+     .offset = offsetof(OutputParams, sky)},
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
   const auto& params = as<OutputParams>(bytes);
   const float opaque = params.transparent ? 0.0f : 1.0f;
   const auto light = [&](float v) { return params.transfer == 0 ? linear_from_srgb(v) : v; };
-  *static_cast<OutputConstants*>(out) = {.gain = std::exp2(params.exposure),
+  *static_cast<OutputConstants*>(out) = {.sky = params.sky,
+                                         .gain = std::exp2(params.exposure),
                                          .shoulder = params.shoulder,
                                          .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
                                          .transfer = params.transfer,
@@ -92,7 +98,7 @@ const Effect& effect_output() {
       .constants_size = sizeof(OutputConstants),
       .constants = fill_constants,
       .passes = {{.name = "output",
-                  .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "cover"},
+                  .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "cover", "sky.r", "sky.g", "sky.b"},
                   .outputs = {"color.r", "color.g", "color.b", "color.a"},
                   .scalar = run_scalar_output,
                   .lanes = run_lanes_output,

@@ -2,17 +2,22 @@
 #ifndef UMBRAGE_EFFECTS_OUTPUT_H
 #define UMBRAGE_EFFECTS_OUTPUT_H
 
+// Values of OutputParams::metering.
+const int kMeteringNone = 0, kMeteringPicture = 1, kMeteringLight = 2;
+
 // One row of the table in output.cpp per field.
 struct OutputParams {
   float exposure;                                  // stops
-  int metering;                                    // 0 none, 1 by the picture: for who runs the look
+  int metering;                                    // 0 none, 1 by the picture, 2 by its light: for who runs the look
   float shoulder;                                  // light from which on it is compressed below 1; 1: not at all
   int transfer;                                    // 0 srgb, 1 none
   float background_r, background_g, background_b;  // as written to the file
   int transparent;                                 // 0 or 1
+  int sky;                                         // 0 or 1: the planes `sky` lie behind
 };
 
 struct OutputConstants {
+  int sky;
   float gain;
   float shoulder, room;  // 1 / (1 - shoulder); 0: nothing is compressed
   int transfer;

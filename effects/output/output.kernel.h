@@ -6,6 +6,7 @@ IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
 IN_REAL(cover)
+IN_COLOR(sky)
 OUT_COLOR(color)
 OUT_ALPHA(color)
 
@@ -20,23 +21,30 @@ FN Real compressed(Real v) {
   return min(v, Real(C.shoulder)) + (Real(1.0f) - Real(1.0f) / (over + 1.0f)) * Real(1.0f - C.shoulder);
 }
 
+// Light, not below 0, as it is exposed.
+FN Vec3 exposed(Vec3 light) {
+  light = finite_or_zero(light);  // what is not a number is black
+  light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
+  if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
+  return light;
+}
+
 FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
   Real line = clamp(near_outline(0, 0), Real(0.0f), Real(1.0f));
   line = max(line, clamp(near_cover(0, 0), Real(0.0f), Real(1.0f)));
   Real share = select(surface || line == Real(0.0f), Real(1.0f), line);
-  Vec3 light = near_lit(0, 0) * (Real(C.gain) / share);
-  light = finite_or_zero(light);  // what is not a number is black
-  light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
-  if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
+  Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / share));
   // The line over the background, mixed as light, with straight alpha.
   Real behind = (Real(1.0f) - line) * Real(C.background_alpha);
   Real alpha = line + behind;
   Real scale = Real(1.0f) / select(alpha > 0.0f, alpha, Real(1.0f));
   Vec3 beyond = Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b));
+  if (C.sky != 0) beyond = exposed(near_sky(0, 0) * Real(C.gain));
   light = select(surface, light, light * (line * scale) + beyond * (behind * scale));
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
+  if (C.sky != 0 && C.background_alpha > 0.0f) background = light;
   store_color(select(surface || line > 0.0f, light, background));
   store_color_alpha(select(surface, Real(1.0f), alpha));
 }

@@ -208,5 +208,32 @@ TEST(Output, NeedsDepthAndLight) {
   }
 }
 
+TEST(Output, ASkyLiesBehindAsBrightAsTheRest) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  GBuffer g = row_of({0.25f, 0.25f, 0.0f, 0.0f, 0.0f});
+  const float depth[] = {3.0f, infinity, infinity, infinity, infinity}, sky[] = {0.5f, 0.5f, 0.1f, 8.0f, NAN};
+  for (const char* name : {"sky.r", "sky.g", "sky.b", "cover"}) g.layers[0].add(name) = Plane(5, 1, 0.0f);
+  for (int x = 0; x < 5; ++x) {
+    g.layers[0].plane("depth").at(x, 0) = depth[x];
+    for (const char* name : {"sky.r", "sky.g", "sky.b"}) g.layers[0].plane(name).at(x, 0) = sky[x];
+  }
+  g.layers[0].plane("cover").at(2, 0) = 0.75f;  // shade of black
+  const auto compressed = [](double v) { return v <= 0.8 ? v : 0.8 + 0.2 * (1.0 - 1.0 / ((v - 0.8) / 0.2 + 1.0)); };
+  const Settings settings = {{"sky", "on"}, {"exposure", "1"}, {"shoulder", "0.8"}, {"transfer", "none"}};
+  test::on_every_target("output", g, settings, [&](const Image& image) {
+    const double expected[] = {0.5, compressed(1.0), 0.25 * 0.2, compressed(16.0), 0.0};
+    for (int x = 0; x < 5; ++x) {
+      EXPECT_NEAR(image.plane("color.g").at(x, 0), expected[x], 1e-6) << x;
+      EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f) << x;
+    }
+  });
+  // Light is as it was elsewhere.
+  test::on_every_target("output", g, {{"sky", "on"}},
+                        [&](const Image& image) { EXPECT_NEAR(image.plane("color.r").at(3, 0), srgb(8.0), 1e-5); });
+  // Without the setting the planes are nothing.
+  test::on_every_target("output", g, {{"background_g", "0.5"}},
+                        [&](const Image& image) { EXPECT_EQ(image.plane("color.g").at(3, 0), 0.5f); });
+}
+
 }  // namespace
 }  // namespace umbrage

@@ -115,6 +115,14 @@ const std::vector<Parameter> kTable = {
 
 float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
 
+/// Where ambient light comes from, by its first harmonics.
+glm::vec3 brightest_direction(const AmbientShape& shape) {
+  glm::vec3 sum(0.0f);
+  for (int axis = 0; axis < 3; ++axis)
+    sum[axis] = luminance({shape.by_color[0][axis][3], shape.by_color[1][axis][3], shape.by_color[2][axis][3]});
+  return glm::length(sum) > 0.0f ? glm::normalize(sum) : glm::vec3(0.0f);
+}
+
 void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
   const LightRig rig = light_rig(Rig(params.rig), info);
   if (!rig.shadows) c.shadow = 0.0f;
@@ -122,6 +130,17 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   const bool paper = params.mode == kToonPaper;
   static_assert(kToonMostLights == kMostRigLights);
   c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMostLights);
+  if (rig.lights.empty() && !rig.ambient_shape.even()) {
+    // Of a sky without a sun: bands by where most of its light comes from.
+    c.light_count = 1;
+    c.shadow = 0.0f;
+    c.share[0] = 1.0f;
+    const glm::vec3 most = brightest_direction(rig.ambient_shape);
+    c.x[0] = most.x;
+    c.y[0] = most.y;
+    c.z[0] = most.z;
+    return;
+  }
   const float key = rig.lights.empty() ? 0.0f : luminance(rig.lights[0].color);
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];

@@ -94,10 +94,19 @@ struct RenderRequest {
   std::string ground = "auto";         ///< a ground that shows the shade alone: "auto", "on", "off"
   std::optional<std::array<float, 3>> background{};  ///< 0 to 1, as in the file; the look's own
   bool transparent = false;                          ///< alpha 0 where there is no surface
-  std::optional<int> layers{};                       ///< surfaces captured along each ray, 1 to 16; as the look wants
-  std::optional<int> extra_views{};                  ///< further cameras, 0 to 4; as the look wants
-  float guard_band = 0.0f;                           ///< drawn beyond each side, in percent of the longer one; 0 to 100
-  std::vector<std::string> passes{};                 ///< to hand out besides the picture: "depth", "normal", "ao", ...
+  /// An equirectangular image of what is around the scene, which lights it in place of its own lights: HDR, EXR, PFM
+  /// (as they are), PNG, JPEG, TGA, BMP (as sRGB), or "sky:", which is built in; empty: none. It is twice as wide as
+  /// high, its upper side is the model's up.
+  std::string hdri_file{};
+  bool hdri_ambient = true;               ///< it lights the scene
+  bool hdri_skybox = false;               ///< it is the background; not with `transparent`
+  float hdri_rotation_deg = 0.0f;         ///< it is turned about the model's up, to the left as seen from inside
+  float hdri_intensity = 1.0f;            ///< factor on its light, 0 to 1000000
+  std::optional<float> light_size_deg{};  ///< what the key light spans, seen from the scene: 0 to 90; as the light says
+  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; as the look wants
+  std::optional<int> extra_views{};       ///< further cameras, 0 to 4; as the look wants
+  float guard_band = 0.0f;                ///< drawn beyond each side, in percent of the longer one; 0 to 100
+  std::vector<std::string> passes{};      ///< to hand out besides the picture: "depth", "normal", "ao", ...
   Progress progress{};
 };
 

@@ -1,0 +1,13 @@
+// What an image around a scene does to it: lights it, and lies behind it.
+#pragma once
+#include "apps/job/job.h"
+
+namespace umbrage {
+
+/// Puts the light of the image, which must have been read, in the place of the scene's own.
+void light_by(const Hdri& hdri, Scene& scene);
+
+/// The planes sky.r, sky.g and sky.b of a picture: the image's radiance, times `gain`, as each pixel's ray sees it.
+Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info);
+
+}  // namespace umbrage

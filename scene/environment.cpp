@@ -1,0 +1,452 @@
+// Based on [Ramamoorthi and Hanrahan 2001] for ambient light, [Viriyothai and Debevec 2009] for the lights, [CIE 2003]
+// for the sky.
+#include "scene/environment.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vec2.hpp>
+#include <numeric>
+
+namespace umbrage {
+namespace {
+
+using glm::dmat3;
+using glm::dvec3;
+
+constexpr double kPi = 3.14159265358979;
+
+double luminance(const dvec3& color) { return glm::dot(color, dvec3(0.2126, 0.7152, 0.0722)); }
+
+/// What is summed has at least, and at most, so many pixels: small enough for sums over their centres, and a sixth of a
+/// degree, a third of the sun's disc.
+constexpr int kLeastWidth = 512, kLeastHeight = 256, kMostWidth = 2048, kMostHeight = 1024;
+
+// ---- which parts of it are lights
+
+constexpr double kBright = 4.0;           // of the mean luminance over all directions: what shines
+constexpr double kFaint = 0.02;           // of all light: a part that has less is no light of its own
+constexpr double kApart = 0.4;            // of a part's variance, at most what is left where it falls in two
+constexpr double kNarrowDeg = 2.0;        // half the angle of a disc that is never parted
+constexpr double kWideDeg = 20.0;         // half the angle of one that always is
+constexpr float kWidestLightDeg = 90.0f;  // of a light's disc: its rays must not start from below the horizon
+
+/// A pixel that shines, or a part of it that does.
+struct Cell {
+  dvec3 direction;
+  dvec3 flux;     ///< radiance beyond what is left, times solid angle
+  double weight;  ///< its luminance
+  double solid_angle;
+};
+
+/// Cells that are one light.
+struct Part {
+  std::vector<Cell> cells;
+  double weight = 0.0;
+  dvec3 mean{0.0};        ///< of the directions, weighted: as long as the part is narrow
+  dvec3 axis{0.0};        ///< along which it is widest
+  double variance = 0.0;  ///< of the directions, all axes together
+
+  /// Half the angle of a disc of that variance.
+  double half_angle() const { return std::sqrt(2.0 * variance); }
+};
+
+/// The eigenvector of the largest eigenvalue of a symmetric matrix, by powers of it.
+dvec3 main_axis(const dmat3& m) {
+  constexpr int kRounds = 64;
+  dvec3 v(0.577, 0.578, 0.576);
+  for (int k = 0; k < kRounds; ++k) {
+    const dvec3 next = m * v;
+    const double length = glm::length(next);
+    if (!(length > 0.0)) break;
+    v = next / length;
+  }
+  return v;
+}
+
+Part part_of(std::vector<Cell> cells) {
+  Part part;
+  for (const Cell& cell : cells) {
+    part.weight += cell.weight;
+    part.mean += cell.weight * cell.direction;
+  }
+  part.mean /= part.weight;
+  dmat3 covariance(0.0);
+  for (const Cell& cell : cells) {
+    const dvec3 off = cell.direction - part.mean;
+    covariance += cell.weight / part.weight * glm::outerProduct(off, off);
+  }
+  part.variance = covariance[0][0] + covariance[1][1] + covariance[2][2];
+  part.axis = main_axis(covariance);
+  part.cells = std::move(cells);
+  return part;
+}
+
+/// Parts it in two across its axis, where the parts' variances, weighted, are least in sum. Returns what share of its
+/// variance is left; 1 where it cannot be parted.
+double parted(Part& part, std::array<Part, 2>& halves) {
+  std::sort(part.cells.begin(), part.cells.end(), [&](const Cell& a, const Cell& b) {
+    return glm::dot(a.direction, part.axis) < glm::dot(b.direction, part.axis);
+  });
+  // The variance within two groups is that of all less that between their means.
+  double before = 0.0, best = 0.0;
+  dvec3 sum(0.0);
+  std::size_t split = 0;
+  for (std::size_t k = 0; k + 1 < part.cells.size(); ++k) {
+    before += part.cells[k].weight;
+    sum += part.cells[k].weight * part.cells[k].direction;
+    const double after = part.weight - before;
+    if (!(before > 0.0) || !(after > 0.0)) continue;
+    const dvec3 apart = sum / before - (part.mean * part.weight - sum) / after;
+    const double between = before * after * glm::dot(apart, apart);
+    if (between > best) best = between, split = k + 1;
+  }
+  if (split == 0) return 1.0;
+  const auto middle = part.cells.begin() + std::ptrdiff_t(split);
+  halves = {part_of({part.cells.begin(), middle}), part_of({middle, part.cells.end()})};
+  return (halves[0].weight * halves[0].variance + halves[1].weight * halves[1].variance) /
+         (part.weight * part.variance);
+}
+
+/// The widest parts first: those that gather most of what would be lost by taking each for one direction.
+std::vector<Part> parts_of(std::vector<Cell> cells) {
+  const double narrow = glm::radians(kNarrowDeg), wide = glm::radians(kWideDeg);
+  std::vector<Part> parts, done;
+  parts.push_back(part_of(std::move(cells)));
+  while (!parts.empty()) {
+    const auto widest = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+      return a.weight * a.variance < b.weight * b.variance;
+    });
+    Part part = std::move(*widest);
+    parts.erase(widest);
+    std::array<Part, 2> halves;
+    const bool room = parts.size() + done.size() + 2 <= std::size_t(kMostEnvironmentLights);
+    if (room && part.half_angle() > narrow) {
+      const double left = parted(part, halves);
+      if (left < kApart || (left < 1.0 && part.half_angle() > wide)) {
+        for (Part& half : halves) parts.push_back(std::move(half));
+        continue;
+      }
+    }
+    done.push_back(std::move(part));
+  }
+  return done;
+}
+
+/// A part as a light. Its irradiance on a surface that faces it is that of the part, exactly; its disc has the solid
+/// angle over which the part's light is spread.
+Light light_of(const Part& part) {
+  std::array<dvec3, 3> vectors{};  // each colour's irradiance, as a vector
+  double squares = 0.0;
+  for (const Cell& cell : part.cells) {
+    for (int c = 0; c < 3; ++c) vectors[c] += cell.flux[c] * cell.direction;
+    squares += cell.weight * cell.weight / cell.solid_angle;
+  }
+  const dvec3 direction = glm::normalize(vectors[0] * 0.2126 + vectors[1] * 0.7152 + vectors[2] * 0.0722);
+  Light light;
+  light.direction = glm::vec3(direction);
+  for (int c = 0; c < 3; ++c) light.color[c] = float(std::max(glm::dot(vectors[c], direction), 0.0) / kPi);
+  const double solid_angle = part.weight * part.weight / squares;
+  const double half = 2.0 * std::asin(std::min(1.0, std::sqrt(solid_angle / (4.0 * kPi))));
+  light.angle_deg = std::min(float(glm::degrees(2.0 * half)), kWidestLightDeg);
+  light.casts_shadow = true;
+  return light;
+}
+
+// ---- harmonics
+
+/// Real spherical harmonics up to the second degree.
+constexpr int kHarmonics = 9;
+std::array<double, kHarmonics> harmonics(const dvec3& d) {
+  return {0.282095,
+          0.488603 * d.x,
+          0.488603 * d.y,
+          0.488603 * d.z,
+          1.092548 * d.x * d.y,
+          1.092548 * d.y * d.z,
+          1.092548 * d.z * d.x,
+          0.546274 * (d.x * d.x - d.y * d.y),
+          0.315392 * (3.0 * d.z * d.z - 1.0)};
+}
+
+using Coefficients = std::array<dvec3, kHarmonics>;
+
+void add(Coefficients& sum, const dvec3& direction, const dvec3& flux) {
+  const auto y = harmonics(direction);
+  for (int k = 0; k < kHarmonics; ++k) sum[std::size_t(k)] += y[std::size_t(k)] * flux;
+}
+
+/// What a matt white surface makes of light with these coefficients: each degree times its share of the cosine's, over
+/// pi [Ramamoorthi and Hanrahan 2001].
+void store_ambient(const Coefficients& light, EnvironmentLight& out) {
+  constexpr double kFirst = 2.0 / 3.0, kSecond = 1.0 / 4.0;  // the mean's is 1
+  out.ambient = glm::vec3(0.282095 * light[0]);
+  for (int c = 0; c < 3; ++c) {
+    const auto factor = [&](int k) { return float(light[std::size_t(k)][c]); };
+    glm::mat4& m = out.shape.by_color[std::size_t(c)];
+    m = glm::mat4(0.0f);
+    const auto both = [&](int i, int j, double v) { m[i][j] = m[j][i] = float(v); };
+    both(0, 3, 0.5 * kFirst * 0.488603 * factor(1));
+    both(1, 3, 0.5 * kFirst * 0.488603 * factor(2));
+    both(2, 3, 0.5 * kFirst * 0.488603 * factor(3));
+    both(0, 1, 0.5 * kSecond * 1.092548 * factor(4));
+    both(1, 2, 0.5 * kSecond * 1.092548 * factor(5));
+    both(2, 0, 0.5 * kSecond * 1.092548 * factor(6));
+    const double xx_yy = kSecond * 0.546274 * factor(7), zz = kSecond * 0.315392 * factor(8);
+    // 3 z z - 1 is 2 z z - x x - y y on the unit sphere.
+    m[0][0] = float(xx_yy - zz);
+    m[1][1] = float(-xx_yy - zz);
+    m[2][2] = float(2.0 * zz);
+  }
+}
+
+/// Solid angle of one pixel of each row.
+std::vector<double> solid_angles(int width, int height) {
+  std::vector<double> rows;
+  for (int y = 0; y < height; ++y)
+    rows.push_back(2.0 * kPi / width * (std::cos(kPi * y / height) - std::cos(kPi * (y + 1) / height)));
+  return rows;
+}
+
+/// Directions of the pixels' centres, by their angles.
+struct Directions {
+  std::vector<dvec3> around;             ///< of columns, on the horizon
+  std::vector<glm::dvec2> below_zenith;  ///< of rows: cosine and sine
+
+  Directions(int width, int height) {
+    for (int x = 0; x < width; ++x) {
+      const double angle = 2.0 * kPi * ((x + 0.5) / width - 0.5);
+      around.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    }
+    for (int y = 0; y < height; ++y) {
+      // The mean height of the row, where its solid angle is halved.
+      const double cosine = 0.5 * (std::cos(kPi * y / height) + std::cos(kPi * (y + 1) / height));
+      below_zenith.emplace_back(cosine, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
+    }
+  }
+  dvec3 at(int x, int y) const {
+    const glm::dvec2 row = below_zenith[std::size_t(y)];
+    const dvec3 column = around[std::size_t(x)];
+    return {column.x * row.y, column.y * row.y, row.x};
+  }
+};
+
+}  // namespace
+
+glm::vec3 Panorama::at(int x, int y) const {
+  const float* p = rgb.data() + (std::size_t(y) * std::size_t(width) + std::size_t(x)) * 3;
+  return {p[0], p[1], p[2]};
+}
+
+std::size_t clean_panorama(Panorama& panorama) {
+  constexpr float kLargestHalf = 65504.0f;
+  std::size_t changed = 0;
+  for (std::size_t p = 0; p + 2 < panorama.rgb.size(); p += 3) {
+    bool other = false;
+    for (std::size_t k = p; k < p + 3; ++k) {
+      float& v = panorama.rgb[k];
+      if (v >= 0.0f && v <= kBrightestSky) continue;
+      other = true;
+      v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kLargestHalf : kBrightestSky;
+    }
+    changed += other;
+  }
+  return changed;
+}
+
+namespace {
+
+/// Each pixel is the mean of what it covers, by solid angle, of pixels of even colour.
+Panorama resampled(const Panorama& panorama, int width, int height) {
+  if (width == panorama.width && height == panorama.height) return panorama;
+  // What share of a pixel each pixel of the new image covers, one axis at a time.
+  struct Span {
+    int first;
+    std::vector<double> weights;
+  };
+  const auto spans = [](int from, int to, const auto& extent) {
+    std::vector<Span> all;
+    for (int k = 0; k < to; ++k) {
+      const double start = double(k) * from / to, end = double(k + 1) * from / to;
+      Span span{std::min(int(start), from - 1), {}};
+      for (int i = span.first; i < from && i < end; ++i)
+        span.weights.push_back(extent(std::max(start, double(i)), std::min(end, double(i + 1))));
+      const double sum = std::accumulate(span.weights.begin(), span.weights.end(), 0.0);
+      for (double& weight : span.weights) weight /= sum;
+      all.push_back(std::move(span));
+    }
+    return all;
+  };
+  const auto columns = spans(panorama.width, width, [](double a, double b) { return b - a; });
+  const auto rows = spans(panorama.height, height, [&](double a, double b) {
+    return std::cos(kPi * a / panorama.height) - std::cos(kPi * b / panorama.height);
+  });
+  Panorama out{panorama.name, width, height, {}};
+  out.rgb.reserve(std::size_t(width) * std::size_t(height) * 3);
+  std::vector<dvec3> line(std::size_t(panorama.width));
+  for (const Span& row : rows) {
+    std::fill(line.begin(), line.end(), dvec3(0.0));
+    for (std::size_t j = 0; j < row.weights.size(); ++j)
+      for (int x = 0; x < panorama.width; ++x)
+        line[std::size_t(x)] += row.weights[j] * dvec3(panorama.at(x, row.first + int(j)));
+    for (const Span& column : columns) {
+      dvec3 sum(0.0);
+      for (std::size_t i = 0; i < column.weights.size(); ++i)
+        sum += column.weights[i] * line[std::size_t(column.first) + i];
+      for (int c = 0; c < 3; ++c) out.rgb.push_back(float(sum[c]));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Panorama reduced_panorama(const Panorama& panorama, int most_width, int most_height) {
+  return resampled(panorama, std::min(panorama.width, most_width), std::min(panorama.height, most_height));
+}
+
+glm::mat3 panorama_axes(glm::vec3 up, float rotation_deg) {
+  up = glm::normalize(up);
+  constexpr float kUpright = 0.9f;
+  const glm::vec3 toward = std::abs(up.x) < kUpright ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 front = glm::normalize(toward - up * glm::dot(toward, up)), left = glm::cross(up, front);
+  const float angle = glm::radians(rotation_deg);
+  const glm::vec3 turned_front = std::cos(angle) * front + std::sin(angle) * left;
+  return {turned_front, glm::cross(turned_front, up), up};
+}
+
+glm::vec3 panorama_direction(float x, float y) {
+  const float angle = glm::two_pi<float>() * (x - 0.5f), below = glm::pi<float>() * y;
+  return {std::cos(angle) * std::sin(below), std::sin(angle) * std::sin(below), std::cos(below)};
+}
+
+glm::vec3 panorama_radiance(const Panorama& panorama, glm::vec3 direction) {
+  const glm::vec3 d = glm::normalize(direction);
+  const float u = std::atan2(d.y, d.x) / glm::two_pi<float>() + 0.5f;
+  const float v = std::acos(std::clamp(d.z, -1.0f, 1.0f)) / glm::pi<float>();
+  const float x = u * float(panorama.width) - 0.5f, y = v * float(panorama.height) - 0.5f;
+  const float x0 = std::floor(x), y0 = std::floor(y);
+  const auto pixel = [&](int i, int j) {
+    // Beyond a pole the other side follows.
+    if (j < 0 || j >= panorama.height) i += panorama.width / 2;
+    i = (i % panorama.width + panorama.width) % panorama.width;
+    return panorama.at(i, std::clamp(j, 0, panorama.height - 1));
+  };
+  const int i = int(x0), j = int(y0);
+  const float s = x - x0, t = y - y0;
+  return (pixel(i, j) * (1 - s) + pixel(i + 1, j) * s) * (1 - t) +
+         (pixel(i, j + 1) * (1 - s) + pixel(i + 1, j + 1) * s) * t;
+}
+
+EnvironmentLight environment_light(const Panorama& panorama) {
+  EnvironmentLight out;
+  const Panorama image = resampled(panorama, std::clamp(panorama.width, kLeastWidth, kMostWidth),
+                                   std::clamp(panorama.height, kLeastHeight, kMostHeight));
+  const auto solid = solid_angles(image.width, image.height);
+  const Directions directions(image.width, image.height);
+  const auto each = [&](const auto& visit) {
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) visit(directions.at(x, y), dvec3(image.at(x, y)), solid[std::size_t(y)]);
+  };
+  Coefficients rest{};
+  dvec3 all(0.0);
+  each([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
+    add(rest, direction, radiance * solid_angle);
+    all += radiance * solid_angle;
+  });
+  // Lights take what is beyond the mean of what does not shine.
+  const double bright = kBright * luminance(all) / (4.0 * kPi);
+  dvec3 dim(0.0);
+  double dim_angle = 0.0;
+  each([&](const dvec3&, const dvec3& radiance, double solid_angle) {
+    if (luminance(radiance) > bright) return;
+    dim += radiance * solid_angle;
+    dim_angle += solid_angle;
+  });
+  if (dim_angle > 0.0) dim /= dim_angle;
+  std::vector<Cell> cells;
+  each([&](const dvec3& direction, const dvec3& radiance, double solid_angle) {
+    if (!(luminance(radiance) > bright)) return;
+    const dvec3 flux = glm::max(radiance - dim, dvec3(0.0)) * solid_angle;
+    if (luminance(flux) > 0.0) cells.push_back({direction, flux, luminance(flux), solid_angle});
+  });
+  if (!cells.empty()) {
+    for (const Part& part : parts_of(std::move(cells)))
+      if (part.weight > kFaint * luminance(all)) out.lights.push_back(light_of(part));
+    std::stable_sort(out.lights.begin(), out.lights.end(),
+                     [](const Light& a, const Light& b) { return luminance(a.color) > luminance(b.color); });
+  }
+  for (const Light& light : out.lights) add(rest, dvec3(light.direction), dvec3(light.color) * -kPi);
+  store_ambient(rest, out);
+  // Of normals all around, and those of the lights.
+  const auto white = [&](const glm::vec3& n) {
+    glm::vec3 sum = glm::max(out.ambient + out.shape.at(n), glm::vec3(0.0f));
+    for (const Light& light : out.lights) sum += light.color * std::max(glm::dot(light.direction, n), 0.0f);
+    return float(luminance(sum));
+  };
+  constexpr int kNormals = 32;
+  for (int y = 0; y < kNormals / 2; ++y)
+    for (int x = 0; x < kNormals; ++x)
+      out.brightest = std::max(
+          out.brightest, white(panorama_direction((float(x) + 0.5f) / kNormals, (float(y) + 0.5f) * 2.0f / kNormals)));
+  for (const Light& light : out.lights) out.brightest = std::max(out.brightest, white(light.direction));
+  return out;
+}
+
+Panorama sky_panorama() {
+  // Luminance by the CIE's clear sky, type 12 [CIE 2003]: brighter towards the sun and the horizon.
+  constexpr int kWidth = 1024, kHeight = 512;
+  constexpr double kSunHeight = 42.0, kSunAngle = 0.53 / 2.0;  // degrees, the disc's half angle
+  constexpr double kSunIrradiance = 6.5, kSkyIrradiance = 1.3, kGround = 0.25;
+  const double height = glm::radians(kSunHeight);
+  const dvec3 sun(std::cos(height) * std::cos(2.2), std::cos(height) * std::sin(2.2), std::sin(height));
+  const auto gradation = [](double rise) { return 1.0 - std::exp(-0.32 / std::max(rise, 0.01)); };
+  const auto indicatrix = [](double angle) {
+    const double cosine = std::cos(angle);
+    return 1.0 + 10.0 * (std::exp(-3.0 * angle) - std::exp(-1.5 * kPi)) + 0.45 * cosine * cosine;
+  };
+  const auto luminance_at = [&](const dvec3& d) {
+    return gradation(d.z) * indicatrix(std::acos(std::clamp(glm::dot(d, sun), -1.0, 1.0)));
+  };
+  const Directions directions(kWidth, kHeight);
+  const auto solid = solid_angles(kWidth, kHeight);
+  double irradiance = 0.0;
+  for (int y = 0; y < kHeight / 2; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      const dvec3 d = directions.at(x, y);
+      irradiance += luminance_at(d) * d.z * solid[std::size_t(y)];
+    }
+  const dvec3 zenith(0.55, 0.92, 1.75), horizon(0.92, 1.0, 1.14), sunlight(1.12, 0.98, 0.80);  // of luminance about 1
+  const double sun_radiance = kSunIrradiance / (kPi * std::pow(std::sin(glm::radians(kSunAngle)), 2.0));
+  const dvec3 ground = kGround / kPi * (kSkyIrradiance + kSunIrradiance * sun.z) * dvec3(1.03, 1.0, 0.93);
+  Panorama sky{"sky:", kWidth, kHeight, {}};
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = 0; x < kWidth; ++x) {
+      // The sun is smaller than two pixels: each has its share.
+      constexpr int kSamples = 8;
+      dvec3 sum(0.0);
+      const dvec3 middle = directions.at(x, y);
+      const bool near_sun = glm::dot(middle, sun) > std::cos(glm::radians(1.5));
+      if (middle.z < 0.0) {
+        sum = ground;
+      } else {
+        sum = glm::mix(horizon, zenith, std::sqrt(middle.z)) * (luminance_at(middle) * kSkyIrradiance / irradiance);
+      }
+      double share = 0.0;
+      for (int k = 0; near_sun && k < kSamples * kSamples; ++k) {
+        const dvec3 d = panorama_direction((float(x) + (float(k % kSamples) + 0.5f) / kSamples) / kWidth,
+                                           (float(y) + (float(k / kSamples) + 0.5f) / kSamples) / kHeight);
+        share += glm::dot(d, sun) > std::cos(glm::radians(kSunAngle)) ? 1.0 / (kSamples * kSamples) : 0.0;
+      }
+      sum += share * sun_radiance * sunlight;
+      for (int c = 0; c < 3; ++c) sky.rgb.push_back(float(sum[c]));
+    }
+  return sky;
+}
+
+}  // namespace umbrage
