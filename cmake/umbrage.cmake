@@ -24,7 +24,7 @@ function(umbrage_folder name)
   target_link_libraries(umbrage_${name} ${scope} ${ARG_USES})
 endfunction()
 
-# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp) of this folder to build/spirv/spirv/NAME.inc, as words to
+# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp, .vert, .frag) of this folder to build/spirv/spirv/NAME.inc, as words to
 # include; OUT is the list of those.
 function(umbrage_spirv out)
   set(all "")

@@ -15,6 +15,7 @@ struct Faults {
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: what they are
   VkDeviceSize largest_allocation = 0;                   ///< 0: what it is
   bool has_addresses = true;
+  bool draws = true;  ///< queues do
 };
 
 struct FaultyVulkan {
@@ -27,6 +28,7 @@ struct FaultyVulkan {
   PFN_vkGetPhysicalDeviceProperties2 properties2 = nullptr;
   PFN_vkGetPhysicalDeviceFeatures2 features = nullptr;
   PFN_vkEnumerateInstanceVersion version = nullptr;
+  PFN_vkGetPhysicalDeviceQueueFamilyProperties families = nullptr;
 };
 
 inline FaultyVulkan& faulty() {
@@ -68,6 +70,12 @@ inline VKAPI_ATTR void VKAPI_CALL faulty_features(VkPhysicalDevice gpu, VkPhysic
     if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES && !faulty().faults.has_addresses)
       reinterpret_cast<VkPhysicalDeviceVulkan12Features*>(next)->bufferDeviceAddress = VK_FALSE;
 }
+inline VKAPI_ATTR void VKAPI_CALL faulty_families(VkPhysicalDevice gpu, std::uint32_t* count,
+                                                  VkQueueFamilyProperties* out) {
+  faulty().families(gpu, count, out);
+  for (std::uint32_t k = 0; out && !faulty().faults.draws && k < *count; ++k)
+    out[k].queueFlags &= ~VkQueueFlags(VK_QUEUE_GRAPHICS_BIT);
+}
 inline VKAPI_ATTR VkResult VKAPI_CALL faulty_version(std::uint32_t* out) {
   const VkResult done = faulty().version(out);
   if (faulty().faults.loader_version) *out = faulty().faults.loader_version;
@@ -90,6 +98,7 @@ inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, 
         put_in("vkGetPhysicalDeviceProperties", f.properties, faulty_properties),
         put_in("vkGetPhysicalDeviceProperties2", f.properties2, faulty_properties2),
         put_in("vkGetPhysicalDeviceFeatures2", f.features, faulty_features),
+        put_in("vkGetPhysicalDeviceQueueFamilyProperties", f.families, faulty_families),
         put_in("vkEnumerateInstanceVersion", f.version, faulty_version)})
     if (instead) return instead;
   return real;

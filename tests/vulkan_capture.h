@@ -10,11 +10,17 @@
 
 namespace umbrage::test {
 
-/// A device that draws scenes itself.
-inline Device* drawing_device() {
-  static Device* const device = new_vulkan_device({.capture = VulkanCapture::kGpu}).release();
-  return device;
+/// Both ways in which a GPU captures scenes itself.
+inline constexpr VulkanCapture kGpuCaptures[] = {VulkanCapture::kRays, VulkanCapture::kRaster};
+
+/// A device that captures scenes itself, in one of these ways.
+inline Device* drawing_device(VulkanCapture how) {
+  static Device* const devices[] = {new_vulkan_device({.capture = kGpuCaptures[0]}).release(),
+                                    new_vulkan_device({.capture = kGpuCaptures[1]}).release()};
+  return devices[how == kGpuCaptures[1]];
 }
+
+inline const char* name_of(VulkanCapture how) { return how == VulkanCapture::kRays ? "rays" : "raster"; }
 
 struct Both {
   Image gpu, cpu;

@@ -1,13 +1,17 @@
 // Scenes drawn by the GPU, plane by plane against Embree's.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "apps/job/job.h"
 #include "devices/vulkan/hierarchy.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "faulty_vulkan.h"
+#include "scene/finish.h"
+#include "scene/shapes.h"
 #include "support.h"
 #include "vulkan_capture.h"
 #include "vulkan_support.h"
@@ -21,11 +25,11 @@ struct Shot {
   CaptureSettings settings;
 };
 
-class VulkanCaptureShots : public testing::TestWithParam<Shot> {};
+class VulkanCaptureShots : public testing::TestWithParam<std::tuple<Shot, VulkanCapture>> {};
 
 TEST_P(VulkanCaptureShots, PlanesAreThoseOfEmbree) {
-  const Shot& shot = GetParam();
-  Device* const device = test::drawing_device();
+  const auto& [shot, how] = GetParam();
+  Device* const device = test::drawing_device(how);
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
   auto scene = load_scene(shot.scene);
@@ -47,18 +51,28 @@ TEST_P(VulkanCaptureShots, PlanesAreThoseOfEmbree) {
 
 INSTANTIATE_TEST_SUITE_P(
     Scenes, VulkanCaptureShots,
-    testing::Values(
-        Shot{"solids", "scene:solids?detail=3000", false, {.width = 160, .height = 120}},
-        Shot{"parallel", "scene:solids?detail=3000", true, {.width = 131, .height = 97, .guard = 9}},
-        Shot{"soft", "scene:solids?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 8}},
-        Shot{"penumbrae", "scene:solids?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 1}},
-        Shot{"room", "scene:room?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 4}},
-        Shot{"textures", "scene:atrium?detail=8000", false, {.width = 160, .height = 120}},
-        Shot{"terrain", "scene:terrain?detail=8000", false, {.width = 160, .height = 120}},
-        Shot{"layers", "scene:tank?detail=5000", false, {.width = 120, .height = 90, .layers = 4}},
-        Shot{"backs", "scene:atrium?detail=8000", false, {.width = 120, .height = 90, .layers = 2, .back_sides = true}},
-        Shot{"views", "scene:atrium?detail=8000", false, {.width = 120, .height = 90, .layers = 2, .extra_views = 2}}),
-    [](const auto& info) { return std::string(info.param.name); });
+    testing::Combine(
+        testing::Values(
+            Shot{"solids", "scene:solids?detail=3000", false, {.width = 160, .height = 120}},
+            Shot{"parallel", "scene:solids?detail=3000", true, {.width = 131, .height = 97, .guard = 9}},
+            Shot{"soft", "scene:solids?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 8}},
+            Shot{"penumbrae", "scene:solids?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 1}},
+            Shot{"room", "scene:room?detail=3000", false, {.width = 160, .height = 120, .shadow_rays = 4}},
+            Shot{"textures", "scene:atrium?detail=8000", false, {.width = 160, .height = 120}},
+            Shot{"terrain", "scene:terrain?detail=8000", false, {.width = 160, .height = 120}},
+            Shot{"layers", "scene:tank?detail=5000", false, {.width = 120, .height = 90, .layers = 4}},
+            Shot{"backs",
+                 "scene:atrium?detail=8000",
+                 false,
+                 {.width = 120, .height = 90, .layers = 2, .back_sides = true}},
+            Shot{"views",
+                 "scene:atrium?detail=8000",
+                 false,
+                 {.width = 120, .height = 90, .layers = 2, .extra_views = 2}}),
+        testing::ValuesIn(test::kGpuCaptures)),
+    [](const auto& info) {
+      return std::string(std::get<0>(info.param).name) + "_" + test::name_of(std::get<1>(info.param));
+    });
 
 /// The hierarchy's root box and every inner one, checked against what lies below it.
 void expect_boxes_hold(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 high, std::vector<int>& seen) {
@@ -102,8 +116,13 @@ TEST(Hierarchy, HoldsEachTriangleOnceInItsBoxes) {
   EXPECT_TRUE(build_hierarchy(empty, {}, 1.0f)->empty());
 }
 
-TEST(VulkanCapture, EveryLookGivesTheSamePicture) {
-  Device* const gpu = test::drawing_device();
+class VulkanCaptureWays : public testing::TestWithParam<VulkanCapture> {};
+
+INSTANTIATE_TEST_SUITE_P(Ways, VulkanCaptureWays, testing::ValuesIn(test::kGpuCaptures),
+                         [](const auto& info) { return std::string(test::name_of(info.param)); });
+
+TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
+  Device* const gpu = test::drawing_device(GetParam());
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const auto cpu = make_cpu_device();
@@ -132,8 +151,8 @@ TEST(VulkanCapture, EveryLookGivesTheSamePicture) {
   }
 }
 
-TEST(VulkanCapture, TakesOneSceneAfterTheOtherWithoutGrowth) {
-  Device* const gpu = test::drawing_device();
+TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
+  Device* const gpu = test::drawing_device(GetParam());
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const std::array scenes = {*load_scene("scene:solids?detail=2000"), *load_scene("scene:tank?detail=2000")};
@@ -152,9 +171,132 @@ TEST(VulkanCapture, TakesOneSceneAfterTheOtherWithoutGrowth) {
   EXPECT_EQ(vulkan_memory(*gpu).host_bytes, after_both.host_bytes);
 }
 
-TEST(VulkanCapture, TooLittleMemoryForASceneIsAnError) {
+/// Whether a capture drew triangles.
+bool drew(Device& gpu, const Scene& scene, const Camera& camera, const CaptureSettings& settings, Image* image) {
+  gpu.take_pass_times();
+  *image = test::captured(gpu, scene, camera, settings);
+  const auto times = gpu.take_pass_times();
+  EXPECT_FALSE(times.empty());
+  return std::any_of(times.begin(), times.end(), [](const PassTime& time) { return time.pass == "seen"; });
+}
+
+TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
+  Device* const rays = test::drawing_device(VulkanCapture::kRays);
+  Device* const raster = test::drawing_device(VulkanCapture::kRaster);
+  UMBRAGE_NEEDS_VULKAN(rays && raster);
+  const test::NoMessages no_messages;
+  const auto scene = load_scene("scene:solids?detail=2000");
+  ASSERT_TRUE(scene);
+  const CaptureSettings settings{.width = 40, .height = 30, .layers = 2};
+  const Camera camera = frame_scene(*scene, {}, settings.width, settings.height);
+  Image by_rays, image;
+  EXPECT_FALSE(drew(*rays, *scene, camera, settings, &by_rays));
+  EXPECT_TRUE(drew(*raster, *scene, camera, settings, &image));
+  // A queue that only computes.
+  ASSERT_TRUE(test::start_faulty());
+  test::faulty().faults.draws = false;
+  const auto computes = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .get = test::faulty_get});
+  ASSERT_TRUE(computes);
+  EXPECT_FALSE(drew(*computes, *scene, camera, settings, &image));
+  for (std::size_t p = 0; p < image.planes.size(); ++p)
+    EXPECT_EQ(test::difference(image.planes[p], by_rays.planes[p], 0.0).most, 0.0) << image.names[p];
+  // Points among triangles are drawn too.
+  Scene mixed = *scene;
+  Mesh points;
+  points.points = true;
+  points.positions = {mixed.bounds_max, mixed.bounds_min};
+  mixed.meshes.push_back(points);
+  finish_scene(mixed);
+  EXPECT_TRUE(drew(*raster, mixed, camera, settings, &image));
+  // Nothing before the camera.
+  Camera away = camera;
+  away.view_from_world = glm::mat4(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1) * camera.view_from_world;
+  drew(*raster, *scene, away, settings, &image);
+  for (int y = 0; y < settings.height; ++y)
+    for (int x = 0; x < settings.width; ++x) ASSERT_EQ(image.plane("depth").at(x, y), INFINITY);
+}
+
+/// Mesh k is object k.
+Scene scene_of(std::vector<Mesh> meshes) {
+  Scene scene;
+  scene.meshes = std::move(meshes);
+  scene.materials.resize(1);
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) scene.meshes[m].object = int(m);
+  EXPECT_EQ(finish_scene(scene), 0u);
+  return scene;
+}
+
+TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheEye) {
+  Device* const rays = test::drawing_device(VulkanCapture::kRays);
+  Device* const raster = test::drawing_device(VulkanCapture::kRaster);
+  UMBRAGE_NEEDS_VULKAN(rays && raster);
+  const test::NoMessages no_messages;
+  // The eye in a box of few large triangles that reach to both sides of it, once close to a wall, and in a ball of many
+  // small ones.
+  Mesh box;
+  for (int k = 0; k < 8; ++k) box.positions.emplace_back(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+  box.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
+                 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+  // And in a point; so is a further one, which hides part of it.
+  Scene points;
+  points.materials.resize(1);
+  points.meshes.resize(1);
+  points.meshes[0].points = true;
+  points.meshes[0].positions = {{0, 0, 0}, {1.1f, 0.3f, 0.2f}};
+  ASSERT_EQ(finish_scene(points, 80.0f, {PointShape::kSpheres, {2.0f, 0}}), 0u);
+  points.meshes[0].radii[points.meshes[0].positions[0] == glm::vec3(0.0f) ? 1 : 0] = 0.3f;
+  const std::array scenes = {scene_of({box}), scene_of({shapes::sphere(1.0f, 96, 48)}), points};
+  const CaptureSettings settings{.width = 120, .height = 90};
+  for (const Scene& scene : scenes)
+    for (const glm::vec3 eye : {glm::vec3(0.3f, 0.2f, -0.1f), glm::vec3(0.1f, -0.2f, 0.95f)})
+      for (const glm::vec3 toward : {glm::vec3(1, 0.2, 0.1), glm::vec3(-0.3, -1, 0.2), glm::vec3(0.1, 0.4, 1)}) {
+        const Camera camera = perspective_camera(eye, eye + toward, {0, 1, 0.1f}, 100.0f, 4.0f / 3.0f);
+        const Image drawn = test::captured(*raster, scene, camera, settings);
+        const Image traced = test::captured(*rays, scene, camera, settings);
+        for (int y = 0; y < settings.height; ++y)
+          for (int x = 0; x < settings.width; ++x) {
+            const float depth = traced.plane("depth").at(x, y);
+            ASSERT_NEAR(drawn.plane("depth").at(x, y), depth, 1e-3f * depth) << x << ',' << y;
+          }
+        EXPECT_LE(test::difference(drawn.plane("depth"), traced.plane("depth"), 1e-5).share_over, 1e-3);
+      }
+}
+
+TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
+  Device* const raster = test::drawing_device(VulkanCapture::kRaster);
+  UMBRAGE_NEEDS_VULKAN(raster);
+  const test::NoMessages no_messages;
+  // Two sheets that reach from behind the eye to the horizon; the lower one is drawn first, and once the upper one.
+  const auto sheet = [](float height) {
+    Mesh mesh;
+    mesh.positions = {{-100, height, -100}, {-100, height, 100}, {100, height, 100}, {100, height, -100}};
+    mesh.indices = {0, 1, 2, 0, 2, 3};
+    return mesh;
+  };
+  const CaptureSettings settings{.width = 100, .height = 100, .layers = 2};
+  const Camera camera = perspective_camera({0, 1, 0}, {0.3f, 0.4f, -1}, {0, 1, 0}, 60.0f, 1.0f);
+  for (const float gap : {1e-4f, 3e-6f})
+    for (const int upper : {0, 1}) {
+      const Scene scene = scene_of({sheet(upper == 0 ? 0.0f : -gap), sheet(upper == 0 ? -gap : 0.0f)});
+      const Image image = test::captured(*raster, scene, camera, settings);
+      long seen = 0;
+      for (int y = 0; y < settings.height; ++y)
+        for (int x = 0; x < settings.width; ++x) {
+          if (!std::isfinite(image.plane("depth").at(x, y))) continue;
+          ++seen;
+          ASSERT_EQ(image.plane("object_id").at(x, y), float(upper)) << gap << ' ' << x << ',' << y;
+          // Sheets that are closer than the step from layer to layer are one surface.
+          if (gap == 1e-4f && std::isfinite(image.plane("layer1.depth").at(x, y))) {
+            ASSERT_EQ(image.plane("layer1.object_id").at(x, y), float(1 - upper)) << x << ',' << y;
+          }
+        }
+      EXPECT_GT(seen, 6000);
+    }
+}
+
+TEST_P(VulkanCaptureWays, TooLittleMemoryForASceneIsAnError) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
-  const auto gpu = test::new_vulkan_device({.capture = VulkanCapture::kGpu, .get = test::faulty_get});
+  const auto gpu = test::new_vulkan_device({.capture = GetParam(), .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const auto scene = load_scene("scene:solids?detail=30000");
@@ -166,6 +308,15 @@ TEST(VulkanCapture, TooLittleMemoryForASceneIsAnError) {
   test::faulty().faults.memory_left = std::uint64_t(1) << 30;
   ASSERT_TRUE(gpu->prepare(*scene));
   EXPECT_TRUE(gpu->capture(frame_scene(*scene, {}, 32, 32), {.width = 32, .height = 32}));
+  // Planes of the same size are there, what triangles are drawn into is not.
+  test::faulty().faults.memory_left = 0;
+  const auto smaller = gpu->capture(frame_scene(*scene, {}, 30, 32), {.width = 30, .height = 32});
+  EXPECT_EQ(bool(smaller), GetParam() == VulkanCapture::kRays);
+  if (!smaller) {
+    EXPECT_EQ(smaller.error().kind, ErrorKind::kDevice);
+  }
+  test::faulty().faults.memory_left = std::uint64_t(1) << 30;
+  EXPECT_TRUE(gpu->capture(frame_scene(*scene, {}, 30, 32), {.width = 30, .height = 32}));
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 // The picture and the table of docs/vulkan.md: every look of every built-in scene by both devices, the GPU's own
-// capture included. It takes minutes on lavapipe, so it runs when asked for: umbrage_tests
-// --gtest_also_run_disabled_tests --gtest_filter='VulkanSheet.*' It writes vulkan-errors.png and vulkan-errors.md to
-// the folder UMBRAGE_SHEET_FOLDER, or where it stands.
+// capture included, by rays and by rasterisation. It takes minutes on lavapipe, so it runs when asked for:
+// umbrage_tests
+// --gtest_also_run_disabled_tests --gtest_filter='*VulkanSheet.*' It writes vulkan-errors-rays.png and .md, the same
+// with raster, and vulkan-looks.png to the folder UMBRAGE_SHEET_FOLDER, or where it stands.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 #include "apps/job/job.h"
 #include "io/image_file.h"
 #include "scene/builtin.h"
-#include "vulkan_support.h"
+#include "vulkan_capture.h"
 
 namespace umbrage {
 namespace {
@@ -60,8 +61,13 @@ void put(Sheet& sheet, int column, int row, int step, const Of& of) {
             float(of(c, x * step, y * step));
 }
 
-TEST(VulkanSheet, DISABLED_LooksOfAllScenes) {
-  auto made = make_vulkan_device({.capture = VulkanCapture::kGpu}, make_cpu_device());
+class VulkanSheet : public testing::TestWithParam<VulkanCapture> {};
+
+INSTANTIATE_TEST_SUITE_P(Ways, VulkanSheet, testing::ValuesIn(test::kGpuCaptures),
+                         [](const auto& info) { return std::string(test::name_of(info.param)); });
+
+TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
+  auto made = make_vulkan_device({.capture = GetParam()}, make_cpu_device());
   ASSERT_TRUE(made);
   Device& gpu = **made;
   const auto cpu = make_cpu_device();
@@ -120,8 +126,9 @@ TEST(VulkanSheet, DISABLED_LooksOfAllScenes) {
   }
   fmt::print("{} pixels over 2/255, of {}\n", over_all, long(kWidth) * kHeight * long(scenes.size() * looks().size()));
   EXPECT_TRUE(write_image(folder / "vulkan-looks.png", pictures.image, {.small = true}));
-  EXPECT_TRUE(write_image(folder / "vulkan-errors.png", errors.image, {.small = true}));
-  EXPECT_TRUE(write_text(folder / "vulkan-errors.md", table));
+  const std::string name = std::string("vulkan-errors-") + test::name_of(GetParam());
+  EXPECT_TRUE(write_image(folder / (name + ".png"), errors.image, {.small = true}));
+  EXPECT_TRUE(write_text(folder / (name + ".md"), table));
 }
 
 }  // namespace

@@ -198,8 +198,8 @@ TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
   // One device with time for a row of workgroups at once, and one that never cuts.
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto cut = test::new_vulkan_device(
-      {.capture = VulkanCapture::kGpu, .longest_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
-  const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kGpu, .longest_ms = 0.0});
+      {.capture = VulkanCapture::kRaster, .longest_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
+  const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .longest_ms = 0.0});
   UMBRAGE_NEEDS_VULKAN(cut && whole);
   const test::NoMessages no_messages;
   auto scene = load_scene("scene:solids?detail=2000");

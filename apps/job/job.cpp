@@ -83,13 +83,14 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 
 namespace {
 
-/// Who captures for a Vulkan device: UMBRAGE_VULKAN_CAPTURE is `cpu` or `gpu`; else the device decides.
+/// Who captures for a Vulkan device, and how: UMBRAGE_VULKAN_CAPTURE; else the device decides.
 Result<VulkanCapture> vulkan_capture() {
   const char* wish = std::getenv("UMBRAGE_VULKAN_CAPTURE");
   if (!wish || *wish == '\0') return VulkanCapture::kAuto;
   if (wish == std::string_view("cpu")) return VulkanCapture::kCpu;
-  if (wish == std::string_view("gpu")) return VulkanCapture::kGpu;
-  return usage_error("UMBRAGE_VULKAN_CAPTURE cannot be '{}': it takes cpu or gpu", wish);
+  if (wish == std::string_view("rays")) return VulkanCapture::kRays;
+  if (wish == std::string_view("raster") || wish == std::string_view("gpu")) return VulkanCapture::kRaster;
+  return usage_error("UMBRAGE_VULKAN_CAPTURE cannot be '{}': it takes raster, rays, gpu or cpu", wish);
 }
 
 }  // namespace

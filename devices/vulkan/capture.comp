@@ -1,196 +1,35 @@
-// One depth layer of a scene, traced: what devices/cpu/capture.cpp and rays/ do, for a GPU without the help of its
-// driver's own rays. A workgroup is four blocks of 4 x 4 pixels, each of which decides how many rays a soft shadow
-// needs.
+// One depth layer of a scene: what devices/cpu/capture.cpp and rays/ do, for a GPU without the help of its driver's own
+// rays. Which triangle a pixel sees is found by a ray, or known from a picture of triangles (peel.frag). A workgroup is
+// four blocks of 4 x 4 pixels, each of which decides how many rays a soft shadow needs.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_scalar_block_layout : require
-#extension GL_EXT_buffer_reference : require
-#extension GL_EXT_buffer_reference_uvec2 : require
 #include "devices/shared/soften.h"
-#include "devices/vulkan/capture.h"
-#include "machine/frame_constants.h"
+#include "devices/vulkan/capture_scene.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(set = 0, binding = 0, scalar) uniform constants_block { CaptureConstants C; };
-layout(set = 0, binding = 1, scalar) uniform table_block { uvec2 table[kMostPlanes]; };
-
-layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Floats { float at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Uints { uint at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 16) restrict readonly buffer Vectors { vec4 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Meshes { CaptureMesh at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Textures { CaptureTexture at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Levels { CaptureLevel at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 
 shared int block_pixels[4], block_lit[4];
 shared uint block_across[4], block_down[4];  // bits of the narrowest penumbra's radius, squared: ordered as it is
 
-const float kInfinity = 1.0f / 0.0f;
 const float kStartOffset = 4e-6f;  // rays/traced_scene.cpp
 const float kAboveDisc = 0.3f;     // rays/traced_scene.h
-const float kLayerStep = 1e-5f;    // devices/cpu/capture.cpp
-const float kEdgeRounding = 1.1920929e-7f;  // of a triangle: its rim belongs to it, as for Embree
-const int kMostTaps = 8;           // rays/mip_texture.cpp
 
-vec3 three(float v[3]) { return vec3(v[0], v[1], v[2]); }
 vec3 light_vector(float v[3 * kCaptureLights], int k) { return vec3(v[3 * k], v[3 * k + 1], v[3 * k + 2]); }
 
 float largest_of(vec3 v) { return max(max(v.x, v.y), v.z); }
 
-// ---- textures ----
-
-float linear_from_srgb(uint byte) { return Floats(table[kPointsSlot]).at[32 * (kCaptureDiscPoints + 1) + int(byte)]; }
-
-vec4 texel(CaptureLevel level, int x, int y) {
-  uint v = Uints(table[kTexelsSlot]).at[level.first_texel + y * level.width + x];
-  return vec4(linear_from_srgb(v & 255u), linear_from_srgb((v >> 8) & 255u), linear_from_srgb((v >> 16) & 255u),
-              float(v >> 24) * (1.0f / 255.0f));
-}
-
-float fraction_of(float x) { return abs(x) < 8388608.0f ? x - floor(x) : 0.0f; }
-
-vec2 within(vec2 uv) { return vec2(fraction_of(uv.x), 1.0f - fraction_of(uv.y)); }
-
-// The two texels around a place along one side, and how far it lies between them.
-void neighbours(float share, int size, out int low, out int high, out float between) {
-  float x = share * float(size) - 0.5f;
-  float whole = floor(x);
-  between = x - whole;
-  low = min(int(whole), size - 1);
-  high = low + 1 >= size ? 0 : low + 1;
-  low = low < 0 ? size - 1 : low;
-}
-
-vec4 bilinear(CaptureLevel level, vec2 share) {
-  int x0, x1, y0, y1;
-  float fx, fy;
-  neighbours(share.x, level.width, x0, x1, fx);
-  neighbours(share.y, level.height, y0, y1, fy);
-  return mix(mix(texel(level, x0, y0), texel(level, x1, y0), fx), mix(texel(level, x0, y1), texel(level, x1, y1), fx),
-             fy);
-}
-
-vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
-  CaptureTexture image = Textures(table[kTexturesSlot]).at[index];
-  Levels levels = Levels(table[kLevelsSlot]);
-  vec2 size = vec2(levels.at[image.first_level].width, levels.at[image.first_level].height);
-  float across = length(right * size), along = length(down * size);
-  float longer = max(across, along), shorter = min(across, along);
-  vec2 axis = along > across ? down : right;
-  int last = image.levels - 1, taps = 1, fine = last;
-  float blend = 0.0f;
-  if (longer <= 3.402823466e38f) {
-    float ratio = clamp(longer / max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMostTaps) : 1.0f);
-    taps = int(ratio + 0.5f);
-    float width = max(longer / float(taps), 1.0f);
-    float lod = width > 1.0f ? clamp(log2(width), 0.0f, float(last)) : 0.0f;
-    fine = int(lod);
-    blend = lod - float(fine);
-  }
-  vec4 sum = vec4(0.0f);
-  for (int i = 0; i < taps; ++i) {
-    vec2 at = within(taps > 1 ? uv + axis * ((float(i) + 0.5f) / float(taps) - 0.5f) : uv);
-    vec4 color = bilinear(levels.at[image.first_level + fine], at);
-    if (blend > 0.0f) color = mix(color, bilinear(levels.at[image.first_level + fine + 1], at), blend);
-    sum += color;
-  }
-  return sum / float(taps);
-}
-
-// Of the finest level, bilinear.
-float sample_alpha(int index, vec2 uv) {
-  CaptureTexture image = Textures(table[kTexturesSlot]).at[index];
-  return bilinear(Levels(table[kLevelsSlot]).at[image.first_level], within(uv)).a;
-}
-
-// ---- triangles ----
-
-// Four vectors: three corners, and in their last components the mesh and the corners' numbers, and what it is. Of a
-// point, p0 is its place, p1 a disc's normal, p2.x its radius.
-struct Triangle {
-  vec3 p0, p1, p2;
-  int mesh;
-  ivec3 corner;
-  int kind;
-};
-
-Triangle triangle_at(int k) {
-  Vectors from = Vectors(table[kTrianglesSlot]);
-  vec4 a = from.at[4 * k], b = from.at[4 * k + 1], c = from.at[4 * k + 2], d = from.at[4 * k + 3];
-  return Triangle(a.xyz, b.xyz, c.xyz, floatBitsToInt(a.w),
-                  ivec3(floatBitsToInt(b.w), floatBitsToInt(c.w), floatBitsToInt(d.x)), floatBitsToInt(d.y));
-}
-
-vec3 normal_at(int corner) {
-  Floats from = Floats(table[kNormalsSlot]);
-  return vec3(from.at[3 * corner], from.at[3 * corner + 1], from.at[3 * corner + 2]);
-}
-
-vec2 uv_at(int corner) {
-  Floats from = Floats(table[kUvsSlot]);
-  return vec2(from.at[2 * corner], from.at[2 * corner + 1]);
-}
-
 // ---- rays ----
 
-struct Ray {
-  vec3 origin, direction;
-  float nearest, farthest;
-};
-
-struct Hit {
-  float t, u, v;  // u, v: weights of the second and third corner
-  int triangle;   // below 0: none
-};
-
-bool cut_away(Triangle triangle, float u, float v) {
-  CaptureMesh mesh = Meshes(table[kMeshesSlot]).at[triangle.mesh];
-  if (mesh.masked == 0) return false;
-  vec2 uv = uv_at(triangle.corner.x) * (1.0f - u - v) + uv_at(triangle.corner.y) * u + uv_at(triangle.corner.z) * v;
-  return sample_alpha(mesh.texture_index, uv) < mesh.cutoff;
-}
-
-// The same of a disc, or of a sphere, on whichever side the ray meets it.
-bool meets_point(Ray ray, Triangle point, int k, inout Hit hit) {
-  vec3 to_center = point.p0 - ray.origin;
-  float radius = point.p2.x, t;
-  if (point.kind == kDisc) {
-    t = dot(to_center, point.p1) / dot(ray.direction, point.p1);
-    vec3 away = ray.direction * t - to_center;
-    if (!(dot(away, away) < radius * radius)) return false;
-  } else {
-    float along = dot(ray.direction, ray.direction), nearest = dot(to_center, ray.direction) / along;
-    vec3 away = ray.direction * nearest - to_center;
-    float inside = radius * radius - dot(away, away);
-    if (!(inside >= 0.0f)) return false;
-    float half_chord = sqrt(inside / along);
-    t = nearest - half_chord > ray.nearest ? nearest - half_chord : nearest + half_chord;
-  }
-  if (!(t > ray.nearest && t < hit.t)) return false;
-  hit = Hit(t, 0.0f, 0.0f, k);
-  return true;
-}
-
-// Whether the ray meets the triangle before `hit`, which it then becomes. By edges' signed volumes, which two triangles
-// that share an edge compute alike, so that no ray passes between them [Shoemake 1998].
+// Whether the ray meets the triangle before `hit`, which it then becomes.
 bool meets(Ray ray, int k, inout Hit hit) {
   Triangle triangle = triangle_at(k);
   if (triangle.kind != kTriangle) return meets_point(ray, triangle, k, hit);
-  vec3 v0 = triangle.p0 - ray.origin, v1 = triangle.p1 - ray.origin, v2 = triangle.p2 - ray.origin;
-  vec3 e0 = v2 - v0, e1 = v0 - v1, e2 = v1 - v2;
-  precise float u = dot(cross(e0, v2 + v0), ray.direction);
-  precise float v = dot(cross(e1, v0 + v1), ray.direction);
-  precise float w = dot(cross(e2, v1 + v2), ray.direction);
-  float sum = u + v + w;
-  float rounding = kEdgeRounding * abs(sum);
-  if (min(min(u, v), w) < -rounding && max(max(u, v), w) > rounding) return false;
-  vec3 across = cross(e0, e1);
-  float t = dot(v0, across) / dot(across, ray.direction);
-  if (!(t > ray.nearest && t < hit.t) || sum == 0.0f) return false;
-  u = clamp(u / sum, 0.0f, 1.0f);
-  v = clamp(v / sum, 0.0f, 1.0f);
+  Crossing at = crossing_of(ray, triangle);
+  if (!at.inside || !(at.t > ray.nearest && at.t < hit.t)) return false;
+  float u = clamp(at.u / at.sum, 0.0f, 1.0f), v = clamp(at.v / at.sum, 0.0f, 1.0f);
   if (cut_away(triangle, u, v)) return false;
-  hit = Hit(t, u, v, k);
+  hit = Hit(at.t, u, v, k);
   return true;
 }
 
@@ -294,9 +133,6 @@ vec3 start_to_light(Surface s) {
   return start + lift;
 }
 
-vec3 origin_at(vec2 p) { return three(C.origin) + three(C.origin_x) * p.x + three(C.origin_y) * p.y; }
-vec3 direction_at(vec2 p) { return three(C.direction) + three(C.direction_x) * p.x + three(C.direction_y) * p.y; }
-
 // How far texture coordinates move from the surface to where the ray of a neighbouring pixel meets its plane.
 vec2 uv_change(Surface s, vec2 pixel, vec3 across, vec3 gradient_u, vec3 gradient_v) {
   vec3 origin = origin_at(pixel), direction = direction_at(pixel);
@@ -341,12 +177,6 @@ vec3 pixel_emission(Surface s, CaptureMesh mesh, vec2 pixel) {
 vec2 disc_point(int set, int k) {
   Floats from = Floats(table[kPointsSlot]);
   return vec2(from.at[2 * (16 * set + k)], from.at[2 * (16 * set + k) + 1]);
-}
-
-void disc_axes(vec3 direction, out vec3 right, out vec3 up) {
-  vec3 axis = normalize(direction);
-  right = normalize(cross(axis, abs(axis.x) < 0.7f ? vec3(1.0f, 0.0f, 0.0f) : vec3(0.0f, 1.0f, 0.0f)));
-  up = cross(right, axis);
 }
 
 // How wide penumbrae are in the pixel's block: rays/shadow_lights.h.
@@ -458,17 +288,18 @@ void main() {
   int block = local.y / 4 * 2 + local.x / 4, k = local.y % 4 * 4 + local.x % 4;
   vec2 pixel = vec2(here) + 0.5f;
 
-  Ray ray = Ray(origin_at(pixel), direction_at(pixel), 0.0f, kInfinity);
-  bool wanted = inside && C.nothing == 0;
-  uvec2 before = table[kBeforeSlot];
-  if (wanted && (before.x | before.y) != 0u) {
-    float depth = Floats(before).at[place];
-    wanted = depth < kInfinity;
-    vec3 hit = ray.origin + ray.direction * depth;
-    ray.nearest = depth + kLayerStep * (length(hit) + distance(hit, three(C.eye))) / length(ray.direction);
-  }
+  Ray ray;
   Hit hit = Hit(kInfinity, 0.0f, 0.0f, -1);
-  if (wanted) hit = trace(ray, false);
+  if (inside && C.nothing == 0) {
+    bool wanted = pixel_ray(here, ray);
+    uvec2 seen = table[kSeenSlot];
+    if ((seen.x | seen.y) != 0u) {
+      int k = int(Uints(seen).at[place]) - 1;
+      if (k >= 0) hit = seen_of(ray, triangle_at(k), k);
+    } else if (wanted) {
+      hit = trace(ray, false);
+    }
+  }
   bool there = hit.triangle >= 0;
   Surface s;
   CaptureMesh mesh;

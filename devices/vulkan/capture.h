@@ -1,4 +1,4 @@
-// What capture.comp reads, shared by C++ and GLSL: 4-byte scalars only.
+// What capture.comp, corner.vert and peel.frag read, shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 #define UMBRAGE_DEVICES_VULKAN_CAPTURE_H
 
@@ -12,7 +12,9 @@ const int kNodesSlot = 45, kTrianglesSlot = 46, kNormalsSlot = 47, kUvsSlot = 48
 const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53, kColorsSlot = 54;
 // By light: where blocks of 4 x 4 pixels note down the radius of penumbrae along a row, and then along a column.
 const int kPenumbraSlot = 55;
-const int kCaptureSlots = 71;
+// Which triangle each pixel sees: its number and one more, or 0. Address 0: that is for rays to find out.
+const int kSeenSlot = 71;
+const int kCaptureSlots = 72;
 
 const int kCaptureLights = 8;
 // Sets of 16 points; the set after the last one lies on the disc's rim. The 256 linear values of sRGB bytes follow.
@@ -30,6 +32,11 @@ struct CaptureConstants {
   float eye[3];      // what follows is in unit space: rays/camera_rays.h
   float origin[3], origin_x[3], origin_y[3];
   float direction[3], direction_x[3], direction_y[3];
+  // Where a point is drawn: these rows times its place less the origin, in homogeneous coordinates. That of w is the
+  // parameter of the ray through it, also where coordinates are parallel and w is 1.
+  float clip_x[3], clip_y[3], clip_w[3];
+  int orthographic;
+  float nearest;  // depth that is drawn as 1, a farther one as the share of it that this is; nearer ones are all alike
   // Lights: rays/shadow_lights.h.
   int light_index[kCaptureLights], light_point[kCaptureLights], light_rays[kCaptureLights];
   float light_size[kCaptureLights];

@@ -92,6 +92,8 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
   if (!hierarchy) return hierarchy.error();
   out.root = hierarchy->root;
   out.empty = hierarchy->empty();
+  out.points = scene.point_count() > 0;
+  out.triangles = int(hierarchy->triangles.size());
 
   std::vector<glm::vec3> normals, colors;
   std::vector<glm::vec2> uvs;
@@ -115,6 +117,7 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
     }
   }
   const std::vector<CaptureMesh> meshes = meshes_of(scene);
+  out.masks = std::any_of(meshes.begin(), meshes.end(), [](const CaptureMesh& mesh) { return mesh.masked != 0; });
   const std::vector<float> points = tables();
   for (const Bytes bytes :
        {bytes_of(hierarchy->nodes), bytes_of(hierarchy->triangles), bytes_of(normals), bytes_of(uvs), bytes_of(meshes),

@@ -15,6 +15,9 @@ struct DeviceScene {
   float scale = 1.0f;
   int root = 0;
   bool empty = false;
+  bool points = false;  ///< some of it is discs or spheres
+  bool masks = false;   ///< some textures cut holes
+  int triangles = 0;    ///< and points
   /// By their place in the table of addresses, from kNodesSlot on.
   std::vector<DevicePlanePtr> buffers;
 };

@@ -1,5 +1,7 @@
 #include "devices/vulkan/gpu.h"
 
+#include <algorithm>
+
 namespace umbrage {
 
 namespace {
@@ -17,6 +19,14 @@ void learn(Gpu& gpu) {
   std::vector<VkQueueFamilyProperties> families(count);
   gpu.vk.GetPhysicalDeviceQueueFamilyProperties(gpu.physical, &count, families.data());
   if (families[gpu.family].timestampValidBits > 0) gpu.ns_of_tick = gpu.properties.limits.timestampPeriod;
+  VkFormatProperties depth{};
+  gpu.vk.GetPhysicalDeviceFormatProperties(gpu.physical, VK_FORMAT_D32_SFLOAT, &depth);
+  const VkPhysicalDeviceLimits& limits = gpu.properties.limits;
+  if ((families[gpu.family].queueFlags & VK_QUEUE_GRAPHICS_BIT) &&
+      (depth.optimalTilingFeatures & VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT))
+    gpu.largest_drawn =
+        int(std::min({limits.maxImageDimension2D, limits.maxFramebufferWidth, limits.maxFramebufferHeight,
+                      limits.maxViewportDimensions[0], limits.maxViewportDimensions[1]}));
 }
 
 }  // namespace

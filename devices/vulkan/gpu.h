@@ -17,6 +17,7 @@ struct Gpu {
   VkPhysicalDeviceMemoryProperties memory{};
   VkDeviceSize largest_allocation = 0;
   double ns_of_tick = 0.0;  ///< of timestamps; 0: there are none
+  int largest_drawn = 0;    ///< pixels to a side of a picture that triangles can be drawn into; 0: none
   bool owned = true;        ///< the device ends with this struct
 
   Gpu() = default;

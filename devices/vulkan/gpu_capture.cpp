@@ -1,7 +1,11 @@
 #include "devices/vulkan/gpu_capture.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 #include "core/check.h"
 #include "rays/camera_rays.h"
@@ -12,6 +16,29 @@ namespace {
 
 void put(const glm::vec3& v, float* to) {
   for (int c = 0; c < 3; ++c) to[c] = v[c];
+}
+
+/// Where triangles are drawn. A ray's point is origin + x origin_x + y origin_y + t (direction + x direction_x + y
+/// direction_y); that is solved for x and y, times t in perspective, and t.
+void put_projection(const TracedScene& unit, const CameraRays& rays, const PictureInfo& info, CaptureConstants& c) {
+  constexpr float kNearest = 1e-6f;  // depth that clipping takes away, of the farthest one
+  const bool parallel = info.camera.projection == Projection::kOrthographic;
+  const glm::dmat3 rows = glm::transpose(
+      glm::inverse(glm::dmat3(glm::dvec3(parallel ? rays.origin_x : rays.direction_x),
+                              glm::dvec3(parallel ? rays.origin_y : rays.direction_y), glm::dvec3(rays.direction))));
+  const glm::dvec3 away = parallel ? glm::dvec3(0.0) : rows[2];
+  put(glm::vec3(rows[0] * (2.0 / info.width) - away), c.clip_x);
+  put(glm::vec3(rows[1] * (2.0 / info.height) - away), c.clip_y);
+  put(glm::vec3(rows[2]), c.clip_w);
+  c.orthographic = parallel ? 1 : 0;
+  double farthest = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec3& low = unit.scene->bounds_min;
+    const glm::vec3& high = unit.scene->bounds_max;
+    const glm::vec3 p(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z);
+    farthest = std::max(farthest, glm::dot(rows[2], glm::dvec3(unit.unit_of(p) - rays.origin)));
+  }
+  c.nearest = kNearest * float(farthest);
 }
 
 }  // namespace
@@ -42,6 +69,7 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
   put(rays.direction, c.direction);
   put(rays.direction_x, c.direction_x);
   put(rays.direction_y, c.direction_y);
+  put_projection(unit, rays, info, c);
   for (const ShadowLight& light : shadow_lights(unit, rays, info, settings)) {
     const int k = c.light_count++;
     c.light_index[k] = light.index;
@@ -53,6 +81,15 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
     put(light.up, c.light_up + 3 * k);
   }
   return c;
+}
+
+bool can_draw(const DeviceScene& scene, const CaptureConstants& c, const Gpu& gpu) {
+  if (scene.empty || c.nothing || std::max(c.width, c.height) > gpu.largest_drawn) return false;
+  // Nor where all lies behind the camera, or its rays lie in one plane.
+  const auto finite = [](const float(&row)[3]) {
+    return std::all_of(row, row + 3, [](float v) { return std::isfinite(v); });
+  };
+  return c.nearest > 0.0f && std::isfinite(c.nearest) && finite(c.clip_x) && finite(c.clip_y) && finite(c.clip_w);
 }
 
 int capture_slot(std::string_view plane) {

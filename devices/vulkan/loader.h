@@ -23,7 +23,10 @@
   X(DestroyPipelineLayout) X(CreateShaderModule) X(DestroyShaderModule) X(CreateComputePipelines) \
   X(DestroyPipeline) X(CreatePipelineCache) X(DestroyPipelineCache) X(GetPipelineCacheData) X(CmdBindPipeline) \
   X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch) X(CmdDispatchBase) X(CmdPipelineBarrier) X(CmdCopyBuffer) \
-  X(CmdFillBuffer) X(CmdCopyImageToBuffer) X(CmdCopyBufferToImage)
+  X(CmdFillBuffer) X(CmdCopyImageToBuffer) X(CmdCopyBufferToImage) X(GetPhysicalDeviceFormatProperties) X(CreateImage) \
+  X(DestroyImage) X(GetImageMemoryRequirements) X(BindImageMemory) X(CreateImageView) X(DestroyImageView) \
+  X(CreateRenderPass) X(DestroyRenderPass) X(CreateFramebuffer) X(DestroyFramebuffer) X(CreateGraphicsPipelines) \
+  X(CmdBeginRenderPass) X(CmdEndRenderPass) X(CmdSetViewport) X(CmdSetScissor) X(CmdDraw)
 // clang-format on
 
 namespace umbrage {

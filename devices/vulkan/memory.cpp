@@ -23,6 +23,35 @@ Memory::~Memory() {
   for (Block& block : free_host_) destroy(block);
 }
 
+Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
+                                        VkMemoryPropertyFlags liked, bool addressed) {
+  int type = -1, best = -1;
+  for (std::uint32_t k = 0; k < gpu_->memory.memoryTypeCount; ++k) {
+    const VkMemoryPropertyFlags has = gpu_->memory.memoryTypes[k].propertyFlags;
+    if (!(needs.memoryTypeBits >> k & 1u) || (has & wanted) != wanted) continue;
+    const int score = __builtin_popcount(has & liked);
+    if (score > best) best = score, type = int(k);
+  }
+  if (type < 0)
+    return device_error("the Vulkan device has no memory for pictures of {:.0f} MiB", mebibytes(needs.size));
+  // Some drivers promise more than there is.
+  const bool on_device = (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
+  const VkDeviceSize heap = gpu_->memory.memoryHeaps[gpu_->memory.memoryTypes[type].heapIndex].size;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkResult done = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  if (needs.size <= gpu_->largest_allocation && (on_device ? device_bytes_ : host_bytes_) + needs.size <= heap) {
+    VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
+    flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
+    if (addressed) allocate.pNext = &flags;
+    allocate.allocationSize = needs.size;
+    allocate.memoryTypeIndex = std::uint32_t(type);
+    done = gpu_->vk.AllocateMemory(gpu_->device, &allocate, nullptr, &memory);
+  }
+  if (done != VK_SUCCESS) return vulkan_error(done, "made room for a picture");
+  return memory;
+}
+
 Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags wanted,
                                  VkMemoryPropertyFlags liked) {
   const auto& vk = gpu_->vk;
@@ -36,31 +65,14 @@ Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, V
     return vulkan_error(made, "made room for a picture");
   VkMemoryRequirements needs{};
   vk.GetBufferMemoryRequirements(gpu_->device, block.buffer, &needs);
-  int type = -1, best = -1;
-  for (std::uint32_t k = 0; k < gpu_->memory.memoryTypeCount; ++k) {
-    const VkMemoryPropertyFlags has = gpu_->memory.memoryTypes[k].propertyFlags;
-    if (!(needs.memoryTypeBits >> k & 1u) || (has & wanted) != wanted) continue;
-    const int score = __builtin_popcount(has & liked);
-    if (score > best) best = score, type = int(k);
-  }
-  if (type < 0) {
+  const bool addressed = (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) != 0;
+  const auto memory = allocate(needs, wanted, liked, addressed);
+  if (!memory) {
     destroy(block);
-    return device_error("the Vulkan device has no memory for buffers of {:.0f} MiB", mebibytes(bytes));
+    return memory.error();
   }
-  // Some drivers promise more than there is.
-  const bool on_device = (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
-  const VkDeviceSize heap = gpu_->memory.memoryHeaps[gpu_->memory.memoryTypes[type].heapIndex].size;
-  VkResult done = VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  if (needs.size <= gpu_->largest_allocation && (on_device ? device_bytes_ : host_bytes_) + needs.size <= heap) {
-    VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
-    flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
-    VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
-    if (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) allocate.pNext = &flags;
-    allocate.allocationSize = needs.size;
-    allocate.memoryTypeIndex = std::uint32_t(type);
-    done = vk.AllocateMemory(gpu_->device, &allocate, nullptr, &block.memory);
-  }
-  if (done == VK_SUCCESS) done = vk.BindBufferMemory(gpu_->device, block.buffer, block.memory, 0);
+  block.memory = *memory;
+  VkResult done = vk.BindBufferMemory(gpu_->device, block.buffer, block.memory, 0);
   if (done == VK_SUCCESS && (wanted & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT)) {
     void* mapped = nullptr;
     done = vk.MapMemory(gpu_->device, block.memory, 0, VK_WHOLE_SIZE, 0, &mapped);
@@ -70,9 +82,9 @@ Result<Block> Memory::make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, V
     destroy(block);
     return vulkan_error(done, "made room for a picture");
   }
-  (on_device ? device_bytes_ : host_bytes_) += block.size;
+  (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT ? device_bytes_ : host_bytes_) += block.size;
   block.counted = true;
-  if (usage & VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT) {
+  if (addressed) {
     const VkBufferDeviceAddressInfo of{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, nullptr, block.buffer};
     block.address = vk.GetBufferDeviceAddress(gpu_->device, &of);
   }
@@ -178,6 +190,57 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
       self->free_host_.push_back(copy);
     delete buffer;
   });
+}
+
+Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkImageUsageFlags usage,
+                                    VkImageAspectFlags aspect) {
+  const auto& vk = gpu_->vk;
+  DrawnImage made;
+  VkImageCreateInfo create{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
+  create.imageType = VK_IMAGE_TYPE_2D;
+  create.format = format;
+  create.extent = {std::uint32_t(width), std::uint32_t(height), 1};
+  create.mipLevels = create.arrayLayers = 1;
+  create.samples = VK_SAMPLE_COUNT_1_BIT;
+  create.usage = usage;
+  const auto failed = [&](const Error& error) {
+    destroy(made);
+    return error;
+  };
+  if (const VkResult r = vk.CreateImage(gpu_->device, &create, nullptr, &made.image); r != VK_SUCCESS)
+    return failed(vulkan_error(r, "made room for a picture"));
+  VkMemoryRequirements needs{};
+  vk.GetImageMemoryRequirements(gpu_->device, made.image, &needs);
+  auto memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, false);
+  if (!memory) {
+    if (auto freed = free_empty_slabs(); !freed) return failed(freed.error());
+    memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, false);
+  }
+  if (!memory) return failed(memory.error());
+  made.memory = *memory;
+  made.size = needs.size;
+  device_bytes_ += made.size;
+  VkResult done = vk.BindImageMemory(gpu_->device, made.image, made.memory, 0);
+  if (done == VK_SUCCESS) {
+    VkImageViewCreateInfo view{VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO};
+    view.image = made.image;
+    view.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    view.format = format;
+    view.subresourceRange = {aspect, 0, 1, 0, 1};
+    done = vk.CreateImageView(gpu_->device, &view, nullptr, &made.view);
+  }
+  if (done != VK_SUCCESS) return failed(vulkan_error(done, "made room for a picture"));
+  return DrawnImagePtr(new DrawnImage(made), [self = shared_from_this()](const DrawnImage* image) {
+    self->destroy(*image);
+    delete image;
+  });
+}
+
+void Memory::destroy(const DrawnImage& image) {
+  device_bytes_ -= image.size;
+  if (image.view) gpu_->vk.DestroyImageView(gpu_->device, image.view, nullptr);
+  if (image.image) gpu_->vk.DestroyImage(gpu_->device, image.image, nullptr);
+  if (image.memory) gpu_->vk.FreeMemory(gpu_->device, image.memory, nullptr);
 }
 
 void Memory::destroy(Block& block) {

@@ -29,6 +29,15 @@ struct DevicePlane {
   VkDeviceSize offset = 0;
   VkDeviceAddress address = 0;
 };
+/// A picture that triangles are drawn into, with memory of its own.
+struct DrawnImage {
+  VkImage image = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  VkImageView view = VK_NULL_HANDLE;
+  VkDeviceSize size = 0;
+};
+using DrawnImagePtr = std::shared_ptr<const DrawnImage>;
+
 using DevicePlanePtr = std::shared_ptr<const DevicePlane>;
 using HostBufferPtr = std::shared_ptr<const Block>;
 
@@ -49,6 +58,10 @@ class Memory : public std::enable_shared_from_this<Memory> {
   /// reads constants from. It must not be let go while the device uses it. Errors: kDevice.
   Result<HostBufferPtr> host(VkDeviceSize bytes, bool uniform = false);
 
+  /// An attachment, uninitialised. It must not be let go while the device uses it. Errors: kDevice.
+  Result<DrawnImagePtr> image(int width, int height, VkFormat format, VkImageUsageFlags usage,
+                              VkImageAspectFlags aspect);
+
   /// Bytes taken from the driver, in use or kept.
   std::uint64_t device_bytes() const { return device_bytes_; }
   std::uint64_t host_bytes() const { return host_bytes_; }
@@ -64,7 +77,11 @@ class Memory : public std::enable_shared_from_this<Memory> {
 
   Result<Block> make_block(VkDeviceSize bytes, VkBufferUsageFlags usage, VkMemoryPropertyFlags wanted,
                            VkMemoryPropertyFlags liked);
+  /// Memory for a buffer or an image; what it has of `liked` makes one type better than another. Errors: kDevice.
+  Result<VkDeviceMemory> allocate(const VkMemoryRequirements& needs, VkMemoryPropertyFlags wanted,
+                                  VkMemoryPropertyFlags liked, bool addressed);
   void destroy(Block& block);
+  void destroy(const DrawnImage& image);
   Result<void> add_slab(VkDeviceSize plane_bytes);
   /// Gives slabs without a plane back to the driver.
   Result<void> free_empty_slabs();

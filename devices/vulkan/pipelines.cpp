@@ -6,6 +6,7 @@
 #include "core/check.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/pipeline_file.h"
+#include "devices/vulkan/raster.h"
 #include "devices/vulkan/slots.h"
 #include "machine/frame_constants.h"
 
@@ -20,6 +21,12 @@ constexpr std::uint32_t kCaptureSpirv[] = {
 };
 constexpr std::uint32_t kConvertSpirv[] = {
 #include "spirv/convert.inc"
+};
+constexpr std::uint32_t kCornerSpirv[] = {
+#include "spirv/corner.inc"
+};
+constexpr std::uint32_t kPeelSpirv[] = {
+#include "spirv/peel.inc"
 };
 
 }  // namespace
@@ -49,8 +56,9 @@ Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
   const VkDevice device = gpu_->device;
   const auto failed = [](VkResult result) -> Error { return vulkan_error(result, "was opened"); };
   const auto binding = [](std::uint32_t number) {
-    return VkDescriptorSetLayoutBinding{number, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1,
-                                        VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+    return VkDescriptorSetLayoutBinding{
+        number, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 1,
+        VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, nullptr};
   };
   const VkDescriptorSetLayoutBinding bindings[] = {binding(0), binding(1)};
   VkDescriptorSetLayoutCreateInfo set_layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
@@ -117,6 +125,8 @@ Pipelines::~Pipelines() {
     }
   }
   for (const auto& [key, pipeline] : pipelines_) vk.DestroyPipeline(device, pipeline, nullptr);
+  for (const VkRenderPass pass : drawing_)
+    if (pass) vk.DestroyRenderPass(device, pass, nullptr);
   if (cache_) vk.DestroyPipelineCache(device, cache_, nullptr);
   if (pick_layout_) vk.DestroyPipelineLayout(device, pick_layout_, nullptr);
   if (pass_layout_) vk.DestroyPipelineLayout(device, pass_layout_, nullptr);
@@ -149,30 +159,116 @@ Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, {}, pick_layou
 Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, {}, pass_layout_, nullptr); }
 Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, {}, pass_layout_, nullptr); }
 
+Result<VkShaderModule> Pipelines::shader_of(std::span<const std::uint32_t> words) {
+  VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
+  code.codeSize = words.size_bytes();
+  code.pCode = words.data();
+  VkShaderModule shader = VK_NULL_HANDLE;
+  if (const auto r = gpu_->vk.CreateShaderModule(gpu_->device, &code, nullptr, &shader); r != VK_SUCCESS)
+    return vulkan_error(r, "compiled a kernel");
+  return shader;
+}
+
+Result<VkRenderPass> Pipelines::drawing(bool clear) {
+  VkRenderPass& kept = drawing_[clear];
+  if (!kept) {
+    const auto made = make_render_pass(*gpu_, clear);
+    if (!made) return made;
+    kept = *made;
+  }
+  return kept;
+}
+
+Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
+  const std::pair key(std::data(kPeelSpirv), Options{masks ? 1 : 0, points ? 1 : 0});
+  if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  const auto pass = drawing(true);
+  if (!pass) return pass.error();
+  const auto& vk = gpu_->vk;
+  const VkBool32 numbers[] = {masks, points};
+  const VkSpecializationMapEntry entries[] = {{0, 0, sizeof *numbers}, {1, sizeof *numbers, sizeof *numbers}};
+  const VkSpecializationInfo values{2, entries, sizeof numbers, numbers};
+  VkPipelineShaderStageCreateInfo stages[2] = {{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO},
+                                               {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO}};
+  const auto corner = shader_of(kCornerSpirv);
+  if (!corner) return corner.error();
+  const auto pixel = shader_of(kPeelSpirv);
+  if (!pixel) {
+    vk.DestroyShaderModule(gpu_->device, *corner, nullptr);
+    return pixel.error();
+  }
+  stages[0].stage = VK_SHADER_STAGE_VERTEX_BIT;
+  stages[0].module = *corner;
+  stages[0].pName = "main";
+  stages[1].stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+  stages[1].module = *pixel;
+  stages[1].pName = "main";
+  stages[0].pSpecializationInfo = stages[1].pSpecializationInfo = &values;
+  const VkPipelineVertexInputStateCreateInfo vertices{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
+  assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+  VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
+  viewport.viewportCount = viewport.scissorCount = 1;
+  VkPipelineRasterizationStateCreateInfo fill{VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO};
+  fill.polygonMode = VK_POLYGON_MODE_FILL;
+  fill.cullMode = VK_CULL_MODE_NONE;  // surfaces have two sides
+  fill.lineWidth = 1.0f;
+  VkPipelineMultisampleStateCreateInfo samples{VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO};
+  samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+  VkPipelineDepthStencilStateCreateInfo depth{VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO};
+  depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
+  depth.depthCompareOp = VK_COMPARE_OP_GREATER;  // 1 is near
+  VkPipelineColorBlendAttachmentState whole{};
+  whole.colorWriteMask = VK_COLOR_COMPONENT_R_BIT;
+  VkPipelineColorBlendStateCreateInfo blend{VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO};
+  blend.attachmentCount = 1;
+  blend.pAttachments = &whole;
+  const VkDynamicState later[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+  VkPipelineDynamicStateCreateInfo dynamic{VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO};
+  dynamic.dynamicStateCount = 2;
+  dynamic.pDynamicStates = later;
+  VkGraphicsPipelineCreateInfo create{VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO};
+  create.stageCount = 2;
+  create.pStages = stages;
+  create.pVertexInputState = &vertices;
+  create.pInputAssemblyState = &assembly;
+  create.pViewportState = &viewport;
+  create.pRasterizationState = &fill;
+  create.pMultisampleState = &samples;
+  create.pDepthStencilState = &depth;
+  create.pColorBlendState = &blend;
+  create.pDynamicState = &dynamic;
+  create.layout = pass_layout_;
+  create.renderPass = *pass;
+  VkPipeline pipeline = VK_NULL_HANDLE;
+  const VkResult made = vk.CreateGraphicsPipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
+  vk.DestroyShaderModule(gpu_->device, *corner, nullptr);
+  vk.DestroyShaderModule(gpu_->device, *pixel, nullptr);
+  if (made != VK_SUCCESS) return vulkan_error(made, "compiled a kernel");
+  pipelines_[key] = pipeline;
+  return pipeline;
+}
+
 Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, const Options& options,
                                       VkPipelineLayout layout, const VkSpecializationInfo* values) {
   const std::pair key(spirv.data(), options);
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
   const std::vector<std::uint32_t> words = options.empty() ? std::vector(spirv.begin(), spirv.end())
                                                            : with_options(spirv, options_.at(spirv.data()), options);
+  const auto shader = shader_of(words);
+  if (!shader) return shader.error();
   const auto& vk = gpu_->vk;
-  VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
-  code.codeSize = words.size() * sizeof(std::uint32_t);
-  code.pCode = words.data();
-  VkShaderModule shader = VK_NULL_HANDLE;
-  if (const auto r = vk.CreateShaderModule(gpu_->device, &code, nullptr, &shader); r != VK_SUCCESS)
-    return vulkan_error(r, "compiled a kernel");
   VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE;  // dispatches may be cut into bands
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
-  create.stage.module = shader;
+  create.stage.module = *shader;
   create.stage.pName = "main";
   create.stage.pSpecializationInfo = values;
   create.layout = layout;
   VkPipeline pipeline = VK_NULL_HANDLE;
   const VkResult made = vk.CreateComputePipelines(gpu_->device, cache_, 1, &create, nullptr, &pipeline);
-  vk.DestroyShaderModule(gpu_->device, shader, nullptr);
+  vk.DestroyShaderModule(gpu_->device, *shader, nullptr);
   if (made != VK_SUCCESS) return vulkan_error(made, "compiled a kernel");
   pipelines_[key] = pipeline;
   return pipeline;

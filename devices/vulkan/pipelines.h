@@ -45,6 +45,12 @@ class Pipelines {
   Result<VkPipeline> capture();
   Result<VkPipeline> convert();
 
+  /// corner.vert and peel.frag, which get the same, for scenes where some textures cut holes, and that have points.
+  /// Errors: kDevice.
+  Result<VkPipeline> peel(bool masks, bool points);
+  /// The way in which that draws, and in which it goes on drawing. Errors: kDevice.
+  Result<VkRenderPass> drawing(bool clear);
+
   VkPipelineLayout pass_layout() const { return pass_layout_; }
   VkPipelineLayout pick_layout() const { return pick_layout_; }
   VkDescriptorSet constants() const { return set_; }  ///< takes two offsets: of the constants, of the table
@@ -57,6 +63,8 @@ class Pipelines {
   Result<VkPipeline> compile(std::span<const std::uint32_t> spirv, const Options& options, VkPipelineLayout layout,
                              const VkSpecializationInfo* values);
 
+  Result<VkShaderModule> shader_of(std::span<const std::uint32_t> words);
+
   GpuPtr gpu_;
   VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
@@ -65,6 +73,7 @@ class Pipelines {
   VkPipelineCache cache_ = VK_NULL_HANDLE;
   std::map<const std::uint32_t*, KernelOptions> options_;                     // by their SPIR-V
   std::map<std::pair<const std::uint32_t*, Options>, VkPipeline> pipelines_;  // likewise
+  VkRenderPass drawing_[2] = {};                                              // going on, and the first
   std::filesystem::path file_;
   std::size_t read_ = 0;  // bytes of the file
 };

@@ -17,12 +17,14 @@
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/pipeline_file.h"
 #include "devices/vulkan/pipelines.h"
+#include "devices/vulkan/raster.h"
 #include "rays/traced_scene.h"
 
 namespace umbrage {
 namespace {
 
 constexpr int kGroup = 8;                                      // pixels of a workgroup, across and down: machine/glsl.h
+constexpr int kDrawnAtOnce = 1024;                             // triangles, at least, of a submission
 constexpr VkDeviceSize kMostStaged = VkDeviceSize(256) << 20;  // bytes copied to or from the host at once
 
 /// What a frame stores. A plane that a pass asked for and nobody made has one value everywhere; all such names of one
@@ -78,7 +80,8 @@ class VulkanDevice final : public Device {
         capture_(std::move(capture)),
         tuned_(settings.tuned),
         longest_ms_(settings.longest_ms),
-        first_groups_(settings.first_groups) {}
+        first_groups_(settings.first_groups),
+        draws_(settings.capture != VulkanCapture::kRays) {}
 
   ~VulkanDevice() override {
     memory_->wait = [] { return Result<void>(); };
@@ -471,6 +474,7 @@ class VulkanDevice final : public Device {
     std::string_view effect, pass;
     std::size_t settings = 0;                         // see Commands::Kind
     int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
+    const RasterTarget* target = nullptr;  // not null: the scene's triangles and points are drawn, some at once
   };
   using Constants = std::span<const std::byte>;
   using Table = std::span<const VkDeviceAddress>;
@@ -479,7 +483,9 @@ class VulkanDevice final : public Device {
   /// may take too long for one submission is done in bands; of what is new first a few rows in the middle, where
   /// there is likely to be more than background.
   Result<void> dispatch(const Work& work, const PictureInfo& info, Constants constants, Table table) {
-    const int columns = groups_of(info.width, work.group_width), rows = groups_of(info.height, work.group_height);
+    const int columns = work.target ? 1 : groups_of(info.width, work.group_width);
+    const int rows =
+        work.target ? groups_of(scene_.triangles, kDrawnAtOnce) : groups_of(info.height, work.group_height);
     if (!(longest_ms_ > 0.0) || !commands_->takes_times())
       return note_rows(work, columns, 0, rows, false, constants, table);
     const Commands::Kind kind{work.pipeline, work.settings};
@@ -487,7 +493,7 @@ class VulkanDevice final : public Device {
     int begin = 0, end = 0;  // rows that are done
     if (!commands_->ms_of_group(kind)) {
       if (rows <= first_rows) return note_rows(work, columns, 0, rows, false, constants, table);
-      begin = (rows - first_rows) / 2;
+      begin = work.target ? 0 : (rows - first_rows) / 2;  // the first triangle of several in one place is seen
       end = begin + first_rows;
       if (auto done = note_rows(work, columns, begin, end, false, constants, table); !done) return done;
       if (auto done = commands_->finish(); !done) return done;
@@ -518,6 +524,8 @@ class VulkanDevice final : public Device {
 
   Result<void> note_rows(const Work& work, int columns, int row, int end, bool further, Constants constants,
                          Table table) {
+    const auto drawing = work.target ? pipelines_->drawing(row == 0) : VkRenderPass(VK_NULL_HANDLE);
+    if (!drawing) return drawing.error();
     const auto uniforms = commands_->uniforms(kTableBytes + constants.size());
     if (!uniforms) return uniforms.error();
     const auto buffer = commands_->buffer();
@@ -525,15 +533,24 @@ class VulkanDevice final : public Device {
     // The table comes first: it is as large for all shaders, and so the constants lie as aligned as it does.
     std::memcpy(uniforms->bytes, table.data(), table.size_bytes());
     std::memcpy(uniforms->bytes + kTableBytes, constants.data(), constants.size());
-    commands_->barrier();
+    // Before the barrier: where something was drawn, lavapipe takes the time at the next one.
     commands_->begin_pass(work.effect, work.pass, {work.pipeline, work.settings}, double(columns) * (end - row),
                           further);
-    gpu_->vk.CmdBindPipeline(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, work.pipeline);
+    commands_->barrier();
+    const VkPipelineBindPoint point = work.target ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
+    gpu_->vk.CmdBindPipeline(*buffer, point, work.pipeline);
     const VkDescriptorSet set = pipelines_->constants();
     const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
-    gpu_->vk.CmdBindDescriptorSets(*buffer, VK_PIPELINE_BIND_POINT_COMPUTE, pipelines_->pass_layout(), 0, 1, &set, 2,
-                                   offsets);
-    gpu_->vk.CmdDispatchBase(*buffer, 0, std::uint32_t(row), 0, std::uint32_t(columns), std::uint32_t(end - row), 1);
+    gpu_->vk.CmdBindDescriptorSets(*buffer, point, pipelines_->pass_layout(), 0, 1, &set, 2, offsets);
+    if (work.target) {
+      const int first = row * kDrawnAtOnce, last = std::min(end * kDrawnAtOnce, scene_.triangles);
+      begin_drawing(*gpu_, *buffer, *work.target, *drawing, row == 0);
+      const std::uint32_t corners = scene_.points ? 6 : 3;  // of each: see corner.vert
+      gpu_->vk.CmdDraw(*buffer, std::uint32_t(last - first) * corners, 1, std::uint32_t(first) * corners, 0);
+      end_drawing(*gpu_, *buffer);
+    } else {
+      gpu_->vk.CmdDispatchBase(*buffer, 0, std::uint32_t(row), 0, std::uint32_t(columns), std::uint32_t(end - row), 1);
+    }
     commands_->end_pass();
     return {};
   }
@@ -602,8 +619,45 @@ class VulkanDevice final : public Device {
     const std::size_t kind =
         ((scenes_ * kMostLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
         std::size_t(settings.shadows);
+    DevicePlanePtr seen;
+    if (draws_ && can_draw(scene_, constants, *gpu_)) {
+      const auto drawn = draw_seen(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
+      if (!drawn) return drawn.error();
+      seen = *drawn;
+      table[kSeenSlot] = seen->address;
+    }
     return dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
                     std::as_bytes(std::span(&constants, 1)), table);
+  }
+
+  /// Which triangle each pixel of a layer sees, by drawing them all.
+  Result<DevicePlanePtr> draw_seen(const PictureInfo& info, int layer, const Planes& planes, Constants constants,
+                                   Table table) {
+    const auto seen = memory_->plane(planes.bytes);
+    if (!seen) return seen;
+    const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
+    if (!pipeline) return pipeline.error();
+    if (!target_ || target_->width != info.width || target_->height != info.height) {
+      const auto drawing = pipelines_->drawing(true);
+      if (!drawing) return drawing.error();
+      target_.reset();  // in use no longer, or kept by the commands
+      const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
+      if (!made) return made.error();
+      target_ = *made;
+    }
+    if (auto done = dispatch({.pipeline = *pipeline,
+                              .effect = "capture",
+                              .pass = layer_plane(layer, "seen"),
+                              .settings = scenes_ * kMostLayers + std::size_t(layer),
+                              .target = target_.get()},
+                             info, constants, table);
+        !done)
+      return done.error();
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    copy_seen(*gpu_, *buffer, *target_, **seen, planes.stride);
+    commands_->keep(target_);
+    return seen;
   }
 
   /// Softens the shadows of lights that have a size: see devices/shared/soften_passes.h.
@@ -697,6 +751,8 @@ class VulkanDevice final : public Device {
   bool tuned_ = true;
   double longest_ms_ = 0.0;
   int first_groups_ = 1;
+  bool draws_ = true;       // triangles, where it can
+  RasterTargetPtr target_;  // of the last picture's size
   DeviceScene scene_;
   std::size_t scenes_ = 0;  // prepared so far
   TracedScenePtr traced_;   // only where somebody wanted further cameras
@@ -763,8 +819,8 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
                                           : settings.pipeline_folder.empty()
                                               ? pipeline_file(file)
                                               : std::filesystem::path(settings.pipeline_folder) / file;
-  const bool here =
-      settings.capture == VulkanCapture::kGpu || (settings.capture == VulkanCapture::kAuto && !chosen.software);
+  const bool here = settings.capture == VulkanCapture::kRays || settings.capture == VulkanCapture::kRaster ||
+                    (settings.capture == VulkanCapture::kAuto && !chosen.software);
   const int threads = capture->threads();
   std::string description = fmt::format("vulkan:{}: {}", index, summary_of(chosen));
   if (!here) description += fmt::format("; scenes are captured by {}", capture->description());

@@ -13,9 +13,10 @@ namespace umbrage {
 
 /// What draws scenes.
 enum class VulkanCapture {
-  kAuto,  ///< the GPU, unless it is the CPU in disguise, which draws many times slower than Embree
-  kCpu,   ///< another device, whose planes are copied
-  kGpu,
+  kAuto,    ///< kRaster, unless it is the CPU in disguise, which captures many times slower than Embree
+  kCpu,     ///< another device, whose planes are copied
+  kRays,    ///< the GPU: which triangle a pixel sees is found by a ray
+  kRaster,  ///< the GPU: triangles are drawn, where its queue draws; else rays
 };
 
 struct VulkanSettings {

@@ -1,0 +1,51 @@
+// A triangle's corner, drawn where the rays of camera_rays.h pass it; or one of a square that covers a point.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "devices/vulkan/capture_scene.glsl"
+
+layout(constant_id = 1) const bool kPoints = true;  // the scene has points: each triangle has six corners, as squares do
+layout(location = 0) flat out int triangle_index;
+invariant gl_Position;
+
+const int kSquare[6] = int[](0, 1, 2, 2, 1, 3);  // corners of two triangles
+const float kWider = 1.001f;                     // a square than what it covers
+
+// False: the point is all around the eye.
+bool square_corner(Triangle point, vec2 side, out vec3 p) {
+  vec3 axis = point.p1;
+  float radius = point.p2.x * kWider;
+  if (point.kind == kSphere) {
+    axis = three(C.direction);
+    if (C.orthographic == 0) {
+      // The cone from the eye around the sphere, where it passes the middle.
+      axis = point.p0 - three(C.origin);
+      float beyond = dot(axis, axis) - radius * radius;
+      if (beyond < 0.01f * radius * radius) return false;
+      radius *= sqrt(dot(axis, axis) / beyond);
+    }
+  }
+  vec3 right, up;
+  disc_axes(axis, right, up);
+  p = point.p0 + radius * (side.x * right + side.y * up);
+  return true;
+}
+
+void main() {
+  int corners = kPoints ? 6 : 3, corner = gl_VertexIndex % corners;
+  triangle_index = gl_VertexIndex / corners;
+  vec3 p = Vectors(table[kTrianglesSlot]).at[4 * triangle_index + (corner < 3 ? corner : 0)].xyz;
+  if (kPoints) {
+    Triangle point = triangle_at(triangle_index);
+    vec2 side = vec2(kSquare[corner] % 2, kSquare[corner] / 2) * 2.0f - 1.0f;
+    if (point.kind != kTriangle && !square_corner(point, side, p)) {
+      gl_Position = vec4(side, 0.5f, 1.0f);
+      return;
+    }
+  }
+  p -= three(C.origin);
+  float x = dot(three(C.clip_x), p), y = dot(three(C.clip_y), p);
+  if (C.orthographic != 0)
+    gl_Position = vec4(x - 1.0f, y - 1.0f, 0.5f, 1.0f);  // what lies behind the camera peel.frag leaves out
+  else
+    gl_Position = vec4(x, y, C.nearest, dot(three(C.clip_w), p));
+}
