@@ -14,6 +14,7 @@ const Look& look_studio() {
       .presets = {{"bitmask.bleeding", "1"},
                   {"bitmask.radius", "25%"},
                   {"denoise.indirect", "1"},
+                  {"denoise.light_rounds", "3"},
                   {"lighting.open", "on"},
                   {"output.metering", "picture"},
                   {"output.shoulder", "0.8"},

@@ -65,17 +65,38 @@ const std::vector<Parameter> kTable = {
      .least = 1.0,
      .most = 180.0,
      .unit = "deg"},
+    {.name = "light_rounds",
+     .help = "how often reflected light is filtered, if not as often as occlusion",
+     .type = ParameterType::kInt,
+     .offset = offsetof(DenoiseParams, light_rounds),
+     .least = 0,
+     .most = 6,
+     .zero_means = "as rounds"},
 };
+
+int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
   const auto& params = as<DenoiseParams>(bytes);
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
-  *static_cast<DenoiseConstants*>(out) = {
-      kNear, kFar, params.occlusion, params.indirect, params.distance, float(1.0 / (1.0 - cosine))};
+  *static_cast<DenoiseConstants*>(out) = {kNear,
+                                          kFar,
+                                          params.occlusion,
+                                          params.indirect,
+                                          params.distance,
+                                          float(1.0 / (1.0 - cosine)),
+                                          params.rounds,
+                                          light_rounds(params)};
 }
 
-int rounds(const ParameterBytes& bytes) { return as<DenoiseParams>(bytes).rounds; }
-bool light_too(const ParameterBytes& bytes) { return rounds(bytes) > 0 && as<DenoiseParams>(bytes).indirect > 0.0f; }
+bool light_too(const ParameterBytes& bytes) {
+  const auto& params = as<DenoiseParams>(bytes);
+  return light_rounds(params) > 0 && params.indirect > 0.0f;
+}
+int rounds(const ParameterBytes& bytes) {
+  const auto& params = as<DenoiseParams>(bytes);
+  return light_too(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
+}
 bool ao_alone(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
   return params.rounds > 0 && params.occlusion > 0.0f && !light_too(bytes);
@@ -94,7 +115,7 @@ const Effect& effect_denoise() {
       .constants_size = sizeof(DenoiseConstants),
       .constants = fill_constants,
       .tunable = {"rounds", "distance", "angle"},
-      .variants = {"", "rounds=2", "rounds=3", "indirect=1"},
+      .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
       .passes = {{.name = "ao_across",
                   .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"denoise_ao"},

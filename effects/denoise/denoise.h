@@ -8,6 +8,7 @@ struct DenoiseParams {
   float occlusion, indirect;  // shares that are filtered
   float distance;             // pixels
   float angle;                // degrees
+  int light_rounds;           // 0: as many as `rounds`
 };
 
 struct DenoiseConstants {
@@ -15,6 +16,7 @@ struct DenoiseConstants {
   float occlusion, indirect;      // 0 to 1
   float distance;                 // pixels
   float turn;                     // 1 / (1 - cosine of the angle)
+  int rounds, light_rounds;
 };
 
 #endif

@@ -7,6 +7,8 @@ OUT_COLOR(denoise_indirect)
 
 FN void denoise_light_across_pixel(Int px, Int py) {
   int step = 1 << F.round;
+  float occlusion = F.round < C.rounds ? C.occlusion : 0.0f;
+  float indirect = F.round < C.light_rounds ? C.indirect : 0.0f;
   Real depth = near_depth(0, 0);
   Bool surface = is_surface(depth);
   Vec3 position = view_position(px, py, depth);
@@ -22,6 +24,6 @@ FN void denoise_light_across_pixel(Int px, Int py) {
     change = mad(weight, clean_ao(near_ao(k * step, 0)) - own, change);
     light_change = light_change + (clean_light(near_indirect(k * step, 0)) - own_light) * weight;
   }
-  store_denoise_ao(mad(change, Real(C.occlusion), own));
-  store_denoise_indirect(own_light + light_change * Real(C.indirect));
+  store_denoise_ao(mad(change, Real(occlusion), own));
+  store_denoise_indirect(own_light + light_change * Real(indirect));
 }

@@ -7,6 +7,8 @@ OUT_COLOR(indirect)
 
 FN void denoise_light_down_pixel(Int px, Int py) {
   int step = 1 << F.round;
+  float occlusion = F.round < C.rounds ? C.occlusion : 0.0f;
+  float indirect = F.round < C.light_rounds ? C.indirect : 0.0f;
   Real depth = near_depth(0, 0);
   Bool surface = is_surface(depth);
   Vec3 position = view_position(px, py, depth);
@@ -22,6 +24,6 @@ FN void denoise_light_down_pixel(Int px, Int py) {
     change = mad(weight, clean_ao(near_denoise_ao(0, k * step)) - own, change);
     light_change = light_change + (clean_light(near_denoise_indirect(0, k * step)) - own_light) * weight;
   }
-  store_ao(mad(change, Real(C.occlusion), own));
-  store_indirect(own_light + light_change * Real(C.indirect));
+  store_ao(mad(change, Real(occlusion), own));
+  store_indirect(own_light + light_change * Real(indirect));
 }

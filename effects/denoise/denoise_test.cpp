@@ -239,6 +239,26 @@ TEST(Denoise, StrengthsHoldForTheirOwnPlanes) {
   EXPECT_LT(changed({{"occlusion", "0.5"}}, "ao"), 0.9 * ao);
 }
 
+TEST(Denoise, LightMayTakeOtherRoundsThanOcclusion) {
+  GBuffer g = flat(64, 48);
+  fill_with_noise(g);
+  const auto run = [&](const char* rounds, const char* light_rounds) {
+    return test::run_effect(*find_effect("denoise"), g,
+                            {{"rounds", rounds}, {"indirect", "1"}, {"light_rounds", light_rounds}}, {});
+  };
+  const Image one = run("1", "0"), three = run("3", "0"), more_light = run("1", "3"), less_light = run("3", "1");
+  const auto same = [](const Image& a, const Image& b, const char* name) {
+    return test::difference(a.plane(name), b.plane(name), 0.0).most == 0.0;
+  };
+  EXPECT_FALSE(same(one, three, "ao"));
+  EXPECT_FALSE(same(one, three, "indirect.g"));
+  EXPECT_TRUE(same(more_light, one, "ao"));
+  EXPECT_TRUE(same(more_light, three, "indirect.g"));
+  EXPECT_TRUE(same(less_light, three, "ao"));
+  EXPECT_TRUE(same(less_light, one, "indirect.g"));
+  EXPECT_TRUE(same(run("0", "3"), three, "indirect.g"));
+}
+
 TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {
   GBuffer g = flat(30, 12, 0.5f);
   g.layers[0].plane("normal.x").at(9, 5) = std::nanf("");
