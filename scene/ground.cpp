@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <limits>
+#include <vector>
 
 namespace umbrage {
 namespace {
@@ -37,48 +38,118 @@ Extent extent_of(const Scene& scene, const Plan& plan) {
   return extent;
 }
 
+/// What is on top at each place of the plan, seen from straight above: the floor of a house is not.
+class FromAbove {
+ public:
+  FromAbove(const Plan& plan, const Extent& extent)
+      : plan_(plan), least_(extent.least), scale_(float(kCells) / glm::max(extent.most - extent.least, 1e-30f)) {}
+
+  void add_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, bool floor) {
+    const glm::vec3 p = cell_of(a), q = cell_of(b), r = cell_of(c);
+    const float twice = (q.x - p.x) * (r.z - p.z) - (r.x - p.x) * (q.z - p.z);
+    if (!(std::fabs(twice) > 0.0f)) return;
+    const glm::vec3 normal = glm::cross(b - a, c - a);
+    const float cosine = std::fabs(glm::dot(normal, plan_.up)) / glm::length(normal);
+    const glm::vec3 low = glm::min(glm::min(p, q), r), high = glm::max(glm::max(p, q), r);
+    for (int row = first(low.z); row <= last(high.z); ++row)
+      for (int column = first(low.x); column <= last(high.x); ++column) {
+        const float x = float(column) + 0.5f - p.x, z = float(row) + 0.5f - p.z;
+        const float to_q = (x * (r.z - p.z) - (r.x - p.x) * z) / twice;
+        const float to_r = ((q.x - p.x) * z - x * (q.z - p.z)) / twice;
+        if (to_q < 0.0f || to_r < 0.0f || to_q + to_r > 1.0f) continue;
+        put(row, column, p.y + to_q * (q.y - p.y) + to_r * (r.y - p.y), cosine, floor);
+      }
+  }
+
+  /// Of a disc that is turned, the ellipse is taken for a disc as large.
+  void add_disc(glm::vec3 center, float radius, float cosine) {
+    const glm::vec3 p = cell_of(center);
+    const float seen = radius * std::sqrt(cosine), wide = seen * scale_.x, deep = seen * scale_.z;
+    for (int row = first(p.z - deep); row <= last(p.z + deep); ++row)
+      for (int column = first(p.x - wide); column <= last(p.x + wide); ++column) {
+        const float x = (float(column) + 0.5f - p.x) / wide, z = (float(row) + 0.5f - p.z) / deep;
+        if (x * x + z * z <= 1.0f) put(row, column, p.y, cosine, true);
+      }
+  }
+
+  /// The share of the plan on whose top lies something at most so high that is at least so level.
+  float share(float height, float least_cosine) const {
+    int count = 0;
+    for (const Top& top : tops_)
+      count += std::isfinite(top.height) && top.height <= height && top.cosine >= least_cosine;
+    return float(count) / float(kCells * kCells);
+  }
+
+  /// The share of the plan where what is on top lies more than so high over the lowest floor.
+  float share_under_roofs(float height) const {
+    int count = 0;
+    for (const Top& top : tops_) count += top.height - top.floor > height;
+    return float(count) / float(kCells * kCells);
+  }
+
+ private:
+  static constexpr int kCells = 64;
+  struct Top {
+    float height = -std::numeric_limits<float>::infinity(), cosine = 0.0f;
+    float floor = std::numeric_limits<float>::infinity();  // the lowest of what faces up
+  };
+
+  /// x and z in cells, y as it is.
+  glm::vec3 cell_of(glm::vec3 p) const {
+    const glm::vec3 q(glm::dot(p, plan_.right), glm::dot(p, plan_.up), glm::dot(p, plan_.front));
+    return {(q.x - least_.x) * scale_.x, q.y, (q.z - least_.z) * scale_.z};
+  }
+  /// The first and last cell whose middle is not before or after it.
+  static int first(float x) { return int(std::ceil(std::clamp(x - 0.5f, 0.0f, float(kCells)))); }
+  static int last(float x) { return int(std::floor(std::clamp(x - 0.5f, -1.0f, float(kCells - 1)))); }
+  void put(int row, int column, float height, float cosine, bool floor) {
+    Top& top = tops_[std::size_t(row * kCells + column)];
+    if (height > top.height) {
+      top.height = height;
+      top.cosine = cosine;
+    }
+    if (floor) top.floor = std::min(top.floor, height);
+  }
+
+  Plan plan_;
+  glm::vec3 least_, scale_;
+  std::vector<Top> tops_ = std::vector<Top>(std::size_t(kCells * kCells));
+};
+
 }  // namespace
 
 bool lacks_ground(const Scene& scene) {
-  constexpr float kFlat = 0.25f;  // height over width of what is a landscape, and how much of its plan it fills
-  constexpr float kFilled = 0.95f;
-  constexpr float kLow = 0.12f;        // share of the width within which a slab's top lies over the bottom
-  constexpr float kLevel = 0.9f;       // cosine of a slope that one stands on
-  constexpr float kMostOfPlan = 0.4f;  // a round slab fills 0.79 of its square, less what stands on it
+  constexpr float kFlat = 0.25f;    // height over width of what is a landscape
+  constexpr float kFilled = 0.95f;  // how much of its plan it fills
+  constexpr float kLow = 0.12f;     // share of the width within which a slab's top lies over the bottom
+  constexpr float kLevel = 0.9f;    // cosine of a slope that one stands on
+  // How much of the plan a slab may fill at most: a round one fills 0.79 of its square, less what stands on it.
+  constexpr float kMostOfPlan = 0.4f;
+  constexpr float kMostValley = 0.2f;      // the same of the low land between hills
+  constexpr float kMostUnderRoofs = 0.5f;  // of hills: trees are roofs
   if (scene.meshes.empty()) return false;
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
   const glm::vec3 size = extent.most - extent.least;
   const float width = std::max(size.x, size.z);
   if (!(width > 0.0f) || !std::isfinite(width)) return false;
-  double upward = 0.0, low = 0.0;
+  FromAbove seen(plan, extent);
   for (const Mesh& mesh : scene.meshes) {
-    // Discs overlap: each stands for about the square of its radius.
-    for (std::size_t i = 0; i < mesh.radii.size(); ++i) {
-      const float cosine = mesh.spheres ? 1.0f : std::fabs(glm::dot(mesh.normals[i], plan.up));
-      const double seen = double(mesh.radii[i]) * mesh.radii[i] * cosine;
-      upward += seen;
-      const float height = glm::dot(mesh.positions[i], plan.up) - extent.least.y;
-      if (height < kLow * width && cosine > kLevel) low += seen;
-    }
+    for (std::size_t i = 0; i < mesh.radii.size(); ++i)
+      seen.add_disc(mesh.positions[i], mesh.radii[i],
+                    mesh.spheres ? 1.0f : std::fabs(glm::dot(mesh.normals[i], plan.up)));
     for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
       const glm::vec3 a = mesh.positions[mesh.indices[k]], b = mesh.positions[mesh.indices[k + 1]],
                       c = mesh.positions[mesh.indices[k + 2]];
-      const glm::vec3 twice = glm::cross(b - a, c - a);  // twice the area, along the normal
-      const float area = glm::length(twice);
-      if (!(area > 0.0f)) continue;
-      const float cosine = glm::dot(twice, plan.up) / area;
-      const glm::vec3 n = mesh.normals.empty() ? twice : mesh.normals[mesh.indices[k]];
-      if (glm::dot(n, plan.up) <= 0.0f) continue;
-      const double seen = 0.5 * area * std::fabs(cosine);
-      upward += seen;
-      const float height = glm::dot(a + b + c, plan.up) / 3.0f - extent.least.y;
-      if (height < kLow * width && std::fabs(cosine) > kLevel) low += seen;
+      const glm::vec3 n = mesh.normals.empty() ? glm::cross(b - a, c - a) : mesh.normals[mesh.indices[k]];
+      seen.add_triangle(a, b, c, glm::dot(n, plan.up) > 0.0f);
     }
   }
-  const double filled = double(size.x) * size.z;
-  const bool landscape = size.y < kFlat * width && upward > kFilled * filled;
-  return !landscape && low <= kMostOfPlan * filled;
+  const bool filled = seen.share(extent.most.y, 0.0f) > kFilled;
+  if (filled && size.y < kFlat * width) return false;
+  // Hills: what is low is a valley, not a floor under a roof.
+  const bool hills = filled && seen.share_under_roofs(kLow * width) < kMostUnderRoofs;
+  return seen.share(extent.least.y + kLow * width, kLevel) <= (hills ? kMostValley : kMostOfPlan);
 }
 
 void add_ground(Scene& scene) {
