@@ -85,6 +85,7 @@ PictureInfo layer_info(const PictureInfo& info, int layer) {
     light.direction = glm::mat3(other_from_view) * light.direction;
     light.position = glm::vec3(other_from_view * glm::vec4(light.position, 1.0f));
   }
+  out.ground_middle = glm::vec3(other_from_view * glm::vec4(out.ground_middle, 1.0f));
   out.ambient_shape = turned(out.ambient_shape, glm::mat3(other_from_view));
   return out;
 }

@@ -48,8 +48,10 @@ struct PictureInfo {
   float usual_light = 1.0f;            ///< luminance of what the lights make of white: see Scene
   float scene_radius = 1.0f;           ///< bounding sphere's radius; for a bare G-buffer half the robust depth extent
   float depth_min = 1.0f, depth_max = 2.0f;  ///< view depths between which the scene lies
-  int ground_object = -1;  ///< object id of a ground that only shows the shade on it; below 0: there is none
-  int reduced = 1;         ///< of a picture at reduced resolution: it holds every so manieth pixel, across and down
+  int ground_object = -1;         ///< object id of a ground that only shows the shade on it; below 0: there is none
+  glm::vec3 ground_middle{0.0f};  ///< of that, in view space
+  float ground_fades = 0.0f;      ///< distance from there at which the shade on it has faded; 0: it does not
+  int reduced = 1;  ///< of a picture at reduced resolution: it holds every so manieth pixel, across and down
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
 
   /// The picture's size once the guard band is cut off.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include <glm/trigonometric.hpp>
 #include <limits>
 #include <vector>
 
@@ -152,21 +153,29 @@ bool lacks_ground(const Scene& scene) {
   return seen.share(extent.least.y + kLow * width, kLevel) <= (hills ? kMostValley : kMostOfPlan);
 }
 
-void add_ground(Scene& scene) {
+void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   constexpr int kCorners = 96;
-  constexpr float kWide = 3.0f;    // radii of the model: its shadow ends before
+  constexpr float kUsual = 3.0f;  // radii of the model: its shadow ends before
+  constexpr float kWidest = 16.0f;
   constexpr float kBelow = 1e-4f;  // of the radius: faces that lie on the ground stay in front of it
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
   const float radius = scene.radius();
+  float wide = kUsual;
+  if (lowest_light_deg) {
+    const float longest = 4.0f / std::tan(glm::radians(std::clamp(*lowest_light_deg, 1.0f, 90.0f)));
+    wide = std::clamp(kUsual + longest, kUsual, kWidest);
+    scene.ground_fades = wide * radius;
+  }
   const float height = extent.least.y - kBelow * radius;
   const glm::vec3 middle = scene.center() + plan.up * (height - glm::dot(scene.center(), plan.up));
+  scene.ground_middle = middle;
   Mesh disc;
   disc.name = "ground";
   disc.positions.push_back(middle);
   for (int k = 0; k < kCorners; ++k) {
     const float angle = 2.0f * glm::pi<float>() * float(k) / kCorners;
-    disc.positions.push_back(middle + kWide * radius * (std::cos(angle) * plan.right + std::sin(angle) * plan.front));
+    disc.positions.push_back(middle + wide * radius * (std::cos(angle) * plan.right + std::sin(angle) * plan.front));
     const auto next = std::uint32_t(k + 1 == kCorners ? 1 : k + 2);
     disc.indices.insert(disc.indices.end(), {0u, next, std::uint32_t(k + 1)});
   }

@@ -73,6 +73,8 @@ struct Scene {
   float usual_light = 1.0f;
   glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
   int ground_object = -1;                        ///< object id of what add_ground added; below 0: nothing
+  glm::vec3 ground_middle{0.0f};                 ///< of that
+  float ground_fades = 0.0f;                     ///< distance from there at which its shade has faded; 0: it does not
   std::vector<std::string> warnings;             ///< one sentence each, for the user
 
   glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }

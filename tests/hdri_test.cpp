@@ -565,6 +565,28 @@ TEST_F(HdriPicture, TheSkyIsSeenWhereItIsAskedFor) {
   EXPECT_NEAR(image("sky.png").planes[1].at(32, 32), image("own.png").planes[1].at(32, 32), 0.005f);
 }
 
+TEST_F(HdriPicture, TheGroundOfALowLightHasNoEdge) {
+  // A setting sun: the shadow is longer than any ground. Neither it nor the ground ends in a line.
+  write_panorama("low.pfm", [](dvec3 d) {
+    return glm::dot(d, direction_at(100, 6)) > std::cos(0.06) ? dvec3(200.0) : dvec3(0.2);
+  });
+  good(
+      "ball.obj --quality high --resolution 160x120 --hdri-file low.pfm --camera-zoom-factor 0.2 "
+      "--camera-elevation-angle 10 "
+      "--passes cover -o cover.exr");
+  const Image cover = image("cover.exr");
+  float most = 0.0f, steepest = 0.0f;
+  for (int y = 1; y < 120; ++y)
+    for (int x = 0; x < 160; ++x) {
+      // Far from the ball and what it hides.
+      if (std::abs(x - 80) < 30 && std::abs(y - 60) < 30) continue;
+      most = std::max(most, cover.planes[0].at(x, y));
+      steepest = std::max(steepest, std::abs(cover.planes[0].at(x, y) - cover.planes[0].at(x, y - 1)));
+    }
+  EXPECT_GT(most, 0.05f);
+  EXPECT_LT(steepest, 0.1f);
+}
+
 TEST_F(HdriPicture, TheKeyLightsSizeCanBeSet) {
   // A plate above a plane: its shadow's edge is as wide as the light is large.
   write("plate.obj",

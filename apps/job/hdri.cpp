@@ -3,9 +3,12 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 
 #include "core/check.h"
 #include "core/srgb.h"
@@ -104,12 +107,25 @@ void light_by(const Hdri& hdri, Scene& scene) {
   scene.lights = light.lights;
   for (Light& each : scene.lights) {
     each.direction = glm::normalize(axes * each.direction);
+    // A disc that reaches below the horizon would leave the ground dark from its edge on.
+    const float height = std::asin(std::clamp(glm::dot(each.direction, glm::normalize(scene.up)), -1.0f, 1.0f));
+    if (height > 0.0f) each.angle_deg = std::min(each.angle_deg, 2.0f * glm::degrees(height));
     each.color *= hdri.intensity;
   }
   scene.ambient = light.ambient * hdri.intensity;
   scene.ambient_shape = turned(light.shape, axes);
   for (glm::mat4& matrix : scene.ambient_shape.by_color) matrix *= hdri.intensity;
   scene.usual_light = light.brightest > 0.0f ? light.brightest : 1.0f;
+}
+
+std::optional<float> lowest_light_deg(const Scene& scene) {
+  std::optional<float> lowest;
+  for (const Light& light : scene.lights) {
+    const float sine = glm::dot(light.direction, glm::normalize(scene.up));
+    const float height = glm::degrees(std::asin(std::clamp(sine, -1.0f, 1.0f)));
+    if (height > 0.0f) lowest = std::min(lowest.value_or(height), height);
+  }
+  return lowest;
 }
 
 Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info) {

@@ -314,6 +314,22 @@ void use_hdri(const DrawSettings& draw, Recipe& recipe) {
   set_own(recipe.settings, "output.exposure=0");
 }
 
+/// Whether the camera stands inside the scene.
+bool stands_inside(const Camera& camera, const Scene& scene) {
+  const glm::vec3 eye = camera.eye();
+  return glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
+}
+
+/// In a court or a hall little of an image's light arrives: there a look that was to be exposed for the light, unless
+/// the user has said so, is exposed by the picture.
+void meter_inside(const DrawSettings& draw, const Camera& camera, const Scene& scene, Recipe& recipe) {
+  const auto said = [](const std::string& setting) { return setting.starts_with("output.metering="); };
+  if (!draw.hdri.lights() || !stands_inside(camera, scene)) return;
+  if (std::any_of(draw.settings.begin(), draw.settings.end(), said)) return;
+  if (as<OutputParams>(recipe.settings.find("output")->second).metering == kMeteringLight)
+    set_own(recipe.settings, "output.metering=picture");
+}
+
 /// The key light's disc or ball, as wide as that many degrees of what the scene's middle sees.
 void widen_key_light(float angle_deg, Scene& scene) {
   if (scene.lights.empty()) return;
@@ -330,8 +346,7 @@ void furnish(Scene& scene, const DrawSettings& settings) {
   if (!look || !look->ground || settings.ground == Ground::kOff) return;  // make_recipe says what is wrong
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   const glm::vec3 eye = camera.eye();
-  const bool inside =
-      glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
+  const bool inside = stands_inside(camera, scene);
   // From below a ground would hide the model.
   const glm::vec3 looks_along = -glm::vec3(glm::transpose(camera.view_from_world)[2]);
   const glm::vec3 lowest = scene.center() - glm::normalize(scene.up) * scene.radius();
@@ -339,7 +354,8 @@ void furnish(Scene& scene, const DrawSettings& settings) {
                          ? glm::dot(looks_along, scene.up) > 0.0f
                          : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
                                                                        glm::dot(eye - scene.center(), scene.up) < 0.0f);
-  if (settings.ground == Ground::kOn || (!inside && !below && lacks_ground(scene))) add_ground(scene);
+  if (settings.ground == Ground::kOn || (!inside && !below && lacks_ground(scene)))
+    add_ground(scene, settings.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 
 Result<Recipe> make_recipe(const DrawSettings& draw) {
@@ -521,6 +537,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty() && !settings.hdri.lights())
     if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
+  meter_inside(settings, camera, scene, *recipe);
   if (settings.light_size_deg) widen_key_light(*settings.light_size_deg, scene);
   auto capture_with = capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
   if (!capture_with) return capture_with.error();

@@ -14,6 +14,8 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   info.ambient = scene.ambient;
   info.scene_radius = scene.radius();
   info.ground_object = scene.ground_object;
+  info.ground_middle = glm::vec3(camera.view_from_world * glm::vec4(scene.ground_middle, 1.0f));
+  info.ground_fades = scene.ground_fades;
   float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0f;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::vec3 p(corner & 1 ? scene.bounds_max.x : scene.bounds_min.x,

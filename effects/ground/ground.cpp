@@ -30,8 +30,13 @@ const std::vector<Parameter> kTable = {
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
   const auto& params = as<GroundParams>(bytes);
-  *static_cast<GroundConstants*>(out) = {
-      .object = float(info.ground_object), .strength = params.strength, .display = params.blend};
+  *static_cast<GroundConstants*>(out) = {.object = float(info.ground_object),
+                                         .strength = params.strength,
+                                         .display = params.blend,
+                                         .middle_x = info.ground_middle.x,
+                                         .middle_y = info.ground_middle.y,
+                                         .middle_z = info.ground_middle.z,
+                                         .inverse_fades = info.ground_fades > 0.0f ? 1.0f / info.ground_fades : 0.0f};
 }
 
 }  // namespace

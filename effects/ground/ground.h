@@ -11,7 +11,9 @@ struct GroundParams {
 struct GroundConstants {
   float object;  // id of the ground; below 0: there is none
   float strength;
-  int display;  // 0 or 1
+  int display;                         // 0 or 1
+  float middle_x, middle_y, middle_z;  // of the ground, in view space
+  float inverse_fades;                 // 1 over the distance from there at which shade has faded; 0: it does not
 };
 
 #endif

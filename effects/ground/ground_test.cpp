@@ -77,5 +77,19 @@ TEST(Ground, NoLightIsNoShade) {
                         [](const Image& image) { EXPECT_EQ(image.plane("cover").at(1, 0), 0.0f); });
 }
 
+TEST(Ground, ShadeFadesTowardsTheGroundsEdge) {
+  // A row of pixels at one depth, the ground's middle at the left one's place: half of the light arrives everywhere.
+  GBuffer g = row_of(std::vector<float>(40, 0.4f), 0.8f);
+  const float step = 2.0f * (g.info.camera.right - g.info.camera.left) / 40.0f;  // at depth 2
+  g.info.ground_middle = {2.0f * g.info.camera.left + 0.5f * step, 0.0f, -2.0f};
+  g.info.ground_fades = 30.0f * step;
+  test::on_every_target("ground", g, {}, [&](const Image& image) {
+    for (int x = 1; x < 40; ++x) {
+      const double outer = std::clamp(2.0 - 2.0 * x / 30.0, 0.0, 1.0);
+      EXPECT_NEAR(image.plane("cover").at(x, 0), 0.5 * outer * outer * (3.0 - 2.0 * outer), 2e-5) << x;
+    }
+  });
+}
+
 }  // namespace
 }  // namespace umbrage
