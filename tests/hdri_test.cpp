@@ -606,6 +606,32 @@ TEST_F(HdriPicture, TheKeyLightsSizeCanBeSet) {
   EXPECT_GT(soft, 2 * own);
 }
 
+TEST_F(HdriPicture, AShadowOfTheSunLeavesNoTraceBesideItsEdge) {
+  // Its penumbra is narrower than a pixel here: what is neither lit nor dark lies at the edge, or at an object's.
+  write("plate.obj",
+        "v -4 0 -4\nv 4 0 -4\nv 4 0 4\nv -4 0 4\nf 4 3 2 1\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\nf 8 7 6 5\n");
+  good(
+      "plate.obj --look lit --quality high --anti-aliasing 1 --resolution 200x170 --light-size 0.5 "
+      "--passes shadow,object_id -o shadow.exr");
+  const Image shadow = image("shadow.exr");
+  const Plane &plane = shadow.plane("shadow"), &object = shadow.plane("object_id");
+  constexpr int kNear = 3;
+  int partly = 0, astray = 0;
+  for (int y = kNear; y < plane.height - kNear; ++y)
+    for (int x = kNear; x < plane.width - kNear; ++x) {
+      const float v = plane.at(x, y);
+      if (v == 0.0f || v == 1.0f) continue;
+      bool edge = false;
+      for (int j = -kNear; j <= kNear; ++j)
+        for (int i = -kNear; i <= kNear; ++i)
+          edge = edge || std::abs(plane.at(x + i, y + j) - v) > 0.25f || object.at(x + i, y + j) != object.at(x, y);
+      ++partly;
+      astray += !edge;
+    }
+  EXPECT_GT(partly, 50);
+  EXPECT_EQ(astray, 0);
+}
+
 TEST_F(HdriPicture, IsInThePublicInterfaceToo) {
   write_panorama("sun.pfm", [](dvec3 d) {
     return glm::dot(d, direction_at(60, 50)) > std::cos(0.05) ? dvec3(400.0) : dvec3(0.3, 0.4, 0.6);

@@ -9,12 +9,13 @@ CONST float kShare = 0.2f;
 
 FN void soften_reach_pixel(Int px, Int py) {
   Real reach = Real(kSoftenMost);
-  for (int j = 1 - kSoftenBlocks; j < kSoftenBlocks; ++j)
-    for (int i = 1 - kSoftenBlocks; i < kSoftenBlocks; ++i) {
+  for (int j = -kSoftenBlocks; j <= kSoftenBlocks; ++j)
+    for (int i = -kSoftenBlocks; i <= kSoftenBlocks; ++i) {
       int right = i < 0 ? -i : i;
       int down = j < 0 ? -j : j;
       int away = kSoftenBlock * (right < down ? down : right);
-      float ends_before = away == 0 ? 0.0f : float(away) - kSoftenLeast;
+      // Its neighbours, every fourth pixel, must not lie where the first filter has spread an edge, beyond its block.
+      float ends_before = float(away - kSoftenBlock) - kSoftenLeast;
       reach = min(reach, max(near_penumbra(i, j) * kShare, Real(ends_before)));
     }
   store_soften_reach(max(reach, Real(kSoftenLeast)));
