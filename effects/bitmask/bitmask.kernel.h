@@ -393,8 +393,10 @@ FN void gather(Int px, Int py) {
       whole = whole_above + whole_below;
       open = mad(whole_above, 1.0f - covered_above / max(32.0f - low, Real(1.0f)),
                  whole_below * (1.0f - (covered - covered_above) / max(low, Real(1.0f))));
-      light_above = light_above * share_above;
-      light_below = light_below * share_below;
+      // A side without bits of its own, of a surface seen edge-on, knows of no light: what rounding gave it would be
+      // all that is known where the other side lies outside.
+      light_above = light_above * select(low < 32.0f, share_above, Real(0.0f));
+      light_below = light_below * select(low > 0.0f, share_below, Real(0.0f));
     }
     open_sum = open_sum + open;
     whole_sum = whole_sum + whole;

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "machine/kernel_frame.h"
 #include "run_effect.h"
@@ -423,6 +424,34 @@ TEST(Bitmask, WhatLiesOutsideThePictureIsLeftOut) {
   EXPECT_LT(truth, 0.85);
   EXPECT_NEAR(at_valley(half, 0, "skip"), truth, 0.01);
   EXPECT_GT(at_valley(half, 0, "open"), truth + 0.08);
+}
+
+TEST(Bitmask, BordersGetNoMoreLightThanIsSent) {
+  // Of a surface seen edge-on all directions of some slices lie on one side, which at the border is outside.
+  const int width = 96, height = 64;
+  GBuffer g = picture(width, height, camera_of(false, 4.0, width, height), {});
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> share(0.0f, 1.0f);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      g.layers[0].planes[0].at(x, y) = 5.0f + share(random);
+      const float turn = 2.0f * float(std::numbers::pi) * share(random), up = 0.2f * share(random);
+      g.layers[0].planes[1].at(x, y) = std::sqrt(1.0f - up * up) * std::cos(turn);
+      g.layers[0].planes[2].at(x, y) = std::sqrt(1.0f - up * up) * std::sin(turn);
+      g.layers[0].planes[3].at(x, y) = up;
+    }
+  for (const char* name : {"direct.r", "direct.g", "direct.b"}) g.layers[0].add(name) = Plane(width, height, 1.0f);
+  for (const char* slices : {"1", "2"})
+    for (int frame = 0; frame < 16; ++frame) {
+      const Image image = test::run_effect(
+          *find_effect("bitmask"), g,
+          {{"radius", "4"}, {"slices", slices}, {"steps", "12"}, {"bleeding", "1"}, {"frame", std::to_string(frame)}},
+          {});
+      const Plane& light = image.plane("indirect.g");
+      // Twice: a bit may be counted on the side of its neighbour.
+      for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) ASSERT_LE(light.at(x, y), 2.0f) << x << ' ' << y << ' ' << frame;
+    }
 }
 
 TEST(Bitmask, FramesAverageToLessNoise) {
