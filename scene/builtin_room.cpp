@@ -417,10 +417,11 @@ void add_tables(Scene& scene, const Materials& m, const Detail& d) {
 void add_rug(Scene& scene, const Materials& m, const Detail& d) {
   constexpr vec2 kHalf(1.45f, 1.0f);
   constexpr float kThick = 0.014f;
+  constexpr float kAbove = 3e-4f;  // the floor: in its plane, it would be chance which of them is seen from within
   Mesh rug = box({-kHalf.x, 0.0f, -kHalf.y}, {kHalf.x, kThick, kHalf.y}, 0.007f, d(2, 0));
   for (std::size_t i = 0; i < rug.uvs.size(); ++i)
     rug.uvs[i] = {0.5f + 0.4995f * rug.positions[i].x / kHalf.x, 0.5f - 0.4995f * rug.positions[i].z / kHalf.y};
-  add_mesh(scene, "rug", stand(std::move(rug), {-0.25f, 0.0f, -0.62f}, 3.0f), m.rug);
+  add_mesh(scene, "rug", stand(std::move(rug), {-0.25f, kAbove, -0.62f}, 3.0f), m.rug);
 }
 
 // ----------------------------------------------------------------------------------------------------- small things
