@@ -19,6 +19,8 @@
 #include "scene/finish.h"
 #include "scene/off.h"
 #include "scene/ply.h"
+#include "scene/point_text.h"
+#include "scene/radiance.h"
 #include "scene/texture_file.h"
 #include "scene/transfer.h"
 #include "seeds.h"
@@ -40,7 +42,13 @@ void check(const Error& error, ErrorKind kind = ErrorKind::kFile) {
 void check(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     for (const std::uint32_t index : mesh.indices) check_less(index, mesh.positions.size(), "index");
-    check_equal(mesh.normals.size(), mesh.positions.size(), "normals");
+    if (mesh.radii.empty()) {
+      check_equal(mesh.normals.size(), mesh.positions.size(), "normals");
+    } else {
+      check_equal(mesh.radii.size(), mesh.positions.size(), "radii");
+      if (!mesh.spheres) check_equal(mesh.normals.size(), mesh.positions.size(), "normals of discs");
+      for (const float radius : mesh.radii) expect(radius >= 0.0f, "a radius");
+    }
     check_less(std::size_t(mesh.material), scene.materials.size(), "material");
   }
   for (const std::string& warning : scene.warnings) expect(warning.find('\n') == std::string::npos, warning);
@@ -70,6 +78,8 @@ void read_as_ply(std::string_view bytes) {
 }
 
 void read_as_off(std::string_view bytes) { check_model(read_off(MemoryFile(bytes).path)); }
+
+void read_as_xyz(std::string_view bytes) { check_model(read_xyz(MemoryFile(bytes).path)); }
 
 /// By what the file's ending says, through Assimp.
 template <const char* const& kEnding>
@@ -113,6 +123,17 @@ void read_as_texture(std::string_view bytes) {
   const Result<Texture> texture = decode_texture({start, bytes.size()}, "a texture");
   if (!texture) return check(texture.error());
   check_equal(texture->rgba.size(), std::size_t(texture->width) * std::size_t(texture->height) * 4, "texels");
+}
+
+void read_as_radiance(std::string_view bytes) {
+  const auto* start = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  const std::span<const std::uint8_t> all(start, bytes.size());
+  if (!is_radiance(all)) return;
+  Result<Panorama> panorama = decode_radiance(all, "a panorama", 1 << 20);
+  if (!panorama) return check(panorama.error());
+  check_equal(panorama->rgb.size(), std::size_t(panorama->width) * std::size_t(panorama->height) * 3, "radiances");
+  clean_panorama(*panorama);
+  for (const float value : panorama->rgb) expect(value >= 0.0f && value <= kBrightestSky, "a radiance");
 }
 
 /// The first byte chooses a row of a table with every type of parameter, the others are the value.
@@ -185,6 +206,8 @@ constexpr const char *kObj = "obj", *kStl = "stl", *kGltf = "gltf", *kGlb = "glb
 constexpr Reader kReaders[] = {
     {"ply", read_as_ply, ply_seeds, false},
     {"off", read_as_off, off_seeds, false},
+    {"xyz", read_as_xyz, xyz_seeds, false},
+    {"radiance", read_as_radiance, radiance_seeds, false},
     {"png", read_as_image, png_seeds, false},
     {"pfm", read_as_image, pfm_seeds, false},
     {"setting", read_as_setting, setting_seeds, false},

@@ -245,6 +245,21 @@ Seeds exr_seeds() {
           image_bytes("exr", small_image({"color.r", "color.g", "color.b"}), {.half = true})};
 }
 
+Seeds xyz_seeds() {
+  return {"0 0 0\n1 0 0\n0 1 0\n", "3\n# x y z r g b\n0;0;0;255;0;0\n1;0;0;0;255;0\n0;1;.5;0;0;255\n",
+          "// normals\n0,0,0,0,0,1\n1e-3,2E2,-3,1,0,0\n"};
+}
+
+Seeds radiance_seeds() {
+  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nEXPOSURE=2.0\n\n";
+  std::string rows;
+  for (int row = 0; row < 4; ++row) {
+    rows += "\x02\x02\0\x08"s;  // eight pixels, each colour by itself: a run, then four that follow
+    for (int color = 0; color < 4; ++color) rows += "\x84\x80\x04\x10\x20\x30\x81"s;
+  }
+  return {head + "-Y 4 +X 8\n" + rows, head + "-Y 1 +X 2\n" + "\x80\x40\x20\x81\x10\x20\x30\x84"s};
+}
+
 Seeds pfm_seeds() { return {image_bytes("pfm", small_image({"grey"})), "PF\n1 1\n1.0\n" + bytes_of(1.f, 2.f, 3.f)}; }
 
 Seeds texture_seeds() {

@@ -9,6 +9,8 @@ using Seeds = std::vector<std::string>;
 
 Seeds ply_seeds();
 Seeds off_seeds();
+Seeds xyz_seeds();
+Seeds radiance_seeds();
 Seeds obj_seeds();
 Seeds stl_seeds();
 Seeds gltf_seeds();
