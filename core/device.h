@@ -2,10 +2,12 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/band.h"
 #include "core/effect.h"
 #include "core/gbuffer.h"
 #include "core/result.h"
@@ -38,7 +40,8 @@ struct CaptureSettings {
   /// Rays of a pixel to a light that has a size; where there are several, and the light is seen whole or not at all,
   /// one. What arrives is averaged along surfaces, over 4 x 4 pixels, or more where penumbrae are wide. 0: points.
   int shadow_rays = 0;
-  int sample = 0;  ///< of pictures that are averaged: each has other shadow rays
+  int sample = 0;                 ///< of pictures that are averaged: each has other shadow rays
+  std::optional<Band> band = {};  ///< draw this band of the picture alone, on devices that can
 };
 
 /// How many layers such a capture has. Errors: kUsage where they are too many.
@@ -59,6 +62,9 @@ class Device {
   virtual std::string description() const = 0;
   /// CPU threads that work for it.
   virtual int threads() const = 0;
+  /// Whether it draws pictures band by band. Of a frame that is one all functions work on its rows; they end with
+  /// kUnfinished where WholePlanes have to be completed first, or a larger margin is needed, by their `lacking`.
+  virtual bool draws_bands() const { return false; }
   /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
   /// must live until the next prepare or the last capture.
   virtual Result<void> prepare(const Scene& scene) = 0;
@@ -67,7 +73,7 @@ class Device {
   /// A frame from planes on the host.
   virtual Result<Frame> upload(const GBuffer& gbuffer) = 0;
   /// Adds planes from the host to a frame, in place of those of the same names. They are of the frame's whole size, its
-  /// guard band included.
+  /// guard band included; of a band's, those rows that it holds: held_rows.
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
   /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
   /// On layer n > 0 all its inputs and outputs are that layer's. For missing pixels only an effect can run of which

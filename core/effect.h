@@ -48,7 +48,11 @@ struct Pass {
   std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs in place of it
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always
   int tile_width = 1 << 20, tile_height = 16;              ///< tile that the CPU likes
-  bool for_all = true, for_missing = false;                ///< for which pixels it runs
+  /// How many rows above and below a pixel's own it reads, at most, with these constants; null: it may read any.
+  int (*reach)(const void* constants, int round) = nullptr;
+  /// Inputs that it may read anywhere, whatever its reach. Of a layer that is not there nothing is read.
+  std::vector<std::string_view> far_inputs = {};
+  bool for_all = true, for_missing = false;  ///< for which pixels it runs
 };
 
 enum class EffectKind {
@@ -81,6 +85,9 @@ struct Effect {
   /// How often the passes run, all of them in order, each time; null: once.
   int (*rounds)(const ParameterBytes& params) = nullptr;
 };
+
+/// Pass::reach of a pass that reads its own row alone.
+inline int own_row(const void*, int) { return 0; }
 
 /// Whether an effect can be run for missing pixels: it needs a pass for them with these params.
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params);

@@ -154,10 +154,35 @@ void add_camera(Imf::Header& header, const Camera& camera) {
   header.screenWindowCenter() = Imath::V2f((camera.left + camera.right) / 2, (camera.bottom + camera.top) / 2);
 }
 
-Result<void> write(const fs::path& file, const Image& image, const WriteSettings& settings) {
-  if (image.width < 1 || image.height < 1 || image.planes.empty())
+/// Writes the next rows of an image, from row `first` on, as these channels.
+void write_rows(Imf::OutputFile& output, const std::vector<std::string>& channels, const Image& rows, int first) {
+  Imf::FrameBuffer pixels;
+  std::vector<std::vector<Imath::half>> halves(rows.planes.size());
+  const Imath::V2i origin(0, first);
+  for (std::size_t p = 0; p < rows.planes.size(); ++p) {
+    const Plane& plane = rows.planes[p];
+    const void* start = plane.data();
+    std::size_t step = sizeof(float), stride = plane.stride * sizeof(float);
+    const Imf::PixelType type = output.header().channels()[channels[p]].type;
+    if (type == Imf::HALF) {
+      halves[p].reserve(std::size_t(plane.width) * plane.height);
+      for (int y = 0; y < plane.height; ++y)
+        halves[p].insert(halves[p].end(), plane.row(y), plane.row(y) + plane.width);
+      start = halves[p].data();
+      step = sizeof(Imath::half);
+      stride = plane.width * step;
+    }
+    pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, plane.height, step, stride));
+  }
+  output.setFrameBuffer(pixels);
+  output.writePixels(rows.height);
+}
+
+Result<void> write(const fs::path& file, const ImageShape& image, const WriteSettings& settings,
+                   const MakeImageRows& make) {
+  if (image.width < 1 || image.height < 1 || image.names.empty())
     return file_error("'{}' cannot be written: the image is {} x {} pixels in {} planes", file.string(), image.width,
-                      image.height, image.planes.size());
+                      image.height, image.names.size());
   Imf::Header header(image.width, image.height);
   header.compression() = kCompression;
   header.zipCompressionLevel() = kZipLevel;
@@ -178,29 +203,14 @@ Result<void> write(const fs::path& file, const Image& image, const WriteSettings
   }
   set_up();
   return write_whole(file, [&](std::FILE* out) -> Result<void> {
-    Imf::FrameBuffer pixels;
-    std::vector<std::vector<Imath::half>> halves(image.planes.size());
-    const Imath::V2i origin(0, 0);
-    for (std::size_t p = 0; p < image.planes.size(); ++p) {
-      const Plane& plane = image.planes[p];
-      const void* start = plane.data();
-      std::size_t step = sizeof(float), stride = plane.stride * sizeof(float);
-      const Imf::PixelType type = header.channels()[channels[p]].type;
-      if (type == Imf::HALF) {
-        halves[p].reserve(std::size_t(plane.width) * plane.height);
-        for (int y = 0; y < plane.height; ++y)
-          halves[p].insert(halves[p].end(), plane.row(y), plane.row(y) + plane.width);
-        start = halves[p].data();
-        step = sizeof(Imath::half);
-        stride = plane.width * step;
-      }
-      pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, plane.height, step, stride));
-    }
     Stream stream(out);
     Imf::OutputFile output(stream, header, kThreads);
-    output.setFrameBuffer(pixels);
-    output.writePixels(image.height);
-    return {};
+    int first = 0;
+    return make([&](const Image& rows) -> Result<void> {
+      write_rows(output, channels, rows, first);
+      first += rows.height;
+      return {};
+    });
   });
 }
 

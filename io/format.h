@@ -22,6 +22,13 @@ Result<void> check_size(const std::filesystem::path& file, std::int64_t width, s
 Result<std::vector<const Plane*>> picture_planes(const std::filesystem::path& file, const Image& image,
                                                  bool with_alpha);
 
+/// An image of that shape whose planes have no pixels.
+Image bare_image(const ImageShape& shape);
+
+/// The shape of an image, and its rows all at once.
+ImageShape shape_of(const Image& image);
+MakeImageRows rows_of(const Image& image);
+
 /// An image with planes for `channels` values per pixel: one is `grey`, more are color.r, color.g, color.b, color.a.
 Image picture(int width, int height, int channels);
 

@@ -132,6 +132,19 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
       file.string(), names.empty() ? "none" : names);
 }
 
+Image bare_image(const ImageShape& shape) {
+  Image image(shape.width, shape.height);
+  image.names = shape.names;
+  image.planes.resize(shape.names.size());
+  return image;
+}
+
+ImageShape shape_of(const Image& image) { return {image.width, image.height, image.names}; }
+
+MakeImageRows rows_of(const Image& image) {
+  return [&image](const TakeImageRows& take) { return take(image); };
+}
+
 Image picture(int width, int height, int channels) {
   Image image(width, height);
   if (channels == 1) {
@@ -231,7 +244,13 @@ Result<InputFile> open_to_read(const fs::path& file, std::int64_t& size) {
 
 Result<void> write_image(const fs::path& file, const Image& image, const WriteSettings& settings) {
   const Result<const ImageFormat*> format = format_of(file);
-  return format ? (*format)->write(file, image, settings) : format.error();
+  return format ? (*format)->write(file, shape_of(image), settings, rows_of(image)) : format.error();
+}
+
+Result<void> write_image_rows(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
+                              const MakeImageRows& make) {
+  const Result<const ImageFormat*> format = format_of(file);
+  return format ? (*format)->write(file, shape, settings, make) : format.error();
 }
 
 Result<Image> read_image(const fs::path& file) {

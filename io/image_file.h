@@ -1,10 +1,12 @@
 // Image files: one source file per format behind one function to write and one to read.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/camera.h"
 #include "core/image.h"
@@ -20,10 +22,21 @@ struct WriteSettings {
   const Camera* camera = nullptr;
 };
 
+/// What an image has besides its pixels.
+struct ImageShape {
+  int width = 0, height = 0;
+  std::vector<std::string> names;  ///< of its planes
+};
+
+/// Takes the next rows of an image from its top down, as many as these have.
+using TakeImageRows = std::function<Result<void>(const Image& rows)>;
+/// Makes all rows of an image, and hands them on as they are made.
+using MakeImageRows = std::function<Result<void>(const TakeImageRows& take)>;
+
 /// An image file format.
 struct ImageFormat {
   std::string_view extension, summary;  ///< without the dot, lower case
-  Result<void> (*write)(const std::filesystem::path&, const Image&, const WriteSettings&);
+  Result<void> (*write)(const std::filesystem::path&, const ImageShape&, const WriteSettings&, const MakeImageRows&);
   Result<Image> (*read)(const std::filesystem::path&);
   bool (*recognises)(std::string_view start);  ///< by the first 8 bytes of a file
 };
@@ -44,8 +57,14 @@ Result<void> check_writable(const std::filesystem::path& file);
 /// planes are float all the same. Errors: kFile; kUsage for an ending that names no format.
 Result<void> write_image(const std::filesystem::path& file, const Image& image, const WriteSettings& settings = {});
 
+/// Writes the same file from rows that are made while it is written, so that not all of them need be held. Errors:
+/// those of `make` besides.
+Result<void> write_image_rows(const std::filesystem::path& file, const ImageShape& shape, const WriteSettings& settings,
+                              const MakeImageRows& make);
+
 /// The bytes of the PNG file that write_image would write. Errors: kFile.
 Result<std::string> encode_png(const Image& image, const WriteSettings& settings = {});
+Result<std::string> encode_png_rows(const ImageShape& shape, const WriteSettings& settings, const MakeImageRows& make);
 
 /// Reads an image of any of the formats, told apart by content; the same names back. A single plane of PNG or PFM is
 /// called `grey`. PNG values are in [0, 1], not linearised. What EXR parts and windows become is said in exr.cpp.

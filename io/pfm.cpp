@@ -3,6 +3,7 @@
 // that care for depth want the numbers as stored. Based on Debevec's description (HDR Shop).
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 
@@ -21,21 +22,33 @@ void swap_bytes(std::vector<float>& values) {
   }
 }
 
-Result<void> write(const fs::path& file, const Image& image, const WriteSettings&) {
-  const Result<std::vector<const Plane*>> planes = picture_planes(file, image, false);
-  if (!planes) return planes.error();
+Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings&, const MakeImageRows& make) {
+  const Image bare = bare_image(shape);
+  const Result<std::vector<const Plane*>> picture = picture_planes(file, bare, false);
+  if (!picture) return picture.error();
+  const std::size_t channels = picture->size();
   return write_whole(file, [&](std::FILE* stream) -> Result<void> {
-    const int channels = int(planes->size());
     const bool little = std::endian::native == std::endian::little;
-    fmt::print(stream, "{}\n{} {}\n{}\n", channels == 1 ? "Pf" : "PF", image.width, image.height,
+    fmt::print(stream, "{}\n{} {}\n{}\n", channels == 1 ? "Pf" : "PF", shape.width, shape.height,
                little ? "-1.0" : "1.0");
-    std::vector<float> row(std::size_t(image.width) * channels);
-    for (int y = image.height - 1; y >= 0; --y) {
-      for (int c = 0; c < channels; ++c)
-        for (int x = 0; x < image.width; ++x) row[std::size_t(x) * channels + c] = (*planes)[c]->at(x, y);
-      if (std::fwrite(row.data(), sizeof(float), row.size(), stream) != row.size()) return {};
-    }
-    return {};
+    const off_t start = ::ftello(stream);
+    std::vector<float> row(std::size_t(shape.width) * channels);
+    int first = 0;
+    return make([&](const Image& rows) -> Result<void> {
+      const auto planes = picture_planes(file, rows, false);
+      if (!planes) return planes.error();
+      first += rows.height;
+      // What is written at once is whole rows from the lowest up. Pipes, which cannot seek, take all of them at once.
+      const off_t place = start + off_t(row.size() * sizeof(float)) * (shape.height - first);
+      if (rows.height < shape.height && ::fseeko(stream, place, SEEK_SET) != 0)
+        return file_error("'{}' cannot be written: {}", file.string(), std::strerror(errno));
+      for (int y = rows.height - 1; y >= 0; --y) {
+        for (std::size_t c = 0; c < channels; ++c)
+          for (int x = 0; x < rows.width; ++x) row[std::size_t(x) * channels + c] = (*planes)[c]->at(x, y);
+        if (std::fwrite(row.data(), sizeof(float), row.size(), stream) != row.size()) return {};
+      }
+      return {};
+    });
   });
 }
 

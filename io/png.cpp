@@ -69,60 +69,85 @@ void dequantise(const Integer* values, int count, int step, float* out) {
   for (int x = 0; x < count; ++x) out[x] = float(values[std::size_t(x) * step]) / kMax;
 }
 
-bool encode(std::FILE* stream, const Plane* const* planes, int channels, int bits, bool small, png_byte* row,
-            Complaint* complaint) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, complaint, on_error, on_warning);
-  png_infop info = png ? png_create_info_struct(png) : nullptr;
-  if (!info) {
-    png_destroy_write_struct(&png, nullptr);
-    std::snprintf(complaint->text, sizeof complaint->text, "libpng does not start");
+/// A PNG being written.
+struct Writer {
+  png_structp png = nullptr;
+  png_infop info = nullptr;
+  Complaint complaint;
+  ~Writer() { png_destroy_write_struct(&png, &info); }
+};
+
+bool start(Writer& writer, std::FILE* stream, int width, int height, int channels, const WriteSettings& settings) {
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_error, on_warning);
+  if (writer.png) writer.info = png_create_info_struct(writer.png);
+  if (!writer.info) {
+    std::snprintf(writer.complaint.text, sizeof writer.complaint.text, "libpng does not start");
     return false;
   }
-  if (setjmp(png_jmpbuf(png))) {
-    png_destroy_write_struct(&png, &info);
-    return false;
-  }
-  const int width = planes[0]->width, height = planes[0]->height;
+  png_structp png = writer.png;
+  if (setjmp(png_jmpbuf(png))) return false;
   const int type = channels == 1 ? PNG_COLOR_TYPE_GRAY : channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
   png_init_io(png, stream);
-  png_set_IHDR(png, info, width, height, bits, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+  png_set_IHDR(png, writer.info, width, height, settings.bits, type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                PNG_FILTER_TYPE_DEFAULT);
-  if (channels > 1) png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_set_filter(png, PNG_FILTER_TYPE_BASE, small ? PNG_ALL_FILTERS : PNG_FILTER_UP);
-  png_set_compression_level(png, small ? Z_BEST_COMPRESSION : Z_BEST_SPEED);
-  png_set_compression_strategy(png, small ? Z_FILTERED : Z_RLE);
+  if (channels > 1) png_set_sRGB(png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, settings.small ? PNG_ALL_FILTERS : PNG_FILTER_UP);
+  png_set_compression_level(png, settings.small ? Z_BEST_COMPRESSION : Z_BEST_SPEED);
+  png_set_compression_strategy(png, settings.small ? Z_FILTERED : Z_RLE);
   constexpr int kChunkBytes = 1 << 16;  // libpng's 8 kB make many small chunks
   png_set_compression_buffer_size(png, kChunkBytes);
-  png_write_info(png, info);
-  if (bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
-  for (int y = 0; y < height; ++y) {
+  png_write_info(png, writer.info);
+  if (settings.bits == 16 && std::endian::native == std::endian::little) png_set_swap(png);
+  return true;
+}
+
+bool write_rows(Writer& writer, const Plane* const* planes, int channels, int bits, png_byte* row) {
+  if (setjmp(png_jmpbuf(writer.png))) return false;
+  for (int y = 0; y < planes[0]->height; ++y) {
     if (bits == 16)
       quantise_row(planes, channels, y, reinterpret_cast<std::uint16_t*>(row));
     else
       quantise_row(planes, channels, y, row);
-    png_write_row(png, row);
+    png_write_row(writer.png, row);
   }
-  png_write_end(png, info);
-  png_destroy_write_struct(&png, &info);
   return true;
 }
 
-/// Writes the planes of a picture to an open file; `name` is what errors call it.
-Result<void> write_to(std::FILE* stream, const fs::path& name, const std::vector<const Plane*>& planes,
-                      const WriteSettings& settings) {
-  if (settings.bits != 8 && settings.bits != 16)
-    return file_error("'{}' cannot be written with {} bits: PNG takes 8 or 16", name.string(), settings.bits);
-  const int channels = int(planes.size());
-  std::vector<png_byte> row(std::size_t(planes[0]->width) * channels * (settings.bits / 8));
-  Complaint complaint;
-  if (encode(stream, planes.data(), channels, settings.bits, settings.small, row.data(), &complaint)) return {};
-  return file_error("'{}' cannot be written as PNG: {}", name.string(), complaint.text);
+bool finish(Writer& writer) {
+  if (setjmp(png_jmpbuf(writer.png))) return false;
+  png_write_end(writer.png, writer.info);
+  return true;
 }
 
-Result<void> write(const fs::path& file, const Image& image, const WriteSettings& settings) {
-  const Result<std::vector<const Plane*>> planes = picture_planes(file, image, true);
-  if (!planes) return planes.error();
-  return write_whole(file, [&](std::FILE* stream) { return write_to(stream, file, *planes, settings); });
+/// Writes a picture to an open file; `name` is what errors call it.
+Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape& shape, const WriteSettings& settings,
+                      const MakeImageRows& make) {
+  if (settings.bits != 8 && settings.bits != 16)
+    return file_error("'{}' cannot be written with {} bits: PNG takes 8 or 16", name.string(), settings.bits);
+  const Image bare = bare_image(shape);
+  const Result<std::vector<const Plane*>> picture = picture_planes(name, bare, true);
+  if (!picture) return picture.error();
+  const int channels = int(picture->size());
+  Writer writer;
+  const auto failed = [&] {
+    return file_error("'{}' cannot be written as PNG: {}", name.string(), writer.complaint.text);
+  };
+  if (!start(writer, stream, shape.width, shape.height, channels, settings)) return failed();
+  std::vector<png_byte> row(std::size_t(shape.width) * channels * (settings.bits / 8));
+  const Result<void> made = make([&](const Image& rows) -> Result<void> {
+    const auto planes = picture_planes(name, rows, true);
+    if (!planes) return planes.error();
+    return write_rows(writer, planes->data(), channels, settings.bits, row.data()) ? Result<void>() : failed();
+  });
+  if (!made) return made;
+  return finish(writer) ? Result<void>() : failed();
+}
+
+Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
+                   const MakeImageRows& make) {
+  const Image bare = bare_image(shape);
+  if (const auto planes = picture_planes(file, bare, true); !planes) return planes.error();
+  return write_whole(file, [&](std::FILE* stream) { return write_to(stream, file, shape, settings, make); });
 }
 
 /// A PNG being read: the header first, the pixels when there is a place for them.
@@ -213,19 +238,23 @@ bool recognises(std::string_view start) { return start == "\x89PNG\r\n\x1a\n"; }
 }  // namespace
 
 Result<std::string> encode_png(const Image& image, const WriteSettings& settings) {
-  const fs::path name = "picture.png";
-  const Result<std::vector<const Plane*>> planes = picture_planes(name, image, true);
-  if (!planes) return planes.error();
+  return encode_png_rows(shape_of(image), settings, rows_of(image));
+}
+
+Result<std::string> encode_png_rows(const ImageShape& shape, const WriteSettings& settings, const MakeImageRows& make) {
+  const auto no_memory = [&] {
+    return file_error("not enough memory for a PNG of {} x {} pixels", shape.width, shape.height);
+  };
   char* bytes = nullptr;
   std::size_t size = 0;
   std::FILE* stream = open_memstream(&bytes, &size);
-  if (!stream) return file_error("not enough memory for a PNG of {} x {} pixels", image.width, image.height);
-  const Result<void> written = write_to(stream, name, *planes, settings);
+  if (!stream) return no_memory();
+  const Result<void> written = write_to(stream, "picture.png", shape, settings, make);
   const bool closed = std::fclose(stream) == 0;
   std::string out(bytes, closed ? size : 0);
   std::free(bytes);
   if (!written) return written.error();
-  if (!closed) return file_error("not enough memory for a PNG of {} x {} pixels", image.width, image.height);
+  if (!closed) return no_memory();
   return out;
 }
 

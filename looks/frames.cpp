@@ -1,5 +1,6 @@
 #include "looks/frames.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -36,27 +37,40 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
   return shifted;
 }
 
-void add_picture(PictureSum& total, const Image& picture) {
-  if (total.count == 0) {
-    total.sum = Image(picture.width, picture.height);
-    for (const std::string& name : picture.names) total.sum.add(name) = Plane(picture.width, picture.height, 0.0f);
+void add_picture(PictureSum& total, const Image& picture) { add_rows(total, picture, 0, picture.height); }
+
+void add_rows(PictureSum& total, const Image& rows, int first, int height) {
+  if (rows.height == 0) return;
+  if (total.sum.planes.empty()) {
+    total.sum = Image(rows.width, height);
+    for (const std::string& name : rows.names) total.sum.add(name) = Plane(rows.width, height, 0.0f);
   }
-  if (total.sum.names != picture.names || total.sum.width != picture.width || total.sum.height != picture.height)
+  if (total.sum.names != rows.names || total.sum.width != rows.width || total.sum.height != height)
     fail_check("pictures that are averaged must have the same planes");
-  ++total.count;
-  const Plane& alpha = picture.plane("color.a");
-  for (std::size_t k = 0; k < picture.names.size(); ++k) {
-    const bool multiplied = is_color(picture.names[k]) && picture.names[k] != "color.a";
-    for (int y = 0; y < picture.height; ++y) {
-      const float* in = picture.planes[k].row(y);
+  total.count += first == 0;
+  const Plane& alpha = rows.plane("color.a");
+  for (std::size_t k = 0; k < rows.names.size(); ++k) {
+    const bool multiplied = is_color(rows.names[k]) && rows.names[k] != "color.a";
+    for (int y = 0; y < rows.height; ++y) {
+      const float* in = rows.planes[k].row(y);
       const float* share = alpha.row(y);
-      float* out = total.sum.planes[k].row(y);
+      float* out = total.sum.planes[k].row(first + y);
       if (multiplied)
-        for (int x = 0; x < picture.width; ++x) out[x] += in[x] * share[x];
+        for (int x = 0; x < rows.width; ++x) out[x] += in[x] * share[x];
       else
-        for (int x = 0; x < picture.width; ++x) out[x] += in[x];
+        for (int x = 0; x < rows.width; ++x) out[x] += in[x];
     }
   }
+}
+
+PictureSum rows_of(const PictureSum& total, int first, int count) {
+  PictureSum rows{.count = total.count, .sum = Image(total.sum.width, count)};
+  for (const std::string& name : total.sum.names) {
+    const Plane& from = total.sum.plane(name);
+    Plane& to = rows.sum.add(name);
+    for (int y = 0; y < count; ++y) std::copy_n(from.row(first + y), from.width, to.row(y));
+  }
+  return rows;
 }
 
 namespace {

@@ -27,6 +27,12 @@ struct PictureSum {
 /// the first.
 void add_picture(PictureSum& total, const Image& picture);
 
+/// Adds rows of a picture of that height, the first of them `first`; the first rows of each picture come first.
+void add_rows(PictureSum& total, const Image& rows, int first, int height);
+
+/// The sum of so many rows.
+PictureSum rows_of(const PictureSum& total, int first, int count);
+
 /// The average of the pictures' colour as light over their mean alpha, as planes that effect `output` makes the
 /// finished picture of: lit (multiplied by alpha), outline (alpha), depth (none).
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);

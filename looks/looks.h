@@ -9,6 +9,7 @@
 
 #include "core/device.h"
 #include "core/look.h"
+#include "looks/metering.h"
 
 namespace umbrage {
 
@@ -47,6 +48,8 @@ struct LookRun {
   /// Called with the name of each effect once it is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};
   std::optional<float> stops = {};  ///< exposure to add in place of metering, where `output` is to meter
+  /// What metering adds, where it is to be found out.
+  std::function<Result<float>(Device&, const Frame&)> meter = metered_stops;
   std::span<const Effect* const> handed_in = {};
   RunHandedIn run_handed_in = {};  ///< of the techniques in `handed_in`
 };

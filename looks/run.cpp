@@ -181,7 +181,7 @@ Result<float> run_output(const LookRun& run, Device& device, Frame& frame) {
     const bool by_light = params.metering == kMeteringLight;
     const Result<float> metered = run.stops  ? Result<float>(*run.stops)
                                   : by_light ? Result<float>(usual_stops(frame.info))
-                                             : metered_stops(device, frame);
+                                             : run.meter(device, frame);
     if (!metered) return metered;
     stops = *metered;
     params.exposure += stops;

@@ -1,5 +1,6 @@
 // KernelFrame: what a compiled kernel gets on the CPU.
 #pragma once
+#include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -15,18 +16,25 @@ struct Tile {
 
 struct KernelPlane {
   std::string_view name;
-  float* data;  ///< pixel (0, 0); rows are FrameConstants::stride floats apart
+  float* data;  ///< pixel (0, 0), whether it is held or not; rows are FrameConstants::stride floats apart
 };
 
 struct KernelFrame {
   FrameConstants frame;
   const void* constants;  ///< the effect's constants struct
   std::span<const KernelPlane> planes;
-  const float* ao = nullptr;  ///< where FrameConstants::missing is set
+  const float* ao = nullptr;              ///< where FrameConstants::missing is set
+  int first_row = 0, last_row = 1 << 30;  ///< what load_NAME reads at most of the picture: the rows that are held
 
   /// The plane of that name; aborts where the effect's table does not list it.
   float* plane(std::string_view name) const;
 };
+
+/// Where row 0 of a plane would be of which row `first` and those below are held, from `data` on.
+inline float* row_zero(float* data, int stride, int first) {
+  return reinterpret_cast<float*>(reinterpret_cast<std::uintptr_t>(data) -
+                                  std::uintptr_t(first) * std::uintptr_t(stride) * sizeof(float));
+}
 
 /// Planes of which a kernel reads every layer (IN_LAYERS_REAL and its like), as a pass lists them: `depth`,
 /// `layer1.depth` and so on.

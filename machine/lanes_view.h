@@ -26,6 +26,7 @@ struct LanesView {
   float real_stride = float(frame.frame.stride);
   // Floats hold all places in a plane.
   bool exact = (std::int64_t(frame.frame.height) + 1) * frame.frame.stride <= 1 << 24;
+  int first_row = frame.first_row, last_row = HWY_MIN(frame.last_row, frame.frame.height - 1);
   int x = 0, y = 0;         // the first lane's pixel
   bool inner = false;       // all lanes lie kMargin or more inside the picture
   std::ptrdiff_t here = 0;  // of pixel (x, y) in a plane
@@ -50,7 +51,7 @@ struct LanesView {
   float* plane(std::string_view name) const { return frame.plane(name); }
   HWY_INLINE Real load(const float* plane, Int X, Int Y) const {
     const Int column = clamp(X, Int(0), Int(frame.frame.width - 1));
-    const Int row = clamp(Y, Int(0), Int(frame.frame.height - 1));
+    const Int row = clamp(Y, Int(first_row), Int(last_row));
     return hn::GatherIndex(D(), plane, (row * Int(frame.frame.stride) + column).v);
   }
   HWY_INLINE Int place_of(Real X, Real Y) const {

@@ -1,5 +1,7 @@
 // The planes of a frame as the scalar dialect sees them.
 #pragma once
+#include <algorithm>
+
 #include "machine/kernel_frame.h"
 #include "machine/scalar.h"
 
@@ -17,7 +19,7 @@ struct ScalarView {
   /// Any pixel; coordinates outside are clamped to the border.
   Real load(const float* plane, Int X, Int Y) const {
     X = clamp(X, 0, frame.frame.width - 1);
-    Y = clamp(Y, 0, frame.frame.height - 1);
+    Y = clamp(Y, frame.first_row, std::min(frame.last_row, frame.frame.height - 1));
     return plane[std::ptrdiff_t(Y) * frame.frame.stride + X];
   }
   /// The neighbour (i, j) pixels right and down of this one, clamped to the border.

@@ -179,12 +179,12 @@ void add_device_options(CLI::App& command, CommonOptions& o) {
   add_config_option(command);
 }
 
-Result<std::pair<int, int>> parse_resolution(std::string_view text) {
+Result<std::pair<int, int>> parse_resolution(std::string_view text, long most) {
   int size[2] = {0, 0};
   const std::size_t comma = text.find_first_of(",x");
   const auto wrong = [&] {
     return usage_error("--resolution cannot be '{}': it takes width,height from 1 to {} pixels, together at most {}",
-                       text, kLargestSide, kMostPixels);
+                       text, kLargestSide, std::min(most, long(kLargestSide) * kLargestSide));
   };
   if (comma == std::string_view::npos) return wrong();
   const std::string_view parts[2] = {text.substr(0, comma), text.substr(comma + 1)};
@@ -193,7 +193,7 @@ Result<std::pair<int, int>> parse_resolution(std::string_view text) {
     if (error != std::errc() || end != parts[i].data() + parts[i].size() || size[i] < 1 || size[i] > kLargestSide)
       return wrong();
   }
-  if (long(size[0]) * size[1] > kMostPixels) return wrong();
+  if (long(size[0]) * size[1] > most) return wrong();
   return std::pair(size[0], size[1]);
 }
 
@@ -213,9 +213,9 @@ Result<glm::vec3> parse_direction(std::string_view option, std::string_view text
   return glm::normalize(*v);
 }
 
-Result<DrawSettings> draw_settings(const CommonOptions& o) {
+Result<DrawSettings> draw_settings(const CommonOptions& o, long most_pixels) {
   DrawSettings draw;
-  const auto size = parse_resolution(o.resolution);
+  const auto size = parse_resolution(o.resolution, most_pixels);
   if (!size) return size.error();
   std::tie(draw.width, draw.height) = *size;
   Framing& framing = draw.framing;

@@ -41,13 +41,14 @@ void add_device_options(CLI::App& command, CommonOptions& options);
 /// What shines on the scene.
 void add_light_options(CLI::App& command, CommonOptions& options);
 
-/// The options, parsed. Errors: kUsage, naming the option and what it takes.
-Result<DrawSettings> draw_settings(const CommonOptions& options);
+/// The options, parsed. Errors: kUsage, naming the option and what it takes, also for a picture of more than
+/// `most_pixels`.
+Result<DrawSettings> draw_settings(const CommonOptions& options, long most_pixels = kMostPixels);
 Result<ImportSettings> import_settings(const CommonOptions& options);
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
 
 /// "1024,768" or "1024x768".
-Result<std::pair<int, int>> parse_resolution(std::string_view text);
+Result<std::pair<int, int>> parse_resolution(std::string_view text, long most = kMostPixels);
 
 /// "+Y", "-z" or "0,1,0".
 Result<glm::vec3> parse_direction(std::string_view option, std::string_view text);

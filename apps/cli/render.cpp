@@ -11,6 +11,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
 #include "apps/cli/standard_input.h"
+#include "apps/job/bands.h"
 #include "apps/job/passes.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
@@ -22,13 +23,26 @@ namespace umbrage::cli {
 namespace {
 
 struct RenderOptions : CommonOptions {
-  std::string output, camera_index;
+  std::string output, camera_index, memory = "6G";
   std::optional<std::string> passes;
   int bits = 8;
   bool half = false, json = false;
 };
 
 constexpr std::string_view kStandardOutput = "-";  // as --output
+
+/// Bytes of "6G", "512M" or "100000". Errors: kUsage.
+Result<double> parse_memory(std::string_view text) {
+  constexpr std::string_view kUnits = "KMGT";
+  double bytes = 0.0;
+  const char* const last = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), last, bytes);
+  const bool unit = end + 1 == last && kUnits.find(*end) != kUnits.npos;
+  if (error != std::errc() || !(unit || end == last) || !(bytes > 0.0) || !std::isfinite(bytes))
+    return usage_error("--memory cannot be '{}': it takes bytes, or a number with K, M, G or T, such as 6G", text);
+  for (std::size_t k = 0; unit && k <= kUnits.find(*end); ++k) bytes *= 1024.0;
+  return bytes;
+}
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 
@@ -66,38 +80,51 @@ Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
   return out;
 }
 
-/// Writes the file, or standard output.
-Result<void> put_image(const RenderOptions& o, const Image& image, const WriteSettings& settings) {
-  if (o.output != kStandardOutput) return write_image(o.output, image, settings);
-  const auto bytes = encode_png(image, settings);
+/// Writes the file, or standard output, from rows that are made meanwhile.
+Result<void> put_rows(const RenderOptions& o, const ImageShape& shape, const WriteSettings& settings,
+                      const MakeImageRows& make) {
+  if (o.output != kStandardOutput) return write_image_rows(o.output, shape, settings, make);
+  const auto bytes = encode_png_rows(shape, settings, make);
   if (!bytes) return bytes.error();
   if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
     return file_error("standard output: the picture could not be written");
   return {};
 }
 
+/// Writes the file, or standard output.
+Result<void> put_image(const RenderOptions& o, const Image& image, const WriteSettings& settings) {
+  return put_rows(o, {image.width, image.height, image.names}, settings,
+                  [&](const TakeImageRows& take) { return take(image); });
+}
+
+/// What the file holds of a picture, or of some of its rows.
+Image picture_in_file(const RenderOptions& o, const Image& drawn, const std::vector<std::string>& names,
+                      const EffectSettings& settings, const PictureInfo& info) {
+  const std::string_view extension = o.output == kStandardOutput ? "png" : (*format_of(o.output))->extension;
+  if (o.passes && extension == "png" && *o.passes == "outline")
+    return picture_of_lines(drawn.plane("outline"), settings);
+  if (o.passes && extension == "png") return picture_of_pass(drawn, names, info);
+  Image picture(drawn.width, drawn.height);
+  for (const std::string& name : names) picture.add(name) = drawn.plane(name);
+  return picture;
+}
+
 Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_settings, Device& device,
                           const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
-  const std::string_view extension = o.output == kStandardOutput ? "png" : (*format_of(o.output))->extension;
-  if (!o.passes) {
-    auto names = kColor;
-    if (o.no_background) names.push_back("color.a");
-    const auto image = device.download(frame, names);
-    return image ? put_image(o, *image, settings) : image.error();
+  auto names = kColor;
+  if (o.no_background) names.push_back("color.a");
+  if (o.passes) {
+    const auto all = device.download(frame, {});
+    if (!all) return all.error();
+    const auto chosen = chosen_planes(split(*o.passes), all->names, frame.info);
+    if (!chosen) return chosen.error();
+    names.clear();
+    for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
   }
-  const auto all = device.download(frame, {});
-  if (!all) return all.error();
-  const auto chosen = chosen_planes(split(*o.passes), all->names, frame.info);
-  if (!chosen) return chosen.error();
-  std::vector<std::string> names;
-  for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
-  if (extension == "png" && *o.passes == "outline")
-    return put_image(o, picture_of_lines(all->plane("outline"), effect_settings), settings);
-  if (extension == "png") return put_image(o, picture_of_pass(*all, names, frame.info), settings);
   const auto image = device.download(frame, names);
-  return image ? put_image(o, *image, settings) : image.error();
+  return image ? put_image(o, picture_in_file(o, *image, names, effect_settings, frame.info), settings) : image.error();
 }
 
 /// Makes the camera of that number the scene's own view: one of the file's, or else of those that a built-in scene
@@ -122,15 +149,27 @@ Result<void> use_camera(const std::string& index, Scene& scene) {
   return {};
 }
 
-/// Whether any pixel has a surface.
-bool shows_surface(Device& device, const Frame& frame) {
-  const auto depth = device.download(frame, {"depth"});
-  if (!depth) return true;
-  const Plane& plane = depth->planes[0];
-  for (int y = 0; y < plane.height; ++y)
-    for (int x = 0; x < plane.width; ++x)
-      if (std::isfinite(plane.at(x, y))) return true;
-  return false;
+/// What is seen in a picture, for hints.
+struct Seen {
+  long surfaces = 0;  ///< pixels that show one
+  long changed = 0;   ///< and that occlusion changes
+
+  void add(const Plane& depth, const Plane* ao) {
+    constexpr float kVisible = 1.0f / 255.0f;  // of an 8-bit picture
+    for (int y = 0; y < depth.height; ++y)
+      for (int x = 0; x < depth.width; ++x) {
+        if (!std::isfinite(depth.at(x, y))) continue;
+        ++surfaces;
+        changed += ao && std::abs(ao->at(x, y) - 1.0f) > kVisible;
+      }
+  }
+};
+
+/// The planes that tell it; occlusion only where it is asked for.
+std::vector<std::string> seen_planes(const RenderOptions& o, const Recipe& recipe) {
+  std::vector<std::string> planes = {"depth"};
+  if (!o.radius.empty() && recipe.occlusion != kNoOcclusion) planes.emplace_back("ao");
+  return planes;
 }
 
 /// A sentence for each setting that this picture does not show.
@@ -172,28 +211,90 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
 }
 
 /// A sentence where the radius that the user chose leaves hardly any occlusion; else nothing.
-std::string radius_hint(const RenderOptions& o, const Recipe& recipe, Device& device, const Frame& frame) {
+std::string radius_hint(const RenderOptions& o, const Recipe& recipe, const Seen& seen, float scene_radius) {
   constexpr double kHardlyAny = 1e-3;              // of the pixels that show a surface
-  constexpr float kSeen = 1.0f / 255.0f;           // of an 8-bit picture
   constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the scene's radius
   if (o.radius.empty() || recipe.occlusion == kNoOcclusion) return "";
   const auto length = parse_radius("--ao-radius", o.radius);
-  const auto image = device.download(frame, {"depth", "ao"});
-  if (!length || !image) return "";
+  if (!length) return "";
   const double percent =
-      length->relative ? double(length->value) : 100.0 * double(length->value) / double(frame.info.scene_radius);
-  long pixels = 0, changed = 0;
-  const Plane &depth = image->planes[0], &ao = image->planes[1];
-  for (int y = 0; y < image->height; ++y)
-    for (int x = 0; x < image->width; ++x) {
-      if (!std::isfinite(depth.at(x, y))) continue;
-      ++pixels;
-      changed += std::abs(ao.at(x, y) - 1.0f) > kSeen;
-    }
-  if (pixels == 0 || percent >= kTooSmall || double(changed) > kHardlyAny * double(pixels)) return "";
+      length->relative ? double(length->value) : 100.0 * double(length->value) / double(scene_radius);
+  const double pixels = double(seen.surfaces), changed = double(seen.changed);
+  if (seen.surfaces == 0 || percent >= kTooSmall || changed > kHardlyAny * pixels) return "";
   return fmt::format(
       "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the scene's; try --ao-radius {:g}%",
-      100.0 * double(changed) / double(pixels), percent, kUsual);
+      100.0 * changed / pixels, percent, kUsual);
+}
+
+/// Says on standard error what is odd about a picture.
+void print_hints(const RenderOptions& o, const Recipe& recipe, const Seen& seen, const Scene& scene) {
+  if (seen.surfaces == 0)
+    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
+               scene.name);
+  if (const std::string hint = radius_hint(o, recipe, seen, scene.radius()); !hint.empty())
+    fmt::print(stderr, "umbrage: warning: {}\n", hint);
+}
+
+/// The planes of the passes that are wanted, as a small copy of the picture has them.
+Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, Scene& scene,
+                                             const DrawSettings& draw_with) {
+  constexpr int kSmall = 16;  // pixels a side
+  DrawSettings small = draw_with;
+  small.width = small.height = kSmall;
+  small.progress = [](double) { return true; };
+  StageTimes times;
+  // Lights that a scene lacks hang on the picture.
+  const auto lights = scene.lights;
+  const auto ambient = scene.ambient;
+  const auto frame = draw(device, scene, small, times);
+  scene.lights = lights;
+  scene.ambient = ambient;
+  if (!frame) return frame.error();
+  const auto all = device.download(*frame, {});
+  if (!all) return all.error();
+  const auto chosen = chosen_planes(split(*o.passes), all->names, frame->info);
+  if (!chosen) return chosen.error();
+  std::vector<std::string> names;
+  for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
+  return names;
+}
+
+/// Draws the picture in bands, into its file. Progress is shown meanwhile, on `line`.
+Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device& device, Scene& scene,
+                            const DrawSettings& draw_with, BandPlan plan, ProgressLine& line, StageTimes& times) {
+  auto names = kColor;
+  if (o.no_background) names.push_back("color.a");
+  if (o.passes) {
+    auto planes = pass_planes(o, device, scene, draw_with);
+    if (!planes) return planes.error();
+    names = std::move(*planes);
+  }
+  plan.planes = names;
+  for (const std::string& name : seen_planes(o, recipe))
+    if (std::find(names.begin(), names.end(), name) == names.end()) plan.planes.push_back(name);
+  // Of the size that it has in the file, but one pixel.
+  Image pixel(1, 1);
+  for (const std::string& name : plan.planes) pixel.add(name) = Plane(1, 1, 0.0f);
+  const ImageShape shape{draw_with.width, draw_with.height,
+                         picture_in_file(o, pixel, names, recipe.settings, {}).names};
+  Seen seen;
+  const Camera camera = frame_scene(scene, draw_with.framing, draw_with.width, draw_with.height);
+  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
+  const auto make = [&](const TakeImageRows& take) {
+    return draw_bands(
+        device, scene, draw_with, plan,
+        [&](const PictureInfo& info, const Image& rows, int) {
+          seen.add(rows.plane("depth"), rows.find("ao"));
+          const auto taken = take(picture_in_file(o, rows, names, recipe.settings, info));
+          times.done("write");
+          return taken;
+        },
+        times);
+  };
+  const auto written = put_rows(o, shape, settings, make);
+  line.wipe();
+  if (written) print_hints(o, recipe, seen, scene);
+  return written;
 }
 
 /// What each pass took in all, in the order of their first runs.
@@ -244,12 +345,12 @@ Result<void> render(const RenderOptions& o) {
   const auto format = format_of(piped ? "-.png" : o.output);
   if (!format) return format.error();
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
-  auto draw_with = draw_settings(o);
+  auto draw_with = draw_settings(o, kMostBandPixels);
   if (!draw_with) return draw_with.error();
   if (o.passes) want_passes(split(*o.passes), *draw_with);
   const auto recipe = make_recipe(*draw_with);
   if (!recipe) return recipe.error();
-  const auto capture_with = capture_settings(*draw_with, *recipe->look, kMostShadows);
+  const auto capture_with = capture_settings(*draw_with, *recipe->look, kMostShadows, kMostBandPixels);
   if (!capture_with) return capture_with.error();
   if (o.passes)
     if (auto fine = check_passes(split(*o.passes), *draw_with); !fine) return fine;
@@ -262,6 +363,20 @@ Result<void> render(const RenderOptions& o) {
   if (!import_with) return import_with.error();
   auto device = device_of(o);
   if (!device) return device.error();
+  const auto memory = parse_memory(o.memory);
+  if (!memory) return memory.error();
+  auto plan = plan_bands(**device, *draw_with, *memory);
+  if (!plan && o.device == "auto" && !(*device)->draws_bands()) {
+    RenderOptions on_cpu = o;
+    on_cpu.device = "cpu";
+    device = device_of(on_cpu);
+    if (!device) return device.error();
+    plan = plan_bands(**device, *draw_with, *memory);
+  }
+  if (!plan) return plan.error();
+  if (plan->rows > 0 && o.passes && *o.passes == "all")
+    return usage_error("--passes all of {} x {} pixels takes more than --memory {}: name the passes, or allow more",
+                       draw_with->width, draw_with->height, o.memory);
 
   const auto hdri_warnings = read_hdri(draw_with->hdri);
   if (!hdri_warnings) return hdri_warnings.error();
@@ -284,15 +399,22 @@ Result<void> render(const RenderOptions& o) {
     line.show(fmt::format("drawing: {:.0f} %", 100.0 * done));
     return true;
   };
-  const auto frame = draw(**device, *scene, *draw_with, times);
-  line.wipe();
-  if (!frame) return frame.error();
-  if (!shows_surface(**device, *frame))
-    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
-               scene->name);
-  if (const std::string hint = radius_hint(o, *recipe, **device, *frame); !hint.empty())
-    fmt::print(stderr, "umbrage: warning: {}\n", hint);
-  if (auto written = write_output(o, recipe->settings, **device, *frame); !written) return written;
+  if (plan->rows > 0) {
+    if (o.verbose)
+      fmt::print(stderr, "drawn in bands of {} rows, by about {:.1f} GB; whole it would take more than --memory {}\n",
+                 plan->rows, plan->bytes * 1e-9, o.memory);
+    if (auto drawn = draw_into_file(o, *recipe, **device, *scene, *draw_with, *plan, line, times); !drawn) return drawn;
+  } else {
+    const auto frame = draw(**device, *scene, *draw_with, times);
+    line.wipe();
+    if (!frame) return frame.error();
+    if (const auto planes = (*device)->download(*frame, seen_planes(o, *recipe))) {
+      Seen seen;
+      seen.add(planes->plane("depth"), planes->find("ao"));
+      print_hints(o, *recipe, seen, *scene);
+    }
+    if (auto written = write_output(o, recipe->settings, **device, *frame); !written) return written;
+  }
   times.done("write");
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, (*device)->description());
   if (o.verbose || o.json) print_times(times, added_up((*device)->take_pass_times()), o.json);
@@ -323,6 +445,10 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(output);
   command->add_option("--bits", options->bits, "bits per channel of a PNG: 8 or 16 [8]")->group(output);
   command->add_flag("--half", options->half, "half floats in an EXR, where they suffice")->group(output);
+  command
+      ->add_option("--memory", options->memory,
+                   "draw in bands what would take more memory at once, about, such as 6G or 500M [6G]")
+      ->group(output);
   command->add_flag("--json", options->json, "print the time of each stage as JSON")->group(output);
   add_device_options(*command, *options);
   command->callback([options, &run] { run = [options] { return render(*options); }; });

@@ -128,16 +128,16 @@ std::optional<float> lowest_light_deg(const Scene& scene) {
   return lowest;
 }
 
-Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info) {
+Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& wanted) {
   const Panorama& panorama = panorama_of(hdri);
   const Camera& camera = info.camera;
   const glm::mat3 panorama_from_view =
       glm::transpose(glm::mat3(camera.view_from_world) * panorama_axes(up, hdri.rotation_deg));
-  Image image(info.width, info.height);
+  Image image(info.width, wanted.count());
   Plane* planes[3] = {};
   image.planes.reserve(3);
   for (int c = 0; c < 3; ++c) planes[c] = &image.add(std::string("sky.") + "rgb"[c]);
-  tbb::parallel_for(tbb::blocked_range<int>(0, info.height), [&](const tbb::blocked_range<int>& rows) {
+  tbb::parallel_for(tbb::blocked_range<int>(wanted.begin, wanted.end), [&](const tbb::blocked_range<int>& rows) {
     for (int y = rows.begin(); y < rows.end(); ++y)
       for (int x = 0; x < info.width; ++x) {
         glm::vec3 ray(0.0f, 0.0f, -1.0f);
@@ -146,7 +146,7 @@ Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& 
           ray.y = camera.top - (float(y) + 0.5f) / float(info.height) * (camera.top - camera.bottom);
         }
         const glm::vec3 radiance = gain * panorama_radiance(panorama, panorama_from_view * ray);
-        for (int c = 0; c < 3; ++c) planes[c]->at(x, y) = radiance[c];
+        for (int c = 0; c < 3; ++c) planes[c]->at(x, y - wanted.begin) = radiance[c];
       }
   });
   return image;

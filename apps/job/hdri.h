@@ -11,6 +11,7 @@ void light_by(const Hdri& hdri, Scene& scene);
 std::optional<float> lowest_light_deg(const Scene& scene);
 
 /// The planes sky.r, sky.g and sky.b of a picture: the image's radiance, times `gain`, as each pixel's ray sees it.
-Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info);
+/// Those rows of them alone.
+Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& rows);
 
 }  // namespace umbrage

@@ -10,6 +10,7 @@
 #include <glm/vector_relational.hpp>
 #include <thread>
 
+#include "apps/job/drawing.h"
 #include "apps/job/hdri.h"
 #include "core/check.h"
 #include "core/suggest.h"
@@ -17,7 +18,6 @@
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "effects/output/output.h"
-#include "looks/frames.h"
 #include "looks/quality.h"
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
@@ -174,7 +174,7 @@ const Quality* quality_of(const DrawSettings& draw, const Look& look) {
 
 }  // namespace
 
-Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows) {
+Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows, long most) {
   const int guard = int(std::ceil(draw.guard_percent / 100.0f * float(std::max(draw.width, draw.height))));
   const long width = draw.width + 2L * guard, height = draw.height + 2L * guard;
   const Quality* quality = quality_of(draw, look);
@@ -195,10 +195,10 @@ Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& l
   while (!draw.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
-  if (width * height * *layers > kMostPixels)
+  if (width * height * *layers > most)
     return usage_error("{} of {} x {} pixels {} too many: together at most {} pixels",
                        *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
-                       *layers == 1 ? "is" : "are", kMostPixels);
+                       *layers == 1 ? "is" : "are", most);
   return settings;
 }
 
@@ -428,11 +428,9 @@ FrameNoise frame_noise(const Recipe& recipe) {
   return {};
 }
 
-/// The planes of a picture that are averaged over frames.
-std::vector<std::string> averaged_planes(const DrawSettings& settings) {
-  std::vector<std::string> names = {"color.r", "color.g", "color.b", "color.a"};
-  names.insert(names.end(), settings.averaged.begin(), settings.averaged.end());
-  return names;
+/// Applies a setting of ours.
+void must_apply(Recipe& recipe, const std::string& setting) {
+  if (auto done = apply_setting(recipe.settings, setting, handed_in()); !done) fail_check(done.error().message);
 }
 
 /// Planes as a frame with a guard band has them: as much around, of what is at the rim.
@@ -450,14 +448,8 @@ Image with_band(const Image& inner, int band) {
 
 /// Makes the finished picture of averaged ones, and puts it and what else was averaged into a frame. `output`: how the
 /// look would have finished a single one.
-Result<void> finish_average(Device& device, const PictureSum& total, ParameterBytes output, Frame& frame) {
-  auto mean = device.upload(mean_picture(total, inner_info(frame.info)));
-  if (!mean) return mean.error();
-  as<OutputParams>(output).exposure = 0.0f;  // each frame had them
-  as<OutputParams>(output).shoulder = 1.0f;
-  as<OutputParams>(output).sky = 0;
-  if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done;
-  const auto color = device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
+Result<void> finish_average(Device& device, const PictureSum& total, const ParameterBytes& output, Frame& frame) {
+  const auto color = finished_color(device, total, output, inner_info(frame.info));
   if (!color) return color.error();
   if (auto done = device.add(with_band(*color, frame.info.guard), frame); !done) return done;
   return device.add(with_band(mean_planes(total), frame.info.guard), frame);
@@ -524,24 +516,88 @@ LookRun look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress
                 progress.step_done();
               },
           .stops = {},
+          .meter = metered_stops,
           .handed_in = handed_in(),
           .run_handed_in = {}};
 }
 
 }  // namespace
 
-Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
-  const KeptPlanes kept;
+std::vector<std::string> averaged_planes(const DrawSettings& settings) {
+  std::vector<std::string> names = {"color.r", "color.g", "color.b", "color.a"};
+  names.insert(names.end(), settings.averaged.begin(), settings.averaged.end());
+  return names;
+}
+
+Result<Image> finished_color(Device& device, const PictureSum& total, ParameterBytes output, const PictureInfo& info) {
+  auto mean = device.upload(mean_picture(total, info));
+  if (!mean) return mean.error();
+  as<OutputParams>(output).exposure = 0.0f;  // each frame had them
+  as<OutputParams>(output).shoulder = 1.0f;
+  as<OutputParams>(output).sky = 0;
+  if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done.error();
+  return device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
+}
+
+Result<Drawing> begin_drawing(Device& device, Scene& scene, const DrawSettings& settings, long most_pixels) {
   auto recipe = make_recipe(settings);
   if (!recipe) return recipe.error();
-  const Camera camera = frame_scene(scene, settings.framing, settings.width, settings.height);
+  Drawing drawing;
+  drawing.recipe = std::move(*recipe);
+  drawing.camera = frame_scene(scene, settings.framing, settings.width, settings.height);
   if (scene.lights.empty() && !settings.hdri.lights())
-    if (auto added = add_lights(scene, camera, settings, *recipe, device.threads()); !added) return added.error();
-  meter_inside(settings, camera, scene, *recipe);
+    if (auto added = add_lights(scene, drawing.camera, settings, drawing.recipe, device.threads()); !added)
+      return added.error();
+  meter_inside(settings, drawing.camera, scene, drawing.recipe);
   if (settings.light_size_deg) widen_key_light(*settings.light_size_deg, scene);
-  auto capture_with = capture_settings(settings, *recipe->look, std::max(settings.shadows, wanted_shadows(*recipe)));
+  const auto capture_with = capture_settings(settings, *drawing.recipe.look,
+                                             std::max(settings.shadows, wanted_shadows(drawing.recipe)), most_pixels);
   if (!capture_with) return capture_with.error();
-  DrawProgress progress(device, settings.progress, int(recipe->look->effects.size()), recipe->frames);
+  drawing.capture = *capture_with;
+  blend_as_written(drawing.recipe.settings);
+  drawing.output = drawing.recipe.settings.find("output")->second;
+  if (drawing.averages()) {
+    // Light with alpha, so that edges mix with the background as light does.
+    must_apply(drawing.recipe, "output.transfer=none");
+    if (!settings.hdri.shown()) must_apply(drawing.recipe, "output.transparent=on");
+  }
+  const FrameNoise noise = frame_noise(drawing.recipe);
+  drawing.noise = noise.parameter;
+  drawing.first_noise = noise.first;
+  return drawing;
+}
+
+Camera begin_frame(Drawing& drawing, int frame, const DrawSettings& settings) {
+  drawing.capture.sample = frame;
+  if (drawing.averages() && !drawing.noise.empty())
+    must_apply(drawing.recipe, fmt::format("{}={}", drawing.noise, (drawing.first_noise + frame) % kMostFrames));
+  return shifted_camera(drawing.camera, frame_offset(frame, drawing.recipe.frames), settings.width, settings.height);
+}
+
+Result<void> add_sky(Device& device, const Scene& scene, const Drawing& drawing, const DrawSettings& settings,
+                     Frame& frame) {
+  if (!settings.hdri.shown()) return {};
+  // Looks that do not show how bright lights are show a sky as if white lay in it.
+  const float gain = shows_light(*drawing.recipe.look, drawing.recipe.settings) || !(scene.usual_light > 0.0f)
+                         ? settings.hdri.intensity
+                         : settings.hdri.intensity / scene.usual_light;
+  const int height = frame.info.height;
+  const Rows rows = drawing.capture.band ? held_rows(*drawing.capture.band, height) : Rows{0, height};
+  return device.add(sky_planes(settings.hdri, scene.up, gain, frame.info, rows), frame);
+}
+
+Result<void> know_picture(Drawing& drawing, const PictureInfo& info, const DrawSettings& settings) {
+  if (drawing.radius_known) return {};
+  drawing.radius_known = true;
+  return apply_radius(settings, info, drawing.recipe.settings);
+}
+
+Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, StageTimes& times) {
+  const KeptPlanes kept;
+  auto drawing = begin_drawing(device, scene, settings, kMostPixels);
+  if (!drawing) return drawing.error();
+  const Recipe& recipe = drawing->recipe;
+  DrawProgress progress(device, settings.progress, int(recipe.look->effects.size()), recipe.frames);
   TracedScenePtr hierarchy;  // of the reference, for all frames
   const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
     if (!hierarchy) {
@@ -552,46 +608,23 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), own_thread_only(device.go_on)});
     return planes ? device.add(*planes, on) : planes.error();
   };
-  LookRun run = look_run(*recipe, times, progress);
+  LookRun run = look_run(recipe, times, progress);
   run.run_handed_in = run_reference;
-  const auto set = [&](const std::string& setting) {
-    if (auto done = apply_setting(recipe->settings, setting, handed_in()); !done) fail_check(done.error().message);
-  };
-  blend_as_written(recipe->settings);
-  const bool averages = recipe->frames > 1;
-  const ParameterBytes output = recipe->settings.find("output")->second;
-  if (averages) {
-    // Light with alpha, so that edges mix with the background as light does.
-    set("output.transfer=none");
-    if (!settings.hdri.shown()) set("output.transparent=on");
-  }
-  const FrameNoise noise = frame_noise(*recipe);
   PictureSum total;
-  // The last frame has its samples at the pixels' centres, and stays.
-  for (int k = recipe->frames - 1;; --k) {
-    capture_with->sample = k;
-    auto frame = device.capture(
-        shifted_camera(camera, frame_offset(k, recipe->frames), settings.width, settings.height), *capture_with);
+  // The last frame stays.
+  for (int k = recipe.frames - 1;; --k) {
+    const Camera camera = begin_frame(*drawing, k, settings);
+    auto frame = device.capture(camera, drawing->capture);
     if (!frame) return frame;
     times.done("capture");
     progress.step_done();
-    if (settings.hdri.shown()) {
-      // Looks that do not show how bright lights are show a sky as if white lay in it.
-      const float gain = shows_light(*recipe->look, recipe->settings) || !(scene.usual_light > 0.0f)
-                             ? settings.hdri.intensity
-                             : settings.hdri.intensity / scene.usual_light;
-      if (auto added = device.add(sky_planes(settings.hdri, scene.up, gain, frame->info), *frame); !added)
-        return added.error();
-      times.done("sky");
-    }
-    if (total.count == 0)
-      if (auto done = apply_radius(settings, frame->info, recipe->settings); !done) return done.error();
-    if (averages && !noise.parameter.empty())
-      set(fmt::format("{}={}", noise.parameter, (noise.first + k) % kMostFrames));
+    if (auto added = add_sky(device, scene, *drawing, settings, *frame); !added) return added.error();
+    if (settings.hdri.shown()) times.done("sky");
+    if (auto done = know_picture(*drawing, frame->info, settings); !done) return done.error();
     const auto stops = run_look(run, device, *frame);
     if (!stops) return stops.error();
     run.stops = *stops;  // one exposure for all
-    if (!averages) {
+    if (!drawing->averages()) {
       if (auto done = progress.end(); !done) return done.error();
       return frame;
     }
@@ -601,7 +634,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     progress.frame_done();
     times.done("average");
     if (k > 0) continue;
-    if (auto done = finish_average(device, total, output, *frame); !done) return done.error();
+    if (auto done = finish_average(device, total, drawing->output, *frame); !done) return done.error();
     times.done("average");
     if (auto done = progress.end(); !done) return done.error();
     return frame;

@@ -32,9 +32,11 @@ struct StageTimes {
   double total() const;
 };
 
-/// The largest picture: larger ones need more memory than most machines have (64 million pixels take about 8 GB).
+/// The largest picture, and how many pixels, of all layers together, may be held at once: more need more memory than
+/// most machines have (64 million take 8 GB and more). See apps/job/bands.h for larger pictures.
 inline constexpr int kLargestSide = 16384;
 inline constexpr long kMostPixels = 8192L * 8192L;
+inline constexpr long kMostBandPixels = 2L * kLargestSide * kLargestSide;
 
 /// Whether a model gets a ground to stand on.
 enum class Ground {
@@ -116,9 +118,10 @@ struct Recipe {
 };
 Result<Recipe> make_recipe(const DrawSettings& draw);
 
-/// What the device is to capture for a look. Errors: kUsage for too many layers, or a picture that is too large with
-/// them and its guard band.
-Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows);
+/// What the device is to capture for a look. Errors: kUsage for too many layers, or a picture that has more than
+/// `most` pixels with them and its guard band.
+Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows,
+                                         long most = kMostPixels);
 
 inline constexpr double kMostIntensity = 1e6;  ///< of Hdri
 inline constexpr double kWidestLight = 90.0;   ///< of light_size_deg

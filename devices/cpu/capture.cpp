@@ -62,6 +62,7 @@ struct DrawnPlane {
 struct Drawing {
   const TracedScene& traced;
   PictureInfo info;  ///< as the view's camera sees it
+  Rows rows;         ///< of the picture, those that are drawn; the first is a multiple of kBlock
   CameraRays rays;
   std::vector<ShadowLight> lights;
   int sample = 0;                                   ///< of pictures that are averaged
@@ -99,20 +100,22 @@ void clear(const Drawing& drawing, Block& block) {
   std::fill_n(block.penumbra, kMostShadows, PenumbraSize{});
 }
 
-/// Rows are padded to kRowAlignment floats, so that a block may be stored over the picture's right side.
+/// Of block (x0, y0) the rows that are drawn. Rows are padded to kRowAlignment floats, so that a block may be stored
+/// over the picture's right side.
 void store(const Drawing& drawing, const Block& block, int x0, int y0, int layer, Image& image) {
   for (std::size_t p = 0; p < drawing.planes.size(); ++p) {
     Plane& plane = image.planes[std::size_t(layer) * drawing.planes.size() + p];
     const float* values = drawing.planes[p].in(block);
-    for (int j = 0; j < kBlock && y0 + j < image.height; ++j)
-      std::memcpy(plane.row(y0 + j) + x0, values + j * kBlock, kBlock * sizeof(float));
+    for (int j = 0; j < kBlock && y0 + j < drawing.rows.end; ++j)
+      std::memcpy(plane.row(y0 + j - drawing.rows.begin) + x0, values + j * kBlock, kBlock * sizeof(float));
   }
 }
 
 void store_penumbrae(const Drawing& drawing, const Block& block, int x0, int y0) {
   for (PenumbraRadii& radii : *drawing.penumbrae) {
-    radii.across.at(x0 / kBlock, y0 / kBlock) = std::sqrt(block.penumbra[radii.light].across);
-    radii.down.at(x0 / kBlock, y0 / kBlock) = std::sqrt(block.penumbra[radii.light].down);
+    const int i = x0 / kBlock, j = (y0 - drawing.rows.begin) / kBlock;
+    radii.across.at(i, j) = std::sqrt(block.penumbra[radii.light].across);
+    radii.down.at(i, j) = std::sqrt(block.penumbra[radii.light].down);
   }
 }
 
@@ -301,7 +304,7 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
   fill(rh.ray.dir_y, rays.direction.y, rays.direction_x.y, rays.direction_y.y);
   fill(rh.ray.dir_z, rays.direction.z, rays.direction_x.z, rays.direction_y.z);
   for (int k = 0; k < kPacket; ++k) {
-    valid[k] = x0 + k % kBlock < image.width && y0 + k / kBlock < image.height ? -1 : 0;
+    valid[k] = x0 + k % kBlock < drawing.info.width && y0 + k / kBlock < drawing.info.height ? -1 : 0;
     set_length(rh.ray, k, std::numeric_limits<float>::infinity());
     rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
   }
@@ -343,11 +346,12 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
 }
 
 /// Draws what the picture's camera, or that of layer `view`, sees.
-void draw_view(const TracedScene& traced, const PictureInfo& info, const std::vector<DrawnPlane>& planes,
-               const CaptureSettings& settings, int view, const DrawnLayers& layers,
-               std::vector<PenumbraRadii>* penumbrae, Watch& watch, Image& image) {
+void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& drawn,
+               const std::vector<DrawnPlane>& planes, const CaptureSettings& settings, int view,
+               const DrawnLayers& layers, std::vector<PenumbraRadii>* penumbrae, Watch& watch, Image& image) {
   Drawing drawing{.traced = traced,
                   .info = layer_info(info, view),
+                  .rows = drawn,
                   .rays = {},
                   .lights = {},
                   .sample = settings.sample,
@@ -359,33 +363,33 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const std::ve
     // From there nothing is seen.
     Block background;
     clear(drawing, background);
-    for (int y = 0; y < info.height; y += kBlock)
+    for (int y = drawn.begin; y < drawn.end; y += kBlock)
       for (int x = 0; x < info.width; x += kBlock)
         for (int layer = 0; layer < layers.count; ++layer)
           for (const int first : {layers.first, layers.backs})
             if (first >= 0) store(drawing, background, x, y, first + layer, image);
     return;
   }
-  const int columns = (info.width + kBlock - 1) / kBlock, rows = (info.height + kBlock - 1) / kBlock;
+  const int columns = (info.width + kBlock - 1) / kBlock, rows = (drawn.count() + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range2d<int>(0, rows, kTileBlocks, 0, columns, kTileBlocks), [&](const auto& range) {
     if (watch.ended()) return;
     for (int r = range.rows().begin(); r < range.rows().end(); ++r)
       for (int c = range.cols().begin(); c < range.cols().end(); ++c)
-        draw_block(drawing, layers, c * kBlock, r * kBlock, image);
+        draw_block(drawing, layers, c * kBlock, drawn.begin + r * kBlock, image);
     watch.done(long(range.rows().size()) * long(range.cols().size()));
   });
 }
 
-/// How many blocks a picture has.
-long blocks_of(const PictureInfo& info) {
-  return long((info.width + kBlock - 1) / kBlock) * long((info.height + kBlock - 1) / kBlock);
+/// How many blocks so many rows have.
+long blocks_of(const PictureInfo& info, const Rows& rows) {
+  return long((info.width + kBlock - 1) / kBlock) * long((rows.count() + kBlock - 1) / kBlock);
 }
 
 /// One for each shadow that is softened, of a picture in which nothing is seen.
-std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const CaptureSettings& settings) {
+std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const Rows& rows, const CaptureSettings& settings) {
   std::vector<PenumbraRadii> all;
   for (const int light : softened_lights(info, settings)) {
-    const Plane none(info.width, soften_blocks(info.height), std::numeric_limits<float>::infinity());
+    const Plane none(info.width, soften_blocks(rows.count()), std::numeric_limits<float>::infinity());
     all.push_back({light, none, none});
   }
   return all;
@@ -397,7 +401,8 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
                              const std::function<bool(double)>& go_on, bool scalar) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings.shadows);
   const int all = 1 + int(info.more_layers.size());
-  Image image(info.width, info.height);
+  const Rows rows = settings.band ? held_rows(*settings.band, info.height) : Rows{0, info.height};
+  Image image(info.width, rows.count());
   image.planes.reserve(std::size_t(all) * planes.size());
   for (int layer = 0; layer < all; ++layer)
     for (const DrawnPlane& plane : planes) image.add(layer_plane(layer, plane.name));
@@ -409,14 +414,14 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
   }
   const auto others = std::count_if(info.more_layers.begin(), info.more_layers.end(),
                                     [](const LayerInfo& layer) { return layer.kind == LayerKind::kOther; });
-  Watch watch(go_on, blocks_of(info) * (1 + long(others)));
-  std::vector<PenumbraRadii> penumbrae = penumbra_radii(info, settings);
-  draw_view(traced, info, planes, settings, 0, own, &penumbrae, watch, image);
+  Watch watch(go_on, blocks_of(info, rows) * (1 + long(others)));
+  std::vector<PenumbraRadii> penumbrae = penumbra_radii(info, rows, settings);
+  draw_view(traced, info, rows, planes, settings, 0, own, &penumbrae, watch, image);
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
-      draw_view(traced, info, planes, settings, layer, {.first = layer}, nullptr, watch, image);
+      draw_view(traced, info, rows, planes, settings, layer, {.first = layer}, nullptr, watch, image);
   if (watch.ended()) return watch.result().error();
-  soften_shadows(info, penumbrae, scalar, image);
+  soften_shadows(info, rows, penumbrae, scalar, image);
   return image;
 }
 

@@ -12,9 +12,9 @@ namespace umbrage {
 /// The planes of core/gbuffer.h for each pixel centre's ray, one set per layer that `info` names: first the surfaces
 /// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a hundred-
 /// thousandth of their distances from the eye and from the scene's middle, added up, are one; which of them it is,
-/// rounding decides. Of the settings only those of shadows count. Uses all threads of the calling task arena; the
-/// result does not depend on their number. `go_on`: see Device. `scalar`: kernels run in their plain form. Errors:
-/// kInterrupted.
+/// rounding decides. Of the settings only those of shadows and of a band count. Uses all threads of the calling task
+/// arena; the result does not depend on their number. `go_on`: see Device. `scalar`: kernels run in their plain form.
+/// Errors: kInterrupted.
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
                              const std::function<bool(double)>& go_on = {}, bool scalar = false);
 

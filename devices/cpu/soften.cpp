@@ -65,6 +65,18 @@ Segments changing(const Plane& shadow) {
   return out;
 }
 
+/// The rows of blocks, counted from the first that is held, for which so many above and below are held, or are not in
+/// the picture.
+Rows held_blocks(int height, const Rows& rows, int neighbours) {
+  return {rows.begin == 0 ? 0 : neighbours,
+          rows.end == height ? soften_blocks(rows.count()) : rows.count() / kSoftenBlock - neighbours};
+}
+
+/// Where a plane's first row would be whose first held one is that of row `first`.
+float* data_of(const Plane& plane, int first = 0) {
+  return row_zero(const_cast<float*>(plane.data()), plane.stride, first);  // a kernel stores to its outputs alone
+}
+
 /// One run of a pass over the segments of a picture.
 struct Run {
   FrameConstants frame;
@@ -73,10 +85,13 @@ struct Run {
   CpuKernel kernel;
 };
 
-void run_segments(const Run& run, const Segments& where) {
+/// In the rows of blocks whose neighbours, so many above and below, are held or not in the picture.
+void run_segments(const Run& run, const Rows& rows, const Segments& where, int neighbours) {
   const KernelFrame frame{run.frame, &run.constants, run.planes};
+  const Rows blocks = held_blocks(run.frame.height, rows, neighbours);
   over_rows(where.rows, [&](int j) {
-    const int y0 = j * kSoftenBlock, y1 = std::min(y0 + kSoftenBlock, run.frame.height);
+    if (j < blocks.begin || j >= blocks.end) return;
+    const int y0 = rows.begin + j * kSoftenBlock, y1 = std::min(y0 + kSoftenBlock, rows.end);
     for (int i = 0; i < where.columns; ++i) {
       const int begin = i;
       while (i < where.columns && where.at(i, j)) ++i;
@@ -85,29 +100,30 @@ void run_segments(const Run& run, const Segments& where) {
   });
 }
 
-float* data_of(const Plane& plane) { return const_cast<float*>(plane.data()); }  // a kernel stores to its outputs alone
-
 }  // namespace
 
 int soften_blocks(int pixels) { return (pixels + kSoftenBlock - 1) / kSoftenBlock; }
 
-void soften_shadows(const PictureInfo& info, std::span<const PenumbraRadii> radii, bool scalar, Image& image) {
+void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const PenumbraRadii> radii, bool scalar,
+                    Image& image) {
   const auto kernel_of = [&](const Pass& pass) { return scalar ? pass.scalar : pass.lanes; };
   for (const PenumbraRadii& of : radii) {
     Plane& shadow = image.plane(shadow_plane(of.light));
-    Plane between(shadow.width, shadow.height), reach(shadow.width, soften_blocks(shadow.height));
+    Plane between(shadow.width, shadow.height);
+    Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenLeast);  // where it is not computed
     Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_pass())};
     // What is filtered along columns needs rows above and below that are filtered along themselves.
     const auto filter = [&](bool second, bool down, const Segments& where) {
       run.constants = {.dx = down ? 0 : 1, .dy = down ? 1 : 0, .second = second ? 1 : 0};
-      run.planes = {{"depth", data_of(image.plane("depth"))},
-                    {"normal.x", data_of(image.plane("normal.x"))},
-                    {"normal.y", data_of(image.plane("normal.y"))},
-                    {"normal.z", data_of(image.plane("normal.z"))},
-                    {"soften_from", down ? between.data() : shadow.data()},
-                    {"soften_to", down ? shadow.data() : between.data()},
-                    {"soften_reach", reach.data()}};
-      run_segments(run, where);
+      const int first = rows.begin;
+      run.planes = {{"depth", data_of(image.plane("depth"), first)},
+                    {"normal.x", data_of(image.plane("normal.x"), first)},
+                    {"normal.y", data_of(image.plane("normal.y"), first)},
+                    {"normal.z", data_of(image.plane("normal.z"), first)},
+                    {"soften_from", data_of(down ? between : shadow, first)},
+                    {"soften_to", data_of(down ? shadow : between, first)},
+                    {"soften_reach", data_of(reach, first / kSoftenBlock)}};
+      run_segments(run, rows, where, !down ? 0 : second ? kSoftenBlocks - 1 : 1);
     };
     const Segments changes = changing(shadow);
     const Segments near = around(changes, 1, 1);
@@ -118,10 +134,15 @@ void soften_shadows(const PictureInfo& info, std::span<const PenumbraRadii> radi
     for (const bool down : {false, true}) {
       Run blocks{.frame = run.frame, .kernel = kernel_of(soften_reach_pass())};
       blocks.frame.width = soften_blocks(shadow.width);
-      blocks.frame.height = soften_blocks(shadow.height);
-      blocks.planes = {{"penumbra", data_of(down ? of.down : of.across)}, {"soften_reach", reach.data()}};
+      blocks.frame.height = soften_blocks(info.height);
+      const int first = rows.begin / kSoftenBlock;
+      blocks.planes = {{"penumbra", data_of(down ? of.down : of.across, first)},
+                       {"soften_reach", data_of(reach, first)}};
       const KernelFrame frame{blocks.frame, &blocks.constants, blocks.planes};
-      over_rows(blocks.frame.height, [&](int j) { blocks.kernel(frame, {0, j, blocks.frame.width, j + 1}); });
+      const Rows held = held_blocks(info.height, rows, kSoftenBlocks);
+      over_rows(held.end, [&](int j) {
+        if (j >= held.begin) blocks.kernel(frame, {0, first + j, blocks.frame.width, first + j + 1});
+      });
       filter(true, down, down ? far : around(far, 0, kSoftenBlocks));
     }
   }

@@ -23,7 +23,8 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "shininess") return 1.0f;
   if (plane.starts_with("shadow")) return 1.0f;
   if (plane == "ao") return 1.0f;
-  if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" || plane == "material_id")
+  if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" ||
+      plane == "material_id" || plane == "bitmask_mips")
     return 0.0f;
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
       plane.starts_with("emission.") || plane.starts_with("sky."))

@@ -133,6 +133,8 @@ const Effect& effect_alchemy() {
                   .spirv = kSpirv,
                   .tile_width = 128,
                   .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = {"depth"},
                   .for_missing = true}},
   };
   return effect;

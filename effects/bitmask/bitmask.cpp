@@ -243,6 +243,10 @@ void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
   as<BitmaskParams>(bytes).radius = {radius, 0};
 }
 
+bool has_mips(const ParameterBytes& bytes) {
+  const auto& params = as<BitmaskParams>(bytes);
+  return params.mips != 0 && params.mode != kBitmaskLayers;
+}
 bool bleeds(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bleeding > 0.0f; }
 bool bends(const ParameterBytes& bytes) { return as<BitmaskParams>(bytes).bent != 0; }
 bool through_layers(const ParameterBytes& bytes) {
@@ -273,6 +277,10 @@ Planes sent_inputs() {
                 {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
 }
 
+Planes far_planes() {
+  return joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}), {"bitmask_mips"});
+}
+
 }  // namespace
 
 const Effect& effect_bitmask() {
@@ -297,14 +305,16 @@ const Effect& effect_bitmask() {
                   .outputs = {"bitmask_mips"},
                   .scalar = run_scalar_bitmask_mips,
                   .lanes = run_lanes_bitmask_mips,
-                  .spirv = kMipsSpirv},
+                  .spirv = kMipsSpirv,
+                  .needed = has_mips},
                  {.name = "sent",
                   .inputs = sent_inputs(),
                   .outputs = packed_planes(),
                   .scalar = run_scalar_bitmask_sent,
                   .lanes = run_lanes_bitmask_sent,
                   .spirv = kSentSpirv,
-                  .needed = bleeds},
+                  .needed = bleeds,
+                  .reach = own_row},
                  {.name = "horizon",
                   .inputs = kSurface,
                   .outputs = {"ao"},
@@ -313,7 +323,9 @@ const Effect& effect_bitmask() {
                   .spirv = kHorizonSpirv,
                   .needed = by_horizon,
                   .tile_width = 128,
-                  .tile_height = 32},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = {"depth", "bitmask_mips"}},
                  {.name = "occlusion",
                   .inputs = kSurface,
                   .outputs = {"ao"},
@@ -322,7 +334,9 @@ const Effect& effect_bitmask() {
                   .spirv = kOcclusionSpirv,
                   .needed = by_bits,
                   .tile_width = 128,
-                  .tile_height = 32},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = {"depth", "bitmask_mips"}},
                  {.name = "layers",
                   .inputs = joined(of_all_layers({"depth"}), kOwn),
                   .outputs = {"ao"},
@@ -331,7 +345,9 @@ const Effect& effect_bitmask() {
                   .spirv = kLayersSpirv,
                   .needed = through_layers,
                   .tile_width = 128,
-                  .tile_height = 32},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = far_planes()},
                  {.name = "bleeding",
                   .inputs = joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}),
                                    kOwn),
@@ -341,7 +357,9 @@ const Effect& effect_bitmask() {
                   .spirv = kBleedingSpirv,
                   .needed = bleeds,
                   .tile_width = 128,
-                  .tile_height = 32},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = far_planes()},
                  {.name = "bent",
                   .inputs = joined(of_all_layers({"depth"}), kOwn),
                   .outputs = {"ao", "bent.x", "bent.y", "bent.z"},
@@ -350,7 +368,9 @@ const Effect& effect_bitmask() {
                   .spirv = kBentSpirv,
                   .needed = bends,
                   .tile_width = 128,
-                  .tile_height = 32}},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = far_planes()}},
       .rounds = rounds,
   };
   return effect;

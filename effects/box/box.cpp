@@ -1,5 +1,6 @@
 #include "effects/box/box.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include "core/effect.h"
@@ -63,6 +64,11 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
 bool blurs_ao(const ParameterBytes& bytes) { return as<BoxParams>(bytes).ao != 0; }
 bool blurs_indirect(const ParameterBytes& bytes) { return as<BoxParams>(bytes).indirect != 0; }
 
+int reach(const void* constants, int) {
+  const auto& c = *static_cast<const BoxConstants*>(constants);
+  return std::max(-c.first, c.last);
+}
+
 }  // namespace
 
 const Effect& effect_box() {
@@ -82,28 +88,32 @@ const Effect& effect_box() {
                   .scalar = run_scalar_box_ao_across,
                   .lanes = run_lanes_box_ao_across,
                   .spirv = kAoAcrossSpirv,
-                  .needed = blurs_ao},
+                  .needed = blurs_ao,
+                  .reach = own_row},
                  {.name = "ao down",
                   .inputs = {"box_ao", "box_count"},
                   .outputs = {"ao"},
                   .scalar = run_scalar_box_ao_down,
                   .lanes = run_lanes_box_ao_down,
                   .spirv = kAoDownSpirv,
-                  .needed = blurs_ao},
+                  .needed = blurs_ao,
+                  .reach = reach},
                  {.name = "indirect across",
                   .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
                   .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
                   .scalar = run_scalar_box_indirect_across,
                   .lanes = run_lanes_box_indirect_across,
                   .spirv = kIndirectAcrossSpirv,
-                  .needed = blurs_indirect},
+                  .needed = blurs_indirect,
+                  .reach = own_row},
                  {.name = "indirect down",
                   .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
                   .outputs = {"indirect.r", "indirect.g", "indirect.b"},
                   .scalar = run_scalar_box_indirect_down,
                   .lanes = run_lanes_box_indirect_down,
                   .spirv = kIndirectDownSpirv,
-                  .needed = blurs_indirect}},
+                  .needed = blurs_indirect,
+                  .reach = reach}},
   };
   return effect;
 }

@@ -85,7 +85,8 @@ const Effect& effect_composite() {
                   .outputs = {"lit.r", "lit.g", "lit.b"},
                   .scalar = run_scalar_composite,
                   .lanes = run_lanes_composite,
-                  .spirv = kSpirv}},
+                  .spirv = kSpirv,
+                  .reach = own_row}},
   };
   return effect;
 }

@@ -102,6 +102,9 @@ bool ao_alone(const ParameterBytes& bytes) {
   return params.rounds > 0 && params.occlusion > 0.0f && !light_too(bytes);
 }
 
+/// Two pixels, twice as far apart in each round.
+int reach(const void*, int round) { return 2 << round; }
+
 }  // namespace
 
 const Effect& effect_denoise() {
@@ -122,14 +125,16 @@ const Effect& effect_denoise() {
                   .scalar = run_scalar_denoise_ao_across,
                   .lanes = run_lanes_denoise_ao_across,
                   .spirv = kAoAcrossSpirv,
-                  .needed = ao_alone},
+                  .needed = ao_alone,
+                  .reach = own_row},
                  {.name = "ao_down",
                   .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
                   .scalar = run_scalar_denoise_ao_down,
                   .lanes = run_lanes_denoise_ao_down,
                   .spirv = kAoDownSpirv,
-                  .needed = ao_alone},
+                  .needed = ao_alone,
+                  .reach = reach},
                  {.name = "light_across",
                   .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
                              "normal.z"},
@@ -137,7 +142,8 @@ const Effect& effect_denoise() {
                   .scalar = run_scalar_denoise_light_across,
                   .lanes = run_lanes_denoise_light_across,
                   .spirv = kLightAcrossSpirv,
-                  .needed = light_too},
+                  .needed = light_too,
+                  .reach = own_row},
                  {.name = "light_down",
                   .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b", "depth",
                              "normal.x", "normal.y", "normal.z"},
@@ -145,7 +151,8 @@ const Effect& effect_denoise() {
                   .scalar = run_scalar_denoise_light_down,
                   .lanes = run_lanes_denoise_light_down,
                   .spirv = kLightDownSpirv,
-                  .needed = light_too}},
+                  .needed = light_too,
+                  .reach = reach}},
       .rounds = rounds,
   };
   return effect;

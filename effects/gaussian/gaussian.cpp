@@ -45,6 +45,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
 /// No round is one that changes nothing.
 int rounds(const ParameterBytes& bytes) { return std::max(1, as<GaussianParams>(bytes).rounds); }
 
+int reach(const void*, int) { return 1; }
+
 }  // namespace
 
 const Effect& effect_gaussian() {
@@ -64,13 +66,15 @@ const Effect& effect_gaussian() {
                   .outputs = {"gaussian_ao"},
                   .scalar = run_scalar_gaussian_across,
                   .lanes = run_lanes_gaussian_across,
-                  .spirv = kAcrossSpirv},
+                  .spirv = kAcrossSpirv,
+                  .reach = own_row},
                  {.name = "down",
                   .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
                   .scalar = run_scalar_gaussian_down,
                   .lanes = run_lanes_gaussian_down,
-                  .spirv = kDownSpirv}},
+                  .spirv = kDownSpirv,
+                  .reach = reach}},
       .rounds = rounds,
   };
   return effect;

@@ -57,7 +57,8 @@ const Effect& effect_ground() {
                   .outputs = {"depth", "object_id", "material_id", "lit.r", "lit.g", "lit.b", "cover"},
                   .scalar = run_scalar_ground,
                   .lanes = run_lanes_ground,
-                  .spirv = kSpirv}},
+                  .spirv = kSpirv,
+                  .reach = own_row}},
   };
   return effect;
 }

@@ -118,6 +118,8 @@ const Effect& effect_hbao() {
                   .spirv = kSpirv,
                   .tile_width = 128,
                   .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = {"depth"},
                   .for_missing = true}},
   };
   return effect;

@@ -393,6 +393,10 @@ std::vector<std::string_view> occlusion_inputs() {
   return inputs;
 }
 
+std::vector<std::string_view> far_planes() {
+  return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
+}
+
 }  // namespace
 
 const Effect& effect_hemisphere() {
@@ -416,7 +420,8 @@ const Effect& effect_hemisphere() {
                   .scalar = run_scalar_hemisphere_sent,
                   .lanes = run_lanes_hemisphere_sent,
                   .spirv = kSentSpirv,
-                  .needed = bleeds},
+                  .needed = bleeds,
+                  .reach = own_row},
                  {.name = "occlusion",
                   .inputs = occlusion_inputs(),
                   .outputs = {"ao"},
@@ -425,7 +430,9 @@ const Effect& effect_hemisphere() {
                   .spirv = kOcclusionSpirv,
                   .needed = occludes_alone,
                   .tile_width = 128,
-                  .tile_height = 32},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = of_all_layers({"depth"})},
                  {.name = "bleeding",
                   .inputs = bleeding_inputs(),
                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
@@ -434,7 +441,9 @@ const Effect& effect_hemisphere() {
                   .spirv = kBleedingSpirv,
                   .needed = bleeds,
                   .tile_width = 256,
-                  .tile_height = 32},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = far_planes()},
                  // Their light is not worth packing what all of the picture sends.
                  {.name = "missing",
                   .inputs = occlusion_inputs(),
@@ -442,6 +451,8 @@ const Effect& effect_hemisphere() {
                   .scalar = run_scalar_hemisphere_occlusion,
                   .lanes = run_lanes_hemisphere_occlusion,
                   .spirv = kOcclusionSpirv,
+                  .reach = own_row,
+                  .far_inputs = of_all_layers({"depth"}),
                   .for_all = false,
                   .for_missing = true},
                  {.name = "tangents",
@@ -450,7 +461,8 @@ const Effect& effect_hemisphere() {
                   .scalar = run_scalar_hemisphere_tangents,
                   .lanes = run_lanes_hemisphere_tangents,
                   .spirv = kTangentsSpirv,
-                  .needed = shows_tangents}},
+                  .needed = shows_tangents,
+                  .reach = own_row}},
       .rounds = rounds,
   };
   return effect;

@@ -124,14 +124,16 @@ const Effect& effect_lighting() {
                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
                   .scalar = run_scalar_lighting,
                   .lanes = run_lanes_lighting,
-                  .spirv = kSpirv},
+                  .spirv = kSpirv,
+                  .reach = own_row},
                  {.name = "lighting_open",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"open_light"},
                   .scalar = run_scalar_lighting_open,
                   .lanes = run_lanes_lighting_open,
                   .spirv = kOpenSpirv,
-                  .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; }}},
+                  .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
+                  .reach = own_row}},
   };
   return effect;
 }

@@ -27,6 +27,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
   *static_cast<NormalsConstants*>(out) = {.mean = as<NormalsParams>(bytes).sides};
 }
 
+/// Two pixels in each direction.
+int reach(const void*, int) { return 2; }
+
 }  // namespace
 
 const Effect& effect_normals() {
@@ -46,7 +49,8 @@ const Effect& effect_normals() {
                   .outputs = {"normal.x", "normal.y", "normal.z"},
                   .scalar = run_scalar_normals,
                   .lanes = run_lanes_normals,
-                  .spirv = kSpirv}},
+                  .spirv = kSpirv,
+                  .reach = reach}},
   };
   return effect;
 }

@@ -150,6 +150,18 @@ bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mod
 
 bool is_robust(const ParameterBytes& bytes) { return !is_paper(bytes); }
 
+// How far the passes read, in rows: see the kernel texts.
+int find_reach(const void* constants, int) { return 4 * static_cast<const OutlineConstants*>(constants)->stride + 1; }
+int settle_reach(const void*, int) { return 1; }
+int refine_reach(const void*, int) { return 6; }
+/// 24 rows or columns along a line that leans by 1.5 at most, and in each of four hops 2.1 pixels besides.
+int link_reach(const void*, int) { return 46; }
+int line_reach(const void* constants, int) {
+  const auto& c = *static_cast<const OutlineConstants*>(constants);
+  return std::max(c.reach, c.sight) + 1;
+}
+int paper_reach(const void*, int) { return 1; }
+
 }  // namespace
 
 const Effect& effect_outline() {
@@ -170,28 +182,32 @@ const Effect& effect_outline() {
                   .scalar = run_scalar_outline_find,
                   .lanes = run_lanes_outline_find,
                   .spirv = kFindSpirv,
-                  .needed = is_robust},
+                  .needed = is_robust,
+                  .reach = find_reach},
                  {.name = "outline_settle",
                   .inputs = {"outline_right", "outline_below"},
                   .outputs = {"outline_right_settled", "outline_below_settled"},
                   .scalar = run_scalar_outline_settle,
                   .lanes = run_lanes_outline_settle,
                   .spirv = kSettleSpirv,
-                  .needed = is_robust},
+                  .needed = is_robust,
+                  .reach = settle_reach},
                  {.name = "outline_refine",
                   .inputs = {"outline_right_settled", "outline_below_settled"},
                   .outputs = {"outline_steep", "outline_flat"},
                   .scalar = run_scalar_outline_refine,
                   .lanes = run_lanes_outline_refine,
                   .spirv = kRefineSpirv,
-                  .needed = is_robust},
+                  .needed = is_robust,
+                  .reach = refine_reach},
                  {.name = "outline_link",
                   .inputs = {"outline_steep", "outline_flat"},
                   .outputs = {"outline_steep_linked", "outline_flat_linked", "outline_around"},
                   .scalar = run_scalar_outline_link,
                   .lanes = run_lanes_outline_link,
                   .spirv = kLinkSpirv,
-                  .needed = is_robust},
+                  .needed = is_robust,
+                  .reach = link_reach},
                  {.name = "outline",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep_linked", "outline_flat_linked",
                              "outline_around", "lit.r", "lit.g", "lit.b"},
@@ -199,21 +215,24 @@ const Effect& effect_outline() {
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,
                   .spirv = kOutlineSpirv,
-                  .needed = is_robust},
+                  .needed = is_robust,
+                  .reach = line_reach},
                  {.name = "outline_window",
                   .inputs = {"depth"},
                   .outputs = {"outline_window"},
                   .scalar = run_scalar_outline_window,
                   .lanes = run_lanes_outline_window,
                   .spirv = kWindowSpirv,
-                  .needed = is_paper},
+                  .needed = is_paper,
+                  .reach = own_row},
                  {.name = "outline_paper",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_window", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline_paper,
                   .lanes = run_lanes_outline_paper,
                   .spirv = kPaperSpirv,
-                  .needed = is_paper}},
+                  .needed = is_paper,
+                  .reach = paper_reach}},
   };
   return effect;
 }

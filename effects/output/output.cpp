@@ -102,7 +102,8 @@ const Effect& effect_output() {
                   .outputs = {"color.r", "color.g", "color.b", "color.a"},
                   .scalar = run_scalar_output,
                   .lanes = run_lanes_output,
-                  .spirv = kSpirv}},
+                  .spirv = kSpirv,
+                  .reach = own_row}},
   };
   return effect;
 }

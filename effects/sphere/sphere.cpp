@@ -230,6 +230,8 @@ const Effect& effect_sphere() {
                   .spirv = kSpirv,
                   .tile_width = 128,
                   .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = {"depth"},
                   .for_missing = true}},
   };
   return effect;

@@ -185,6 +185,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   fill_lights(params, info, c);
 }
 
+/// Shadows and bands look at the pixels beside.
+int reach(const void*, int) { return 1; }
+
 }  // namespace
 
 const Effect& effect_toon() {
@@ -204,14 +207,16 @@ const Effect& effect_toon() {
                   .outputs = {"toon_intensity", "toon_highlight"},
                   .scalar = run_scalar_toon_light,
                   .lanes = run_lanes_toon_light,
-                  .spirv = kLightSpirv},
+                  .spirv = kLightSpirv,
+                  .reach = reach},
                  {.name = "bands",
                   .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b",
                              "specular"},
                   .outputs = {"lit.r", "lit.g", "lit.b"},
                   .scalar = run_scalar_toon,
                   .lanes = run_lanes_toon,
-                  .spirv = kSpirv}},
+                  .spirv = kSpirv,
+                  .reach = reach}},
   };
   return effect;
 }

@@ -230,7 +230,8 @@ const Effect& effect_unsharp() {
                   .outputs = {"unsharp_depth"},
                   .scalar = run_scalar_linearize,
                   .lanes = run_lanes_linearize,
-                  .spirv = kLinearizeSpirv},
+                  .spirv = kLinearizeSpirv,
+                  .reach = own_row},
                  {.name = "unsharp",
                   .inputs = {"depth", "unsharp_depth"},
                   .outputs = {"ao"},
@@ -240,7 +241,9 @@ const Effect& effect_unsharp() {
                   .spirv = kUnsharpSpirv,
                   .gpu_ways = kGpuWays,
                   .tile_width = 128,
-                  .tile_height = 32}},
+                  .tile_height = 32,
+                  .reach = own_row,
+                  .far_inputs = {"unsharp_depth"}}},
   };
   return effect;
 }

@@ -61,6 +61,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
 bool light_too(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
 bool ao_alone(const ParameterBytes& bytes) { return !light_too(bytes); }
 
+/// Two blocks below the pixel's own, which begins a block above it at most.
+int reach(const void* constants, int) { return 3 * static_cast<const UpsampleConstants*>(constants)->factor; }
+
 }  // namespace
 
 const Effect& effect_upsample() {
@@ -80,7 +83,8 @@ const Effect& effect_upsample() {
                   .scalar = run_scalar_upsample_ao,
                   .lanes = run_lanes_upsample_ao,
                   .spirv = kAoSpirv,
-                  .needed = ao_alone},
+                  .needed = ao_alone,
+                  .reach = reach},
                  {.name = "light",
                   .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b", "depth",
                              "normal.x", "normal.y", "normal.z"},
@@ -88,7 +92,8 @@ const Effect& effect_upsample() {
                   .scalar = run_scalar_upsample_light,
                   .lanes = run_lanes_upsample_light,
                   .spirv = kLightSpirv,
-                  .needed = light_too}},
+                  .needed = light_too,
+                  .reach = reach}},
   };
   return effect;
 }

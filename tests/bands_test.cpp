@@ -1,0 +1,176 @@
+// Pictures in bands: the same to the bit as drawn whole, whatever the look, the technique and the size of the bands.
+#include "apps/job/bands.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <map>
+
+#include "apps/job/job.h"
+#include "devices/cpu/cpu_device.h"
+#include "effects/effects.h"
+#include "looks/looks.h"
+
+namespace umbrage {
+namespace {
+
+/// The planes of a picture, drawn whole or in bands of so many rows.
+Image drawn(const DrawSettings& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
+            const char* model = "scene:room?detail=3000") {
+  static std::map<std::string, Scene> scenes;  // one takes a second to make
+  if (!scenes.count(model)) scenes[model] = *load_scene(model);
+  Scene scene = scenes[model];
+  const auto device = make_cpu_device({.threads = threads});
+  furnish(scene, settings);
+  EXPECT_TRUE(device->prepare(scene));
+  StageTimes times;
+  if (rows == 0) {
+    const auto frame = draw(*device, scene, settings, times);
+    EXPECT_TRUE(frame) << frame.error().message;
+    return frame ? *device->download(*frame, planes) : Image();
+  }
+  Image whole(settings.width, settings.height);
+  for (const std::string& name : planes) whole.add(name) = Plane(whole.width, whole.height, -1.0f);
+  int next = 0;
+  const auto take = [&](const PictureInfo& info, const Image& part, int first) -> Result<void> {
+    EXPECT_EQ(info.inner_height(), settings.height);
+    EXPECT_EQ(first, next);
+    next += part.height;
+    for (const std::string& name : planes)
+      for (int y = 0; y < part.height; ++y)
+        std::copy_n(part.plane(name).row(y), part.width, whole.plane(name).row(first + y));
+    return {};
+  };
+  const auto done = draw_bands(*device, scene, settings, {.rows = rows, .planes = planes}, take, times);
+  EXPECT_TRUE(done) << done.error().message;
+  EXPECT_EQ(next, settings.height);
+  return whole;
+}
+
+void expect_same(const Image& a, const Image& b) {
+  ASSERT_EQ(a.names, b.names);
+  ASSERT_EQ(a.height, b.height);
+  for (std::size_t p = 0; p < a.planes.size(); ++p) {
+    int differing = 0, first = -1;
+    for (int y = 0; y < a.height; ++y)
+      if (std::memcmp(a.planes[p].row(y), b.planes[p].row(y), std::size_t(a.width) * sizeof(float)) != 0) {
+        if (first < 0) first = y;
+        ++differing;
+      }
+    EXPECT_EQ(differing, 0) << "rows of " << a.names[p] << " differ, the first " << first;
+  }
+}
+
+void expect_bands_same(const DrawSettings& settings, std::vector<int> rows = {64},
+                       const std::vector<std::string>& planes = {"color.r", "color.g", "color.b", "color.a", "depth",
+                                                                 "ao"}) {
+  const Image whole = drawn(settings, 0, planes);
+  for (const int r : rows) {
+    SCOPED_TRACE(fmt::format("bands of {} rows", r));
+    expect_same(whole, drawn(settings, r, planes));
+  }
+}
+
+DrawSettings of_look(std::string_view look, int width = 200, int height = 150) {
+  DrawSettings settings;
+  settings.look = look;
+  settings.width = width;
+  settings.height = height;
+  return settings;
+}
+
+TEST(Bands, EveryLook) {
+  for (const Look* look : looks()) {
+    SCOPED_TRACE(look->name);
+    expect_bands_same(of_look(look->name));
+  }
+}
+
+TEST(Bands, EveryTechniqueAtEveryScale) {
+  for (const Effect* effect : effects()) {
+    if (effect->kind != EffectKind::kOcclusion) continue;
+    for (const char* scale : {"full", "half", "quarter"}) {
+      SCOPED_TRACE(fmt::format("{} {}", effect->name, scale));
+      DrawSettings settings = of_look("bleeding", 121, 93);
+      settings.occlusion = effect->name;
+      settings.occlusion_scale = scale;
+      expect_bands_same(settings, {32});
+    }
+  }
+}
+
+TEST(Bands, EveryQualityAndWhatIsAveraged) {
+  for (const char* quality : {"draft", "normal", "high"}) {
+    SCOPED_TRACE(quality);
+    DrawSettings settings = of_look("studio", 101, 75);
+    settings.quality = quality;
+    settings.averaged = {"ao"};
+    expect_bands_same(settings, {32});
+  }
+}
+
+TEST(Bands, SettingsThatReadFar) {
+  const std::pair<const char*, std::vector<std::string>> all[] = {
+      {"studio", {"bitmask.mips=on", "bitmask.bounces=2", "denoise.rounds=3"}},
+      {"ao", {"unsharp.border=repeat", "unsharp.kernel=150%"}},
+      {"ao", {"unsharp.window=gaussian"}},
+      {"bleeding", {"hemisphere.bounces=3", "hemisphere.tangents=on"}},
+      {"cartoon", {"outline.width=12", "gaussian.rounds=9"}},
+      {"cartoon-paper", {"outline.width=3"}},
+      {"bleeding-paper", {"box.size=15"}}};
+  for (const auto& [look, assignments] : all) {
+    SCOPED_TRACE(assignments[0]);
+    DrawSettings settings = of_look(look, 101, 107);
+    settings.settings = assignments;
+    expect_bands_same(settings, {32});
+  }
+}
+
+TEST(Bands, AnySizeOfPicturesAndBands) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {47, 33}, {64, 128}, {33, 131}}) {
+    SCOPED_TRACE(fmt::format("{} x {}", width, height));
+    expect_bands_same(of_look("studio", width, height), {16, 48, 64});
+    expect_bands_same(of_look("cartoon", width, height), {16, 48});
+  }
+}
+
+TEST(Bands, GuardBandsAndFurtherViews) {
+  DrawSettings settings = of_look("bleeding", 101, 75);
+  settings.guard_percent = 20.0f;
+  settings.extra_views = 2;
+  settings.layers = 1;
+  expect_bands_same(settings, {16, 64});
+}
+
+TEST(Bands, DoNotDependOnThreads) {
+  const DrawSettings settings = of_look("studio", 101, 75);
+  const std::vector<std::string> planes = {"color.r", "color.g", "color.b", "ao"};
+  const Image whole = drawn(settings, 0, planes, 3);
+  for (const int threads : {1, 2, 4}) expect_same(whole, drawn(settings, 32, planes, threads));
+}
+
+TEST(Bands, SoftShadowsOfAModelInTheOpen) {
+  DrawSettings settings = of_look("studio", 160, 240);
+  settings.quality = "draft";
+  const std::vector<std::string> planes = {"color.r", "shadow", "cover"};
+  for (const char* model : {"scene:tank?detail=2000", "scene:solids?detail=2000"})
+    expect_same(drawn(settings, 0, planes, 0, model), drawn(settings, 32, planes, 0, model));
+}
+
+TEST(Bands, ArePlannedWhereMemoryIsShort) {
+  const auto device = make_cpu_device();
+  DrawSettings settings = of_look("studio", 1024, 1024);
+  EXPECT_EQ(plan_bands(*device, settings, 6e9)->rows, 0);
+  EXPECT_GT(plan_bands(*device, settings, 3e8)->rows, 0);
+  settings.width = settings.height = 16384;
+  const auto plan = plan_bands(*device, settings, 6e9);
+  ASSERT_TRUE(plan);
+  EXPECT_GT(plan->rows, 0);
+  EXPECT_EQ(plan->rows % 4, 0);
+  EXPECT_LT(plan->bytes, 8e9);
+  settings.occlusion = "reference";
+  EXPECT_EQ(plan_bands(*device, settings, 6e9).error().kind, ErrorKind::kUsage);
+}
+
+}  // namespace
+}  // namespace umbrage
