@@ -25,7 +25,8 @@ std::string_view trimmed(std::string_view text) {
 std::string value_of(std::string_view text) {
   text = trimmed(text);
   if (!text.empty() && (text[0] == '"' || text[0] == '\''))
-    if (const auto end = text.find(text[0], 1); end != text.npos) return std::string(text.substr(1, end - 1));
+    if (const auto end = text.find(text[0], 1); end != std::string_view::npos)
+      return std::string(text.substr(1, end - 1));
   return std::string(trimmed(text.substr(0, text.find(" #"))));
 }
 
@@ -103,7 +104,7 @@ Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<st
     }
     const std::size_t equals = text.find('=');
     std::string name(trimmed(text.substr(0, equals)));
-    if (equals == text.npos || name.empty()) return wrong("it takes option = value");
+    if (equals == std::string_view::npos || name.empty()) return wrong("it takes option = value");
     if (name.starts_with("--")) name.erase(0, 2);
     const std::string value = value_of(text.substr(equals + 1));
     // Known to this command, or at least to the one it is for.
