@@ -45,7 +45,8 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
       for (int y = rows.height - 1; y >= 0; --y) {
         for (std::size_t c = 0; c < channels; ++c)
           for (int x = 0; x < rows.width; ++x) row[std::size_t(x) * channels + c] = (*planes)[c]->at(x, y);
-        if (std::fwrite(row.data(), sizeof(float), row.size(), stream) != row.size()) return {};
+        if (std::fwrite(row.data(), sizeof(float), row.size(), stream) != row.size())
+          return file_error("'{}' cannot be written: {}", file.string(), std::strerror(errno));
       }
       return {};
     });

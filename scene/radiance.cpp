@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -29,7 +31,7 @@ struct Source {
     ended = ended || at >= bytes.size();
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()) + start, at - start);
     at += at < bytes.size();
-    return text;
+    return text.ends_with('\r') ? text.substr(0, text.size() - 1) : text;
   }
 };
 
@@ -72,6 +74,8 @@ std::string read_header(Source& source, Header& header) {
       std::from_chars(line.data(), line.data() + line.size(), factor);
       if (!(factor > 0.0f) || !std::isfinite(factor)) return "its exposure is no number above 0";
       header.exposure *= factor;
+      if (!(header.exposure >= std::numeric_limits<float>::min()) || !std::isfinite(header.exposure))
+        return "its exposures together are no number that floats hold";
     }
   }
   if (!parse_size(source.line(), header)) return "its size cannot be made out";
@@ -132,31 +136,30 @@ Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std:
   if (const std::string wrong = read_header(source, header); !wrong.empty())
     return file_error("{} is no Radiance picture that can be read: {}", name, wrong);
   const int width = header.width, height = header.height;
-  if (std::int64_t(width) * height > most_pixels)
+  constexpr int kWidest = 1 << 16;  // of which a row takes memory before anything is known to follow
+  if (std::int64_t(width) * height > most_pixels || width > kWidest)
     return file_error("{} says that it has {} x {} pixels, more than such an image can have here ({})", name, width,
                       height, most_pixels);
   std::vector<std::uint8_t> row(std::size_t(width) * kChannels);
   Panorama out{name, width, height, {}};
-  // Memory for a row at a time, so that a header alone cannot ask for much.
-  std::vector<std::vector<float>> rows;
   for (int y = 0; y < height; ++y) {
     const bool sound = read_row(source, width, row);
     if (source.ended) return file_error("{} is cut short: row {} of {} is not whole", name, y + 1, height);
     if (!sound) return file_error("{} is damaged in row {} of {}", name, y + 1, height);
-    std::vector<float>& values = rows.emplace_back();
-    values.reserve(std::size_t(width) * 3);
+    // Only then, so that a header alone cannot ask for much.
+    if (y == 0) out.rgb.reserve(std::size_t(width) * std::size_t(height) * 3);
     for (int x = 0; x < width; ++x) {
       const std::uint8_t* pixel = row.data() + std::size_t(header.mirrored ? width - 1 - x : x) * kChannels;
       constexpr int kBias = 128 + 8;
       const float scale = pixel[3] == 0 ? 0.0f : std::ldexp(1.0f, pixel[3] - kBias) / header.exposure;
-      for (int c = 0; c < 3; ++c) values.push_back(float(pixel[c]) * scale);
+      for (int c = 0; c < 3; ++c) out.rgb.push_back(float(pixel[c]) * scale);
     }
   }
-  out.rgb.reserve(std::size_t(width) * std::size_t(height) * 3);
-  for (int y = 0; y < height; ++y) {
-    std::vector<float>& values = rows[std::size_t(header.bottom_up ? height - 1 - y : y)];
-    out.rgb.insert(out.rgb.end(), values.begin(), values.end());
-    values = {};
+  if (header.bottom_up) {
+    const auto length = std::ptrdiff_t(width) * 3;
+    for (int above = 0, below = height - 1; above < below; ++above, --below)
+      std::swap_ranges(out.rgb.begin() + above * length, out.rgb.begin() + (above + 1) * length,
+                       out.rgb.begin() + below * length);
   }
   return out;
 }

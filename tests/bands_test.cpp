@@ -7,6 +7,7 @@
 #include <map>
 
 #include "apps/job/job.h"
+#include "apps/job/passes.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
@@ -168,6 +169,9 @@ TEST(Bands, ArePlannedWhereMemoryIsShort) {
   EXPECT_GT(plan->rows, 0);
   EXPECT_EQ(plan->rows % 4, 0);
   EXPECT_LT(plan->bytes, 8e9);
+  // Much memory does not make a picture one that can be drawn whole.
+  EXPECT_GT(plan_bands(*device, settings, 1e12)->rows, 0);
+  EXPECT_TRUE(check_passes({"depth", "ao"}, settings));
   settings.occlusion = "reference";
   EXPECT_EQ(plan_bands(*device, settings, 6e9).error().kind, ErrorKind::kUsage);
 }

@@ -352,6 +352,26 @@ TEST_F(HdriFile, ReadsWhatDecodersRead) {
   }
 }
 
+TEST_F(HdriFile, ReadsRadianceHoweverItLies) {
+  const std::string pixels[] = {"\x80\x40\x20\x81", "\x10\x20\x30\x84"};  // 1, .5, .25 and 1, 2, 3
+  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
+  const auto read = [&](const std::string& bytes) {
+    write("two.hdr", bytes);
+    const auto panorama = read_panorama_apart(path("two.hdr"));
+    EXPECT_TRUE(panorama) << panorama.error().message;
+    return panorama ? panorama->rgb : std::vector<float>();
+  };
+  const std::vector<float> there = {1.0f, 0.5f, 0.25f, 1.0f, 2.0f, 3.0f}, back = {1.0f, 2.0f, 3.0f, 1.0f, 0.5f, 0.25f};
+  EXPECT_EQ(read(head + "\n-Y 1 +X 2\n" + pixels[0] + pixels[1]), there);
+  EXPECT_EQ(read(head + "\n-Y 1 -X 2\n" + pixels[0] + pixels[1]), back);
+  EXPECT_EQ(read(head + "\n-Y 2 +X 1\n" + pixels[0] + pixels[1]), there);
+  EXPECT_EQ(read(head + "\n+Y 2 +X 1\n" + pixels[0] + pixels[1]), back);
+  EXPECT_EQ(read("#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 2\r\n" + pixels[0] + pixels[1]), there);
+  EXPECT_EQ(read(head + "EXPOSURE=2\nEXPOSURE=.5\n\n-Y 1 +X 2\n" + pixels[0] + pixels[1]), there);
+  write("two.hdr", head + "EXPOSURE=1e-30\nEXPOSURE=1e-30\n\n-Y 1 +X 2\n" + pixels[0] + pixels[1]);
+  bad(kDraw_ + "two.hdr", 3, {"two.hdr", "exposures"});
+}
+
 TEST_F(HdriFile, LightsByEveryFormat) {
   write_hdr("sky.hdr");
   ASSERT_TRUE(write_image(folder_ / "sky.exr", sky_image(), {.half = true}));
@@ -391,6 +411,8 @@ TEST_F(HdriFile, WhatCannotBeUsedIsASentence) {
   bad(kDraw_ + "cut.exr", 3, {"cut.exr"});
   write("huge.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 60000 +X 120000\n");
   bad(kDraw_ + "huge.hdr", 3, {"huge.hdr", "60000"});
+  write("wide.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 134217728\n");
+  bad(kDraw_ + "wide.hdr", 3, {"wide.hdr", "134217728"});
   Image depth(4, 2);
   for (const char* name : {"depth", "ao"}) depth.add(name) = Plane(4, 2, 1.0f);
   ASSERT_TRUE(write_image(folder_ / "depth.exr", depth));
@@ -410,6 +432,9 @@ TEST_F(HdriFile, WrongValuesAreWrongUsage) {
 }
 
 TEST_F(HdriFile, WarnsOfWhatIsOdd) {
+  const test::Outcome alone = run("tri.obj -o out.png --resolution 40x40 --hdri-rotation 30");
+  EXPECT_EQ(alone.code, 0);
+  EXPECT_NE(alone.err.find("--hdri-rotation does nothing"), std::string::npos) << alone.err;
   Image image(30, 10);
   for (const char* name : {"color.r", "color.g", "color.b"}) image.add(name) = Plane(30, 10, 0.0f);
   ASSERT_TRUE(write_image(folder_ / "black.pfm", image));

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -203,6 +204,10 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
   if (!o.hdri_file.empty() && !o.hdri_skybox && (!shines || !o.hdri_ambient))
     sentences.push_back(o.hdri_ambient ? fmt::format("--hdri-file does nothing: the look {} brings its own light", look)
                                        : "--hdri-file does nothing: it is to be neither light nor background");
+  if (o.hdri_file.empty())
+    for (const std::string_view option : {"--hdri-rotation", "--hdri-intensity", "--hdri-ambient"})
+      if (command_line.find(option) != command_line.npos)
+        sentences.push_back(fmt::format("{} does nothing: there is no image; try --hdri-file sky:", option));
   if (scene.point_count() == 0) {
     const char* what = !o.point_size.empty() ? "--point-size" : o.point_shape != "auto" ? "--point-sprites" : nullptr;
     if (what) sentences.push_back(fmt::format("{} does nothing: {} has no points", what, scene.name));
@@ -280,16 +285,18 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
   Seen seen;
   const Camera camera = frame_scene(scene, draw_with.framing, draw_with.width, draw_with.height);
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
-  const auto make = [&](const TakeImageRows& take) {
-    return draw_bands(
-        device, scene, draw_with, plan,
-        [&](const PictureInfo& info, const Image& rows, int) {
-          seen.add(rows.plane("depth"), rows.find("ao"));
-          const auto taken = take(picture_in_file(o, rows, names, recipe.settings, info));
-          times.done("write");
-          return taken;
-        },
-        times);
+  const auto make = [&](const TakeImageRows& take) -> Result<void> {
+    const auto take_rows = [&](const PictureInfo& info, const Image& rows, int) {
+      seen.add(rows.plane("depth"), rows.find("ao"));
+      const auto taken = take(picture_in_file(o, rows, names, recipe.settings, info));
+      times.done("write");
+      return taken;
+    };
+    try {
+      return draw_bands(device, scene, draw_with, plan, take_rows, times);
+    } catch (const std::bad_alloc&) {  // here, since it is not the file that cannot be written
+      return Error{ErrorKind::kInternal, "not enough memory; try a smaller --memory, --resolution or model"};
+    }
   };
   const auto written = put_rows(o, shape, settings, make);
   line.wipe();

@@ -140,6 +140,7 @@ class BandDrawer {
     if (!frame) return frame.error();
     times_.done("capture");
     if (auto added = add_sky(device_, scene_, drawing_, settings_, *frame); !added) return added;
+    if (settings_.hdri.shown()) times_.done("sky");
     if (auto known = know_picture(drawing_, frame->info, settings_); !known) return known;
     if (const auto stops = run_look(run_, device_, *frame); !stops) return stops.error();
     const auto rows = device_.download(*frame, planes);
@@ -230,9 +231,9 @@ Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, 
   BandPlan plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
   const bool traced = !find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion;
-  if (plan.bytes <= memory) return plan;
+  const auto fits = capture_settings(settings, *recipe->look, kMostShadows);
+  if (fits && plan.bytes <= memory) return plan;
   if (!device.draws_bands() || traced) {
-    const auto fits = capture_settings(settings, *recipe->look, kMostShadows);
     if (fits) return plan;
     return usage_error(
         "{}; larger pictures are drawn in bands, but not {}", fits.error().message,

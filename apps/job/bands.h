@@ -10,14 +10,14 @@ namespace umbrage {
 
 /// How a picture is drawn in bands.
 struct BandPlan {
-  int rows = 0;                     ///< of a band, a multiple of 4; 0: the picture is drawn whole
+  int rows = 0;                     ///< of a band, a multiple of 4 (of 64, as planned); 0: the picture is drawn whole
   std::vector<std::string> planes;  ///< that are wanted of it
   double bytes = 0.0;               ///< that drawing takes, about
 };
 
-/// How to draw such a picture with about so many bytes: whole where they suffice, else in bands, of the fewest rows if
-/// not even these do. Devices that draw no bands, and techniques that trace the scene, draw it whole. Errors: kUsage
-/// where it is too large for that.
+/// How to draw such a picture with about so many bytes: whole where they suffice and it has no more than kMostPixels,
+/// else in bands, of the fewest rows if not even these do. Devices that draw no bands, and techniques that trace the
+/// scene, draw it whole. Errors: kUsage where it is too large for that.
 Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory);
 
 /// Takes rows of a finished picture with the plan's planes, from its top down; `first` is the first of them.

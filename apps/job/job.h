@@ -130,7 +130,7 @@ inline constexpr double kWidestLight = 90.0;   ///< of light_size_deg
 Result<void> check_hdri(const Hdri& hdri, bool transparent);
 
 /// Reads the file of `hdri`, if there is one: EXR, PNG and PFM by io/, others in a process of their own. Gives
-/// sentences for people who may have meant another one. Errors: kFile; kUsage for numbers that cannot be.
+/// sentences for people who may have meant another one. Errors: kFile.
 Result<std::vector<std::string>> read_hdri(Hdri& hdri);
 
 /// Adds to a scene what the picture wants besides the model: the ground, and the light of `hdri`, which takes the place

@@ -53,7 +53,7 @@ Result<void> check_passes(const std::vector<std::string>& words, const DrawSetti
   if (words.empty() || (words.size() == 1 && words[0] == kAll)) return {};
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
-  const auto capture = capture_settings(draw, *recipe->look, kMostShadows);
+  const auto capture = capture_settings(draw, *recipe->look, kMostShadows, kMostBandPixels);
   if (!capture) return capture.error();
   const int captured_layers = *layer_count(*capture);
   std::vector<std::string> captured = {"depth",     "normal",    "albedo",      "specular",
