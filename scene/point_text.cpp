@@ -35,7 +35,8 @@ Row row_of(std::string_view line) {
     if (line.front() == '+') line.remove_prefix(1);
     float value = 0.0f;
     const auto [stop, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-    row.all_numbers = stop != line.data() && (stop == line.data() + line.size() || kBlank.find(*stop) != kBlank.npos);
+    row.all_numbers =
+        stop != line.data() && (stop == line.data() + line.size() || kBlank.find(*stop) != std::string_view::npos);
     if (!row.all_numbers) break;
     row.values[row.count++] = error == std::errc::result_out_of_range ? INFINITY : value;
     line.remove_prefix(std::size_t(stop - line.data()));
@@ -126,7 +127,7 @@ Result<Scene> read_xyz(const fs::path& path) {
 }
 
 bool is_obj_of_points(std::string_view text) {
-  if (text.find("\nf ") != text.npos) return false;  // most files, at once
+  if (text.find("\nf ") != std::string_view::npos) return false;  // most files, at once
   bool vertices = false, more = false;
   for_each_line(text, [&](std::string_view line, std::size_t) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));

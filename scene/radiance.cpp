@@ -66,7 +66,7 @@ std::string read_header(Source& source, Header& header) {
   for (std::string_view line = source.line(); !line.empty(); line = source.line()) {
     if (source.ended) return "its header is cut short";
     constexpr std::string_view kFormat = "FORMAT=", kExposure = "EXPOSURE=";
-    if (line.starts_with(kFormat) && line.find("rgbe") == line.npos) return "its colours are not RGB";
+    if (line.starts_with(kFormat) && line.find("rgbe") == std::string_view::npos) return "its colours are not RGB";
     if (line.starts_with(kExposure)) {
       line.remove_prefix(kExposure.size());
       line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));

@@ -116,7 +116,7 @@ std::string joined(const Words& words, std::string_view between) {
 std::string escaped(std::string_view text, std::string_view which) {
   std::string out;
   for (const char c : text) {
-    if (which.find(c) != which.npos) out += '\\';
+    if (which.find(c) != std::string_view::npos) out += '\\';
     out += c;
   }
   return out;
@@ -125,7 +125,7 @@ std::string escaped(std::string_view text, std::string_view which) {
 /// A description without what stands in brackets at its end, its default.
 std::string without_default(const std::string& text) {
   const auto bracket = text.rfind(" [");
-  return bracket == text.npos ? text : text.substr(0, bracket);
+  return bracket == std::string_view::npos ? text : text.substr(0, bracket);
 }
 
 // ---- bash ----
@@ -198,7 +198,8 @@ complete -o filenames -F _umbrage umbrage
 std::string zsh_of(const std::vector<const CLI::App*>& commands) {
   constexpr std::string_view kSpecial = "[]:\\";
   const auto quoted = [](std::string text) {
-    for (std::size_t at = 0; (at = text.find('\'', at)) != text.npos; at += 4) text.replace(at, 1, "'\\''");
+    for (std::size_t at = 0; (at = text.find('\'', at)) != std::string_view::npos; at += 4)
+      text.replace(at, 1, "'\\''");
     return "'" + text + "'";
   };
   std::string out =

@@ -38,7 +38,7 @@ Result<double> parse_memory(std::string_view text) {
   double bytes = 0.0;
   const char* const last = text.data() + text.size();
   const auto [end, error] = std::from_chars(text.data(), last, bytes);
-  const bool unit = end + 1 == last && kUnits.find(*end) != kUnits.npos;
+  const bool unit = end + 1 == last && kUnits.find(*end) != std::string_view::npos;
   if (error != std::errc() || !(unit || end == last) || !(bytes > 0.0) || !std::isfinite(bytes))
     return usage_error("--memory cannot be '{}': it takes bytes, or a number with K, M, G or T, such as 6G", text);
   for (std::size_t k = 0; unit && k <= kUnits.find(*end); ++k) bytes *= 1024.0;
@@ -187,7 +187,7 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
   for (const std::string& setting : o.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
     // Of a configuration file some settings are for other looks.
-    if (runs(effect) || command_line.find(setting) == command_line.npos) continue;
+    if (runs(effect) || command_line.find(setting) == std::string_view::npos) continue;
     if (std::find(techniques.begin(), techniques.end(), effect) != techniques.end())
       sentences.push_back(fmt::format("--set {} does nothing: the occlusion of this picture is {}; try --ao {}",
                                       setting, recipe.occlusion == kNoOcclusion ? "off" : recipe.occlusion, effect));
@@ -206,7 +206,7 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
                                        : "--hdri-file does nothing: it is to be neither light nor background");
   if (o.hdri_file.empty())
     for (const std::string_view option : {"--hdri-rotation", "--hdri-intensity", "--hdri-ambient"})
-      if (command_line.find(option) != command_line.npos)
+      if (command_line.find(option) != std::string_view::npos)
         sentences.push_back(fmt::format("{} does nothing: there is no image; try --hdri-file sky:", option));
   if (scene.point_count() == 0) {
     const char* what = !o.point_size.empty() ? "--point-size" : o.point_shape != "auto" ? "--point-sprites" : nullptr;

@@ -30,7 +30,7 @@ std::vector<std::string_view> first_words(std::string_view text) {
     if (line.starts_with('#') || line.starts_with("//")) continue;
     for (std::size_t at = 0; at < line.size();) {
       const std::size_t start = line.find_first_not_of(" \t\r,;", at);
-      if (start == line.npos) break;
+      if (start == std::string_view::npos) break;
       at = std::min(line.find_first_of(" \t\r,;", start), line.size());
       words.push_back(line.substr(start, at - start));
     }
@@ -107,7 +107,7 @@ std::string format_of_content(std::string_view bytes) {
   if (begins("\x4d\x4d")) return "3ds";
   constexpr std::size_t kLooked = 4096;
   const std::string_view start = bytes.substr(0, kLooked);
-  if (start.find('\0') != start.npos) return "";
+  if (start.find('\0') != std::string_view::npos) return "";
   const std::vector<std::string_view> words = first_words(start);
   if (words.empty()) return "";
   if (words[0] == "solid") return "stl";

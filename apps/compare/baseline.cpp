@@ -131,7 +131,8 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
           "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
           after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
           after.at("technique").get<std::string>(),
-          after.at("setting") == "" ? "as the look has it" : after.at("setting").get<std::string>(),
+          after.at("setting").get<std::string>().empty() ? "as the look has it"
+                                                         : after.at("setting").get<std::string>(),
           quantity_of(after) == "light" ? "light's " : "", field, before.at(field).get<double>(),
           after.at(field).get<double>()));
     }

@@ -21,6 +21,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
     if (effect->kind == EffectKind::kOcclusion) all.push_back(effect);
   if (settings.techniques.empty()) return all;
   std::vector<std::string_view> names;
+  names.reserve(all.size());
   for (const Effect* effect : all) names.push_back(effect->name);
   std::vector<const Effect*> chosen;
   for (const std::string& name : settings.techniques) {

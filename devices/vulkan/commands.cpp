@@ -113,7 +113,7 @@ void Commands::reset() {
 }
 
 Error Commands::failed(VkResult result) {
-  const Error error = vulkan_error(result, "worked");
+  Error error = vulkan_error(result, "worked");
   if (result == VK_ERROR_DEVICE_LOST) lost_ = error;
   return error;
 }

@@ -24,7 +24,7 @@ Bytes bytes_of(const std::vector<T>& v) {
 }
 
 Result<DevicePlanePtr> upload(Bytes bytes, Memory& memory, Commands& commands, const Gpu& gpu) {
-  const auto to = memory.plane(std::max<std::size_t>(bytes.size(), 1));
+  auto to = memory.plane(std::max<std::size_t>(bytes.size(), 1));
   if (!to) return to;
   for (std::size_t done = 0; done < bytes.size(); done += kChunk) {
     const std::size_t size = std::min(kChunk, bytes.size() - done);

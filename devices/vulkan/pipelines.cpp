@@ -172,7 +172,7 @@ Result<VkShaderModule> Pipelines::shader_of(std::span<const std::uint32_t> words
 Result<VkRenderPass> Pipelines::drawing(bool clear) {
   VkRenderPass& kept = drawing_[clear];
   if (!kept) {
-    const auto made = make_render_pass(*gpu_, clear);
+    auto made = make_render_pass(*gpu_, clear);
     if (!made) return made;
     kept = *made;
   }

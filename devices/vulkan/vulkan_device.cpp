@@ -604,14 +604,14 @@ class VulkanDevice final : public Device {
     std::vector<VkDeviceAddress> table(kCaptureSlots);
     for (const std::string& name : names) {
       table[std::size_t(capture_slot(name))] = planes.find(layer_plane(layer, name))->address;
-      if (back > 0) table[std::size_t(kBackSlots + capture_slot(name))] = planes.find(layer_plane(back, name))->address;
+      if (back > 0) table[kBackSlots + std::size_t(capture_slot(name))] = planes.find(layer_plane(back, name))->address;
     }
     const bool other = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
     if (layer > 0 && !other) table[kBeforeSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
     for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
     for (const PenumbraRadii& of : radii) {
-      table[std::size_t(kPenumbraSlot + 2 * of.light)] = of.across->address;
-      table[std::size_t(kPenumbraSlot + 2 * of.light + 1)] = of.down->address;
+      table[kPenumbraSlot + 2 * std::size_t(of.light)] = of.across->address;
+      table[kPenumbraSlot + 2 * std::size_t(of.light) + 1] = of.down->address;
     }
     const PictureInfo info = layer_info(frame.info, layer);
     const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
@@ -633,7 +633,7 @@ class VulkanDevice final : public Device {
   /// Which triangle each pixel of a layer sees, by drawing them all.
   Result<DevicePlanePtr> draw_seen(const PictureInfo& info, int layer, const Planes& planes, Constants constants,
                                    Table table) {
-    const auto seen = memory_->plane(planes.bytes);
+    auto seen = memory_->plane(planes.bytes);
     if (!seen) return seen;
     const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
     if (!pipeline) return pipeline.error();
