@@ -17,16 +17,19 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// How a .glb file begins.
+struct GlbStart {
+  char magic[4];
+  std::uint32_t version, length, json_length, json_type;
+};
+
 /// The JSON text of a .gltf or .glb file.
 std::string json_text(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (!stream || error) return "";
-  struct {
-    char magic[4];
-    std::uint32_t version, length, json_length, json_type;
-  } start{};
+  GlbStart start{};
   stream.read(reinterpret_cast<char*>(&start), sizeof start);
   std::uintmax_t length = size;
   if (stream && std::memcmp(start.magic, "glTF", sizeof start.magic) == 0) {
@@ -139,10 +142,9 @@ void add_camera(const Json& json, const Json& node, const glm::dmat4& place, std
 }
 
 /// The cameras of a scene, in the order of its nodes.
-void read_cameras(const Json& json, std::vector<View>& cameras) {
+void read_cameras(const Json& json, int scene, std::vector<View>& cameras) {
   const Json& nodes = member(json, "nodes");
   if (!nodes.is_array() || !member(json, "cameras").is_array()) return;
-  const int scene = std::max(index_in(member(json, "scene")), 0);
   struct Place {
     int node;
     glm::dmat4 parent;
@@ -177,17 +179,43 @@ glm::vec2 GltfPlacement::placed(glm::vec2 uv) const {
   return {turned.x + offset.x, 1.0f - (turned.y + offset.y)};
 }
 
-GltfFacts read_gltf_facts(const std::filesystem::path& file) {
+GltfFacts read_gltf_facts(const std::filesystem::path& file, std::optional<int> scene) {
   GltfFacts facts;
   const Json json = Json::parse(json_text(file), nullptr, false);
   if (!json.is_object()) return facts;
   if (const Json& materials = member(json, "materials"); materials.is_array())
     for (const Json& material : materials) facts.materials.push_back(material_of(material));
-  if (const Json& scenes = member(json, "scenes"); scenes.is_array()) facts.scenes = int(scenes.size());
+  if (const Json& scenes = member(json, "scenes"); scenes.is_array())
+    for (const Json& each : scenes) facts.scenes.push_back(text_of(member(each, "name")));
+  facts.scene = scene.value_or(std::max(index_in(member(json, "scene")), 0));
   const Json& lights = member(member(member(json, "extensions"), "KHR_lights_punctual"), "lights");
   if (lights.is_array()) facts.lights = int(lights.size());
-  read_cameras(json, facts.cameras);
+  read_cameras(json, facts.scene, facts.cameras);
   return facts;
+}
+
+std::string gltf_with_scene(const std::filesystem::path& file, int scene) {
+  std::ifstream stream(file, std::ios::binary);
+  std::error_code error;
+  std::string bytes(std::size_t(std::filesystem::file_size(file, error)), '\0');
+  if (error || !stream.read(bytes.data(), std::streamsize(bytes.size()))) return "";
+  const std::string old_text = json_text(file);
+  Json json = Json::parse(old_text, nullptr, false);
+  if (!json.is_object()) return "";
+  json["scene"] = scene;
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (!bytes.starts_with("glTF")) return text;
+  GlbStart start{};
+  const std::size_t rest = sizeof start + old_text.size();
+  if (bytes.size() < rest) return "";
+  std::memcpy(&start, bytes.data(), sizeof start);
+  constexpr std::size_t kAlignment = 4;  // of chunks
+  text.resize((text.size() + kAlignment - 1) / kAlignment * kAlignment, ' ');
+  start.json_length = std::uint32_t(text.size());
+  start.length = std::uint32_t(sizeof start + text.size() + bytes.size() - rest);
+  std::string changed(sizeof start, '\0');
+  std::memcpy(changed.data(), &start, sizeof start);
+  return changed.append(text).append(bytes, rest);
 }
 
 }  // namespace umbrage

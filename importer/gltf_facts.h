@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 #include <glm/vec2.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,10 +37,16 @@ struct GltfMaterial {
 struct GltfFacts {
   std::vector<GltfMaterial> materials;  ///< as they are numbered in the file
   std::vector<View> cameras;            ///< of the scene that is drawn; targets are one unit away
-  int scenes = 0, lights = 0;
+  std::vector<std::string> scenes;      ///< names
+  int scene = 0;                        ///< which one is drawn
+  int lights = 0;
 };
 
-/// Reads them. Nothing of it is an error: what is not there, or not as it should be, stays as it is by default.
-GltfFacts read_gltf_facts(const std::filesystem::path& file);
+/// Reads them, of the scene of that number, or of the one that the file names. Nothing of it is an error: what is not
+/// there, or not as it should be, stays as it is by default.
+GltfFacts read_gltf_facts(const std::filesystem::path& file, std::optional<int> scene = std::nullopt);
+
+/// The bytes of a .gltf or .glb file in which scene `scene` is the one to draw; empty where it cannot be changed so.
+std::string gltf_with_scene(const std::filesystem::path& file, int scene);
 
 }  // namespace umbrage

@@ -356,22 +356,33 @@ glm::vec3 up_of(const aiScene& source, const std::string& format) {
   return up;
 }
 
-Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, bool process_ends) {
+Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, const ImportSettings& settings,
+                               bool process_ends) {
   if (format == "dae") {
     if (auto error = check_dae(file)) return std::move(*error);
   }
-  std::string obj;
+  std::string changed;  // what Assimp is to read in place of the file
   if (format == "obj") {
-    obj = text_of(file);
-    if (is_obj_of_points(obj)) return read_obj_points(file, obj);
-    obj = with_leading_zeros(obj);
+    changed = text_of(file);
+    if (is_obj_of_points(changed)) return read_obj_points(file, changed);
+    changed = with_leading_zeros(changed);
+  }
+  const bool is_gltf = format == "gltf" || format == "glb";
+  MeshRules rules;
+  if (is_gltf) {
+    rules.gltf = read_gltf_facts(file, settings.scene_index);
+    // A file without scenes is not one scene: Assimp says what is wrong with it.
+    if (const std::size_t scenes = rules.gltf.scenes.size(); scenes > 0) {
+      if (auto fine = check_scene_index(settings, file.filename().string(), scenes); !fine) return fine.error();
+      // Assimp reads the nodes of the one scene that the file names.
+      if (settings.scene_index) changed = gltf_with_scene(file, *settings.scene_index);
+    }
   }
   std::vector<std::string> missing_libraries;
   auto owner = std::make_unique<Assimp::Importer>();
   // Its faces are freed one by one, which takes a tenth of the whole import.
   Assimp::Importer& importer = process_ends ? *owner.release() : *owner;
-  importer.SetIOHandler(new Files(file.string(), std::move(obj), missing_libraries));  // takes it
-  const bool is_gltf = format == "gltf" || format == "glb";
+  importer.SetIOHandler(new Files(file.string(), std::move(changed), missing_libraries));  // takes it
   // Points of other formats are what is left over of broken faces.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | (is_gltf ? 0 : aiPrimitiveType_POINT));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
@@ -383,8 +394,6 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
   scene.up = up_of(*source, format);
-  MeshRules rules;
-  if (is_gltf) rules.gltf = read_gltf_facts(file);
   import_materials(*source, file, format, rules.gltf, scene, rules.left_out);
   // STL has a normal per face, which says no more than the face; 3DS has none, and Assimp's ignore creases.
   rules.keep_normals = format != "stl" && format != "3ds";
@@ -394,9 +403,15 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   rules.linear_colors = is_gltf;
   import_nodes(*source, root, rules, scene);
   scene.cameras = std::move(rules.gltf.cameras);
-  if (rules.gltf.scenes > 1)
-    scene.warnings.push_back(
-        fmt::format("the file holds {} scenes; the one that it names, or else the first, is drawn", rules.gltf.scenes));
+  if (rules.gltf.scenes.size() > 1) {
+    scene.scene_index = rules.gltf.scene;
+    if (!settings.scene_index)
+      scene.warnings.push_back(
+          fmt::format("the file holds {} scenes, and the one that it names, or else the first, is drawn; "
+                      "--scene-index chooses another",
+                      rules.gltf.scenes.size()));
+    scene.scene_names = std::move(rules.gltf.scenes);
+  }
   if (rules.gltf.lights > 0)
     scene.warnings.push_back(
         fmt::format("the file's {} are not used; looks bring their own", rules.gltf.lights == 1 ? "light" : "lights"));
@@ -429,7 +444,7 @@ Result<Scene> import_here(const fs::path& file, const ImportSettings& settings, 
     Result<Scene> scene = format == "ply"   ? import_ply(file)
                           : format == "off" ? read_off(file)
                           : format == "xyz" ? read_xyz(file)
-                                            : import_by_assimp(file, format, process_ends);
+                                            : import_by_assimp(file, format, settings, process_ends);
     // Points are completed by several threads, which have no room under the limits of such a process.
     if (process_ends && scene && scene->point_count() > 0) return scene;
     return complete_import(std::move(scene), file, settings);

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <malloc.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -20,12 +21,15 @@ namespace umbrage {
 
 void serve_import(int argc, char** argv, const ImportFunction& import, const PanoramaFunction& panorama) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody waits for what an ended program has asked for
-  constexpr int kWords = 6, kPanoramaWords = 3;
+  constexpr int kWords = 7, kPanoramaWords = 3;
   const bool of_panorama = argc == kPanoramaWords && std::string_view(argv[1]) == kReadPanorama;
   if ((argc != kWords && !of_panorama) || ::fcntl(kImportResult, F_GETFD) < 0 || ::fcntl(kImportDone, F_GETFD) < 0) {
     fmt::print(stderr, "umbrage-import: this program is started by umbrage and its library, not by hand\n");
     std::_Exit(int(ErrorKind::kUsage));
   }
+  // Where that program has ended before it was asked for, nobody reads the pipe.
+  if (pollfd pipe{.fd = kImportDone, .events = POLLOUT, .revents = 0}; ::poll(&pipe, 1, 0) > 0)
+    if (pipe.revents & POLLERR) std::_Exit(int(ErrorKind::kInterrupted));
   const std::filesystem::path file = argv[of_panorama ? 2 : 1];
   // A short life with much memory: what is freed is kept for the next list, not handed back page by page.
   constexpr int kStep = 1 << 24, kNever = 1 << 30;
@@ -46,7 +50,8 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
     sent = send_panorama(kImportResult, guarded([&] { return panorama(file); }));
   } else {
     const auto number = [&](int i) { return std::strtof(argv[i], nullptr); };
-    const ImportSettings settings{.crease_angle_deg = number(2), .up = {number(3), number(4), number(5)}};
+    ImportSettings settings{.crease_angle_deg = number(2), .up = {number(3), number(4), number(5)}};
+    if (const int scene = std::atoi(argv[6]); scene != kNoSceneIndex) settings.scene_index = scene;
     sent = send_import(kImportResult, guarded([&] { return import(file, settings); }));
   }
   const char byte = 1;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "io/image_file.h"
@@ -35,6 +36,23 @@ Image picture(int width, int height, int channels);
 /// Lets `write` fill a file beside `file`, then renames it. On any failure the new file is removed and an older `file`
 /// stays as it was. Devices and pipes are written to directly. `write` may leave errors of the disk to this function.
 Result<void> write_whole(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
+
+/// A file that another program fills beside `file`, under the name path(); keep() makes it `file`. What is not kept is
+/// removed, also by abandon_writes.
+class PartFile {
+ public:
+  /// Errors: kFile, as of check_writable, and for devices and pipes.
+  static Result<std::unique_ptr<PartFile>> begin(const std::filesystem::path& file);
+  ~PartFile();
+  PartFile(const PartFile&) = delete;
+  const std::filesystem::path& path() const;
+  Result<void> keep();
+
+ private:
+  struct State;
+  explicit PartFile(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
 
 /// An open file that closes itself.
 struct CloseFile {

@@ -184,6 +184,25 @@ class Unfinished {
   std::atomic<const char*>* place_ = nullptr;
 };
 
+/// Where a file is to appear. A link stays a link: what it points at is replaced.
+fs::path target_of(const fs::path& file) {
+  std::error_code code;
+  const fs::path resolved = fs::canonical(file, code);
+  if (!code) return resolved;
+  if (!fs::is_symlink(fs::symlink_status(file, code))) return file;
+  const fs::path aim = fs::read_symlink(file, code);  // of a link that leads nowhere yet
+  return aim.is_absolute() ? aim : file.parent_path() / aim;
+}
+
+/// Makes the finished part the file; `file` is its name for people. A file that is replaced keeps its permissions.
+Result<void> put_in_place(const fs::path& part, const fs::path& target, const fs::path& file) {
+  std::error_code code;
+  if (const fs::file_status old = fs::status(target, code); fs::exists(old))
+    fs::permissions(part, old.permissions(), code);
+  fs::rename(part, target, code);
+  return code ? write_error(file, code.value()) : Result<void>();
+}
+
 }  // namespace
 
 void abandon_writes() {
@@ -194,38 +213,53 @@ void abandon_writes() {
 Result<void> write_whole(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
   if (Result<void> ok = check_writable(file); !ok) return ok;
   std::error_code code;
-  // A link stays a link: what it points at is replaced.
-  const fs::path resolved = fs::canonical(file, code);
-  fs::path target = code ? file : resolved;
-  if (code && fs::is_symlink(fs::symlink_status(file, code))) {
-    const fs::path aim = fs::read_symlink(file, code);  // of a link that leads nowhere yet
-    target = aim.is_absolute() ? aim : file.parent_path() / aim;
-  }
+  const fs::path target = target_of(file);
   if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
     std::FILE* stream = std::fopen(target.c_str(), "wb");
     return stream ? fill(file, stream, write) : write_error(file, errno);
   }
   fs::path part;
   std::FILE* stream = nullptr;
-  constexpr int kAttempts = 16;  // a killed program of the same number may have left such names
+  std::optional<Unfinished> listed;  // before the file is there, so that a signal finds it at any time
+  constexpr int kAttempts = 16;      // a killed program of the same number may have left such names
   for (int i = 0; i < kAttempts && !stream; ++i) {
+    listed.reset();
     part = part_of(target);
+    listed.emplace(part);
     stream = std::fopen(part.c_str(), "wbx");
     if (!stream && errno != EEXIST) break;
   }
   if (!stream) return write_error(file, errno);
-  const Unfinished listed(part);
   Result<void> done = fill(file, stream, write);
-  if (done) {
-    // A file that is replaced keeps its permissions.
-    if (const fs::file_status old = fs::status(target, code); fs::exists(old))
-      fs::permissions(part, old.permissions(), code);
-    fs::rename(part, target, code);
-    if (!code) return {};
-    done = write_error(file, code.value());
-  }
-  fs::remove(part, code);
+  if (done) done = put_in_place(part, target, file);
+  if (!done) fs::remove(part, code);
   return done;
+}
+
+struct PartFile::State {
+  fs::path file, target, part;
+  Unfinished listed{part};
+};
+
+PartFile::PartFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+PartFile::~PartFile() {
+  std::error_code ignored;
+  fs::remove(state_->part, ignored);
+}
+
+const fs::path& PartFile::path() const { return state_->part; }
+
+Result<void> PartFile::keep() { return put_in_place(state_->part, state_->target, state_->file); }
+
+Result<std::unique_ptr<PartFile>> PartFile::begin(const fs::path& file) {
+  if (Result<void> ok = check_writable(file); !ok) return ok.error();
+  const fs::path target = target_of(file);
+  std::error_code ignored;
+  if (fs::exists(target, ignored) && !fs::is_regular_file(target, ignored))
+    return file_error("'{}' cannot be written: it is a device or pipe, where a file is needed", file.string());
+  std::unique_ptr<State> state(new State{file, target, part_of(target)});
+  return std::unique_ptr<PartFile>(new PartFile(std::move(state)));
 }
 
 Result<InputFile> open_to_read(const fs::path& file, std::int64_t& size) {

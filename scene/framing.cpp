@@ -212,11 +212,23 @@ Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float
   return camera_at(eye, target, up, angle_deg, height, aspect, framing);
 }
 
-}  // namespace
+/// Whether the scene's own view is to be used.
+bool by_own_view(const Scene& scene, const Framing& framing) {
+  return !scene.views.empty() && !framing.position && !framing.focal_point && !framing.direction;
+}
 
-Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {
+/// What a camera at a given place looks at.
+glm::vec3 target_of(const Scene& scene, const Framing& framing) {
+  if (framing.focal_point) return *framing.focal_point;
+  if (!framing.direction || !is_direction(*framing.direction)) return scene.center();
+  const float to_center = glm::distance(*framing.position, scene.center());
+  return *framing.position +
+         (to_center > 0.0f ? to_center : std::max(scene.radius(), 1.0f)) * glm::normalize(*framing.direction);
+}
+
+Camera camera_before_turn(const Scene& scene, const Framing& framing, int width, int height) {
   const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
-  const bool by_view = !scene.views.empty() && !framing.position && !framing.focal_point && !framing.direction;
+  const bool by_view = by_own_view(scene, framing);
   const glm::vec3 up =
       unit_or(framing.view_up, by_view && is_direction(scene.views[0].up) ? scene.views[0].up : scene.up);
   const float wished_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
@@ -226,15 +238,7 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
     return placed(view.eye, view.target, up, angle_deg, aspect, framing, view.height);
   }
 
-  if (framing.position) {
-    glm::vec3 target = framing.focal_point.value_or(scene.center());
-    if (!framing.focal_point && framing.direction && is_direction(*framing.direction)) {
-      const float to_center = glm::distance(*framing.position, scene.center());
-      target = *framing.position +
-               (to_center > 0.0f ? to_center : std::max(scene.radius(), 1.0f)) * glm::normalize(*framing.direction);
-    }
-    return placed(*framing.position, target, up, angle_deg, aspect, framing);
-  }
+  if (framing.position) return placed(*framing.position, target_of(scene, framing), up, angle_deg, aspect, framing);
   const bool has_direction = framing.direction && is_direction(*framing.direction);
   glm::vec3 side = has_direction ? -glm::normalize(*framing.direction) : default_side(scene, up);
   side = turned(side, up, framing.azimuth_deg, framing.elevation_deg);
@@ -243,6 +247,25 @@ Camera frame_scene(const Scene& scene, const Framing& framing, int width, int he
   const Fit fit = framing.orthographic ? fit_orthographic(scene, axes, aspect, keep_middle)
                                        : fit_perspective(scene, axes, angle_deg, aspect, keep_middle);
   return camera_at(fit.target + fit.distance * side, fit.target, up, angle_deg, fit.height, aspect, framing);
+}
+
+}  // namespace
+
+glm::vec3 turn_center(const Scene& scene, const Framing& framing) {
+  if (by_own_view(scene, framing)) return scene.views[0].target;
+  return framing.position ? target_of(scene, framing) : framing.focal_point.value_or(scene.center());
+}
+
+Camera frame_scene(const Scene& scene, const Framing& framing, int width, int height) {
+  Camera camera = camera_before_turn(scene, framing, width, height);
+  if (framing.turn_deg == 0.0f) return camera;
+  const glm::dvec3 center(turn_center(scene, framing)), axis(unit_or(std::nullopt, scene.up));
+  // The world turned back is the camera turned.
+  glm::dmat4 turn = glm::translate(glm::dmat4(1.0), center);
+  turn = glm::rotate(turn, -glm::radians(double(framing.turn_deg)), axis);
+  turn = glm::translate(turn, -center);
+  camera.view_from_world = glm::mat4(glm::dmat4(camera.view_from_world) * turn);
+  return camera;
 }
 
 namespace {

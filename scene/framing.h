@@ -14,7 +14,13 @@ struct Framing {
   float azimuth_deg = 0.0f, elevation_deg = 0.0f;
   float zoom = 1.0f;  ///< above 1: the model fills more of the picture
   bool orthographic = false;
+  /// The camera that all this makes is turned as it is, not fitted anew, about the scene's up axis through what it
+  /// looks at, or through the scene's middle where it was fitted. Counterclockwise as seen from above.
+  float turn_deg = 0.0f;
 };
+
+/// The axis of Framing::turn_deg: a point on it; its direction is Scene::up.
+glm::vec3 turn_center(const Scene& scene, const Framing& framing);
 
 /// The camera for an image of width x height pixels. Without any wish: the scene's first suggested view, or else the
 /// whole scene from slightly above and to the side, fitted to the picture with a small margin.

@@ -181,10 +181,11 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
 
 Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings) {
   const auto number = [](float v) { return fmt::format("{}", v); };
-  return read_apart<Scene>(file,
-                           {file.string(), number(settings.crease_angle_deg), number(settings.up.x),
-                            number(settings.up.y), number(settings.up.z)},
-                           receive_import);
+  return read_apart<Scene>(
+      file,
+      {file.string(), number(settings.crease_angle_deg), number(settings.up.x), number(settings.up.y),
+       number(settings.up.z), fmt::format("{}", settings.scene_index.value_or(kNoSceneIndex))},
+      receive_import);
 }
 
 Result<Panorama> read_panorama_apart(const fs::path& file) {

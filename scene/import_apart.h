@@ -14,6 +14,9 @@ inline constexpr int kImportResult = 3, kImportDone = 4;
 /// where the program umbrage-import is not there.
 Result<Scene> import_apart(const std::filesystem::path& file, const ImportSettings& settings);
 
+/// What umbrage-import is told where the file's own scene is wanted.
+inline constexpr int kNoSceneIndex = -1;
+
 /// The word after which umbrage-import is named a file that read_panorama is to read.
 inline constexpr const char* kReadPanorama = "--panorama";
 

@@ -117,9 +117,20 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   return imported;
 }
 
+Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count) {
+  if (!settings.scene_index) return {};
+  if (*settings.scene_index >= 0 && std::size_t(*settings.scene_index) < count) return {};
+  return usage_error("--scene-index cannot be {}: {} has {}", *settings.scene_index, name,
+                     count == 1   ? "one scene, 0"
+                     : count == 2 ? "two scenes, 0 and 1"
+                                  : fmt::format("{} scenes, 0 to {}", count, count - 1));
+}
+
 Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings) {
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
+  if (format != "gltf" && format != "glb")  // of other formats a file is one scene
+    if (auto fine = check_scene_index(settings, file.filename().string(), 1); !fine) return fine.error();
   try {
     if (auto own = import_own(file, format)) return complete_import(std::move(*own), file, settings);
     auto scene = import_apart(file, settings);

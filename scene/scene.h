@@ -66,6 +66,8 @@ struct Scene {
   std::vector<Light> lights;  ///< in world space; the first one is the key light. Empty: a default rig is made
   std::vector<View> views;    ///< suggested, the first is used where nobody names a camera; empty: automatic framing
   std::vector<View> cameras;  ///< those that the file holds, used where asked for
+  std::vector<std::string> scene_names;  ///< of a file that holds several scenes, of which this is one; else empty
+  int scene_index = 0;                   ///< which one
   glm::vec3 up{0.0f, 1.0f, 0.0f};
   glm::vec3 ambient{0.3f};     ///< radiance from everywhere, the mean over all normals
   AmbientShape ambient_shape;  ///< in world space

@@ -50,10 +50,11 @@ void pass(Archive& archive, AmbientShape& shape) {
 }
 template <class Archive>
 void pass(Archive& archive, Scene& scene) {
-  auto& [name, meshes, materials, textures, lights, views, cameras, up, ambient, ambient_shape, usual_light, bounds_min,
-         bounds_max, ground_object, ground_middle, ground_fades, warnings] = scene;
-  archive(name, meshes, materials, textures, lights, views, cameras, up, ambient, ambient_shape, usual_light,
-          bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings);
+  auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
+         ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings] =
+      scene;
+  archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
+          ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings);
 }
 template <class Archive>
 void pass(Archive& archive, Panorama& panorama) {

@@ -182,6 +182,100 @@ TEST_F(Manners, CamerasAreChosenByIndex) {
   bad("a.gltf -o x.png --camera-index 0 --camera-position 1,2,3", 2, {"--camera-index", "--camera-position"});
 }
 
+/// Three scenes: one triangle at x = 0 to 1, the same at x = 10, nodes 0 and 1; both. The second one is the file's own.
+std::string three_scenes() {
+  return R"({"asset":{"version":"2.0"},"scene":1,"scenes":[{"name":"left","nodes":[0]},{"name":"right","nodes":[1]},
+{"nodes":[0,1]}],
+"nodes":[{"mesh":0},{"mesh":0,"translation":[10,0,0],"children":[2]},{"camera":0,"translation":[0,0,4]}],
+"cameras":[{"type":"perspective","perspective":{"yfov":0.5,"znear":0.1}}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+"bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36}],
+"buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+}
+
+/// The same as a .glb file, whose triangle is in its second chunk.
+std::string as_glb(std::string json) {
+  const std::size_t uri = json.find(",\"uri\""), end = json.find("\"}]", uri + 8);
+  json.erase(uri, end + 1 - uri);
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::uint32_t head[] = {2, std::uint32_t(12 + 8 + json.size() + 8 + sizeof corners), std::uint32_t(json.size()),
+                                0x4e4f534au};
+  const std::uint32_t chunk[] = {sizeof corners, 0x004e4942u};
+  const auto bytes = [](const auto& list) { return std::string(reinterpret_cast<const char*>(list), sizeof list); };
+  return "glTF" + bytes(head) + json + bytes(chunk) + bytes(corners);
+}
+
+TEST_F(Manners, ScenesAreChosenByIndex) {
+  write("a.gltf", three_scenes());
+  write("a.glb", as_glb(three_scenes()));
+  for (const std::string file : {"a.gltf", "a.glb"}) {
+    SCOPED_TRACE(file);
+    const auto own = info(file);
+    const auto bounds = [](const nlohmann::json& records) {
+      const auto model = record_of(records, "model");
+      return std::pair(model["min_x"].get<float>(), model["max_x"].get<float>());
+    };
+    EXPECT_EQ(bounds(own), std::pair(10.0f, 11.0f)) << "the scene that the file names";
+    EXPECT_NE(record_of(own, "warning")["text"].get<std::string>().find("3 scenes"), std::string::npos);
+    std::vector<std::string> names;
+    int drawn = -1;
+    for (const auto& record : own) {
+      if (record["what"] != "scene") continue;
+      names.push_back(record["name"]);
+      if (record["drawn"]) drawn = record["index"];
+    }
+    EXPECT_EQ(names, (std::vector<std::string>{"left", "right", ""}));
+    EXPECT_EQ(drawn, 1);
+    const auto left = info(file + " --scene-index 0"), right = info(file + " --scene-index 1"),
+               both = info(file + " --scene-index 2");
+    EXPECT_EQ(bounds(left), std::pair(0.0f, 1.0f));
+    EXPECT_EQ(bounds(right), std::pair(10.0f, 11.0f));
+    EXPECT_EQ(bounds(both), std::pair(0.0f, 11.0f));
+    EXPECT_EQ(record_of(both, "model")["triangles"], 2);
+    EXPECT_TRUE(record_of(left, "warning").is_null());
+    // A camera belongs to the scenes that its node is in.
+    EXPECT_EQ(record_of(left, "model")["cameras"], 0);
+    EXPECT_EQ(record_of(right, "camera")["eye_x"], 10.0f);
+    EXPECT_NE(good("info " + file + " --scene-index 0").out.find("--scene-index 0 (left): this one"),
+              std::string::npos);
+    good(file + " --scene-index 2 -o a.png" + kSmall);
+    bad(file + " -o x.png --scene-index 3", 2, {"--scene-index cannot be 3", file, "3 scenes, 0 to 2"});
+  }
+  good("tri.obj --scene-index 0 -o b.png" + std::string(kSmall));
+  bad("tri.obj -o x.png --scene-index 1", 2, {"--scene-index", "tri.obj has one scene, 0"});
+  bad("scene:pink -o x.png --scene-index 1", 2, {"--scene-index", "scene:pink has one scene, 0"});
+  bad("a.gltf -o x.png --scene-index -1", 2, {"--scene-index"});
+  bad("a.gltf -o x.png --scene-index left", 2, {"--scene-index"});
+}
+
+TEST_F(Manners, CompareAndTuneTakeACameraAndStandardInput) {
+  write("a.gltf", three_scenes());
+  const std::string few = " --samples 2 --runs 1 --device cpu --resolution 40x30 ";
+  good("compare a.gltf -o r --ao unsharp --scene-index 1 --camera-index 0" + few);
+  const auto scores = nlohmann::json::parse(test::text_of(folder_ / "r/scores.json"));
+  ASSERT_FALSE(scores.empty());
+  for (const auto& score : scores)
+    EXPECT_TRUE(score["view"].get<std::string>().find(" 4, 0.00 0.00 -1.00, ") != std::string::npos &&
+                score["view"].get<std::string>().starts_with("perspective 10 "))
+        << score["view"];
+  good("tune a.gltf --trials 2 --scene-index 1 --camera-index 0" + few);
+  for (const std::string command : {"compare", "tune"}) {
+    bad(command + " a.gltf --camera-index 1" + few, 2, {"--camera-index", "one camera, 0"});
+    bad(command + " a.gltf --camera-index 0 --camera-position 1,2,3" + few, 2, {"--camera-index", "--camera-position"});
+    bad(command + " tri.obj --input-format obj" + few, 2, {"--input-format"});
+    bad(command + " - -" + few, 2, {"once"});
+  }
+  const Outcome compared = shell("$UMBRAGE compare - tri.obj -o s --ao unsharp <a.gltf" + few);
+  EXPECT_EQ(compared.code, 0) << compared.err;
+  std::set<std::string> scenes;
+  for (const auto& score : nlohmann::json::parse(test::text_of(folder_ / "s/scores.json")))
+    scenes.insert(score["scene"]);
+  EXPECT_EQ(scenes, (std::set<std::string>{"-", "tri.obj"}));
+  EXPECT_EQ(shell("$UMBRAGE tune - --trials 2 --input-format gltf <a.gltf" + few).code, 0);
+}
+
 TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
   write("mine",
         "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render]\nlook = \"ao\"\nset = "

@@ -415,6 +415,32 @@ TEST(Public, LetsTheCallersExceptionsThrough) {
   EXPECT_EQ(umbrage::render(request, picture).code, 0);
 }
 
+TEST(Public, CamerasAndScenesAreChosenByIndex) {
+  umbrage::RenderRequest request = {
+      .model = "scene:room?detail=2000", .look = "ao", .width = 64, .height = 48, .device = "cpu"};
+  umbrage::Picture own, first, second;
+  ASSERT_EQ(umbrage::render(request, own).code, 0);
+  request.camera.index = 0;
+  ASSERT_EQ(umbrage::render(request, first).code, 0);
+  request.camera.index = 1;
+  ASSERT_EQ(umbrage::render(request, second).code, 0);
+  EXPECT_EQ(first.rgba, own.rgba) << "the first view is the one that is used where nobody names one";
+  EXPECT_NE(second.rgba, first.rgba);
+  request.camera.index = 99;
+  const auto astray = umbrage::render(request, second);
+  EXPECT_EQ(astray.code, 2);
+  EXPECT_NE(astray.message.find("--camera-index"), std::string::npos) << astray.message;
+  request.camera = {.index = 0, .position = {{1, 2, 3}}};
+  EXPECT_EQ(umbrage::render(request, second).code, 2);
+  request.camera = {};
+  request.scene_index = 0;
+  EXPECT_EQ(umbrage::render(request, second).code, 0);
+  request.scene_index = 1;
+  const auto elsewhere = umbrage::render(request, second);
+  EXPECT_EQ(elsewhere.code, 2);
+  EXPECT_NE(elsewhere.message.find("--scene-index"), std::string::npos) << elsewhere.message;
+}
+
 class PublicFiles : public testing::Test {
  protected:
   std::filesystem::path folder_;

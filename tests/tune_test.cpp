@@ -118,7 +118,7 @@ TEST(Tune, EveryTechniqueThatHasSettingsIsSearched) {
 
 TEST(Tune, TheProgressCanEndTheWork) {
   TuneSettings settings = quick(100);
-  settings.progress = [](const std::string& what) { return what.find("trial 3") == std::string::npos; };
+  settings.progress = [](const std::string& what, double) { return what.find("trial 3") == std::string::npos; };
   const auto device = make_device("cpu", 0);
   const auto tuning = tune(**device, settings);
   ASSERT_FALSE(tuning);

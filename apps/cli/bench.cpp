@@ -5,6 +5,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "apps/cli/progress.h"
 #include "core/image.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
@@ -87,15 +88,24 @@ Result<void> bench(const BenchOptions& o) {
   auto with_threads = device_of(o);
   if (!with_threads) return with_threads.error();
   Device& device = **with_threads;
+  ProgressLine line;
+  line.show("reading the model");
   auto scene = load_scene(o.models.empty() ? "scene:claw" : o.models[0]);
   if (!scene) return scene.error();
   if (auto ready = device.prepare(*scene); !ready) return ready;
 
   nlohmann::json records = nlohmann::json::array();
+  line.wipe();
   if (!o.json)
     fmt::print("{} ({} triangles), {}, median and least of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
                scene->triangle_count(), device.description(), o.runs, "effect", "setting", "size", "ms", "ms_min");
+  // As if all took the same time.
+  const double steps = double(sizes.size()) * (o.effect.empty() ? double(effects().size() + 1) : 1.0);
+  double step = 0.0;
   for (const auto& [width, height] : sizes) {
+    const auto timing = [&, width = width, height = height](std::string_view effect) {
+      line.show(fmt::format("timing {} at {}x{}", effect, width, height), step++ / steps);
+    };
     const auto report = [&, width = width, height = height](std::string_view effect, const std::string& setting,
                                                             const Times& t) {
       records.push_back({{"effect", effect},
@@ -108,6 +118,7 @@ Result<void> bench(const BenchOptions& o) {
                          {"ms_min", t.least}});
       if (*every > 1) records.back()["scale"] = scale;
       if (t.gpu_median) records.back()["gpu_ms"] = *t.gpu_median;
+      line.wipe();
       if (!o.json)
         fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}{}\n", effect, setting, fmt::format("{}x{}", width, height),
                    t.median, t.least, t.gpu_median ? fmt::format(" {:9.3f} on the GPU", *t.gpu_median) : "");
@@ -124,6 +135,7 @@ Result<void> bench(const BenchOptions& o) {
       if (!small) return small.error();
       frame = std::move(small);
     }
+    if (o.effect.empty() || o.effect == "capture") timing("capture");
     if (*every == 1 && (o.effect.empty() || o.effect == "capture"))
       for (const bool shadow : {false, true}) {
         const auto times = time_of(o.runs, device, [&, width = width, height = height]() -> Result<void> {
@@ -136,6 +148,7 @@ Result<void> bench(const BenchOptions& o) {
       }
     for (const Effect* effect : effects()) {
       if (!o.effect.empty() && o.effect != effect->name) continue;
+      timing(effect->name);
       if (*every > 1 && !runs_reduced(*effect)) continue;
       const std::vector<std::string_view> only_own = {""};
       for (const std::string_view variant : effect->variants.empty() ? only_own : effect->variants) {

@@ -1,14 +1,14 @@
 // umbrage compare: each technique against ray-traced truth: numbers, error maps, an HTML page.
 #include "apps/compare/compare.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/standard_input.h"
 #include "apps/compare/report.h"
 #include "io/image_file.h"
 
@@ -23,21 +23,6 @@ struct CompareOptions : CommonOptions {
   std::vector<std::string> sizes = {"960,540", "480,270"};
   int cameras = 2, samples = 256, runs = 3;
 };
-
-/// Whether the report can be written, before any work; makes nothing.
-Result<void> check_folder(const fs::path& folder) {
-  std::error_code ignored;
-  if (fs::is_directory(folder, ignored)) {
-    for (const char* file : {"index.html", "scores.json"})
-      if (auto writable = check_writable(folder / file); !writable) return writable;
-    return {};
-  }
-  fs::path parent = fs::absolute(folder, ignored);
-  while (!fs::exists(parent, ignored) && parent != parent.parent_path()) parent = parent.parent_path();
-  if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
-    return file_error("{}: the report's folder cannot be made", folder.string());
-  return {};
-}
 
 /// A setting as a column of the table holds it.
 std::string shown_setting(const std::string& setting) {
@@ -106,6 +91,8 @@ Result<void> run_compare(const CompareOptions& o) {
   const auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
   settings.draw = *draw_with;
+  settings.load = loader_of(o);
+  if (auto fine = check_standard_input(o.models, o.input_format); !fine) return fine;
   if (auto fine = check_compare(settings); !fine) return fine;
   nlohmann::json baseline;
   if (!o.baseline.empty()) {
@@ -117,11 +104,11 @@ Result<void> run_compare(const CompareOptions& o) {
   auto device = device_of(o);
   if (!device) return device.error();
   const fs::path folder(o.output);
-  if (auto writable = check_folder(folder); !writable) return writable;
+  if (auto writable = check_folder(folder, {"index.html", "scores.json"}); !writable) return writable;
 
   ProgressLine line;
-  settings.progress = [&](const std::string& what) {
-    line.show(what);
+  settings.progress = [&](const std::string& what, double done) {
+    line.show(what, done);
     return true;
   };
   const auto comparison = compare(**device, settings);

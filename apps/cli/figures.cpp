@@ -1,13 +1,12 @@
 // umbrage figures: the papers' figures and tables, with the numbers that they must show.
 #include "apps/figures/figures.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "apps/cli/progress.h"
 #include "core/suggest.h"
 #include "io/image_file.h"
 
@@ -99,20 +98,20 @@ Result<void> make_figures(FiguresOptions o) {
   if (!device) return device.error();
   if (paper->with_bunny && !fs::exists(o.bunny))
     return file_error("{}: the bunny of figure 3 is missing; install glmark2-data or name it with --bunny", o.bunny);
-  std::error_code error;
-  fs::create_directories(o.output, error);
-  if (!fs::is_directory(o.output)) return file_error("{}: the folder cannot be made", o.output);
   const fs::path folder(o.output);
-  if (auto writable = check_writable(folder / "contact-sheet.png"); !writable) return writable;
+  if (auto writable = check_folder(folder, {"contact-sheet.png", "numbers.json", "index.md"}); !writable)
+    return writable;
 
-  const bool on_terminal = ::isatty(STDERR_FILENO) != 0;
-  const auto progress = [on_terminal](const std::string& what) {
-    if (on_terminal) fmt::print(stderr, "{}...\n", what);
-  };
+  ProgressLine line;
+  const auto progress = [&line](const std::string& what) { line.show(what); };
   const auto figures = paper->figures(**device, o, progress);
   if (!figures) return figures.error();
   const auto tables = paper->tables(**device, o, progress);
   if (!tables) return tables.error();
+  line.wipe();
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) return file_error("{}: the folder cannot be made", o.output);
 
   nlohmann::json records = nlohmann::json::array();
   int missed = 0;

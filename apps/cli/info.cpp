@@ -44,7 +44,7 @@ std::string format_of_model(const std::string& model) {
   return format;
 }
 
-/// Records of `what` (model, mesh, material, texture, camera, light, warning) and its facts.
+/// Records of `what` (model, mesh, material, texture, scene, camera, light, warning) and its facts.
 nlohmann::json records_of(const Scene& scene, const std::string& format) {
   nlohmann::json records = nlohmann::json::array();
   std::set<int> objects;
@@ -96,6 +96,11 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
   for (const Texture& texture : scene.textures)
     records.push_back(
         {{"what", "texture"}, {"name", texture.name}, {"width", texture.width}, {"height", texture.height}});
+  for (std::size_t k = 0; k < scene.scene_names.size(); ++k)
+    records.push_back({{"what", "scene"},
+                       {"index", k},
+                       {"name", scene.scene_names[k]},
+                       {"drawn", k == std::size_t(scene.scene_index)}});
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     nlohmann::json record = {{"what", "camera"},
@@ -163,6 +168,12 @@ void print_text(const Scene& scene, const std::string& format) {
     print_line(t == 0 ? "textures" : "", fmt::format("{}, {} x {}", texture.name, texture.width, texture.height));
   }
   more(scene.textures.size());
+  for (std::size_t k = 0; k < std::min(scene.scene_names.size(), kMostShown); ++k) {
+    const std::string& name = scene.scene_names[k];
+    print_line(k == 0 ? "scenes" : "", fmt::format("--scene-index {}{}{}", k, name.empty() ? "" : " (" + name + ")",
+                                                   k == std::size_t(scene.scene_index) ? ": this one" : ""));
+  }
+  more(scene.scene_names.size());
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
   for (std::size_t k = 0; k < std::min(cameras.size(), kMostShown); ++k) {
     const View& view = cameras[k];

@@ -2,16 +2,14 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <new>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/config.h"
-#include "apps/cli/standard_input.h"
+#include "apps/cli/signals.h"
 #include "core/suggest.h"
-#include "io/image_file.h"
 
 namespace umbrage::cli {
 namespace {
@@ -122,12 +120,6 @@ int report(const Error& error) {
   return int(error.kind);
 }
 
-void interrupted(int) {
-  abandon_writes();
-  drop_standard_input();
-  std::_Exit(int(ErrorKind::kInterrupted));
-}
-
 int run(int argc, char** argv) {
   command_line = "umbrage";
   for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
@@ -183,8 +175,7 @@ std::string command_line;
 }  // namespace umbrage::cli
 
 int main(int argc, char** argv) {
-  std::signal(SIGINT, umbrage::cli::interrupted);
-  std::signal(SIGTERM, umbrage::cli::interrupted);
+  umbrage::cli::end_on_signals();
   try {
     return umbrage::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -10,21 +10,15 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "io/image_file.h"
 #include "looks/frames.h"
 
 namespace umbrage::cli {
 namespace {
 
 constexpr int kMostThreads = 1024;
-constexpr float kFarthest = 1e15f;  // as for models: rays beyond leave what Embree takes
-
-Result<double> parse_number(std::string_view option, std::string_view text, double least, double most) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !(value >= least && value <= most))
-    return usage_error("{} cannot be '{}': it takes a number from {:g} to {:g}", option, text, least, most);
-  return value;
-}
+constexpr int kMostIndex = 1000000000;  // of cameras and scenes, which are counted once the file is read
+constexpr float kFarthest = 1e15f;      // as for models: rays beyond leave what Embree takes
 
 /// "x,y,z" or "x y z".
 Result<glm::vec3> parse_vector(std::string_view option, std::string_view text) {
@@ -53,6 +47,22 @@ Result<void> store(const Result<T>& parsed, auto& out) {
 
 }  // namespace
 
+Result<double> parse_number(std::string_view option, std::string_view text, double least, double most) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value >= least && value <= most))
+    return usage_error("{} cannot be '{}': it takes a number from {:g} to {:g}", option, text, least, most);
+  return value;
+}
+
+Result<int> parse_whole(std::string_view option, std::string_view text, int least, int most) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < least || value > most)
+    return usage_error("{} cannot be '{}': it takes a whole number from {} to {}", option, text, least, most);
+  return value;
+}
+
 void add_model_options(CLI::App& command, CommonOptions& o) {
   command.add_option("MODEL", o.models, "model files, - for standard input, or scene:NAME?detail=TRIANGLES")
       ->required();
@@ -71,6 +81,10 @@ void add_model_options(CLI::App& command, CommonOptions& o) {
       ->group(scene);
   command.add_option("--up", o.up, "world up: +X -X +Y -Y +Z -Z or x,y,z [as the format says]")->group(scene);
   command
+      .add_option("--scene-index", o.scene_index,
+                  "one of the scenes that a glTF file holds, from 0: see umbrage info [the one that it names]")
+      ->group(scene);
+  command
       .add_option("--input-format", o.input_format,
                   "format of the model on standard input, such as obj [by its content]")
       ->group(scene);
@@ -79,6 +93,8 @@ void add_model_options(CLI::App& command, CommonOptions& o) {
 void add_scene_options(CLI::App& command, CommonOptions& o) {
   add_model_options(command, o);
   const auto camera = "Camera";
+  command.add_option("--camera-index", o.camera_index, "a camera of the file, from 0: see umbrage info [none of them]")
+      ->group(camera);
   command.add_option("--camera-position", o.position, "x,y,z of the eye")->group(camera);
   command.add_option("--camera-focal-point", o.focal_point, "x,y,z that is looked at")->group(camera);
   command.add_option("--camera-view-up", o.view_up, "x,y,z that points up in the picture")->group(camera);
@@ -247,6 +263,16 @@ Result<DrawSettings> draw_settings(const CommonOptions& o, long most_pixels) {
     return usage_error(
         "--camera-position and --camera-focal-point are both '{}': a camera cannot look at its own place", o.position);
   framing.orthographic = o.orthographic;
+  if (!o.camera_index.empty()) {
+    if (!o.position.empty() || !o.focal_point.empty() || !o.direction.empty())
+      return usage_error("--camera-index and --camera-{} both say where the camera is: give one of them",
+                         !o.position.empty()      ? "position"
+                         : !o.focal_point.empty() ? "focal-point"
+                                                  : "direction");
+    const auto index = parse_whole("--camera-index", o.camera_index, 0, kMostIndex);
+    if (!index) return index.error();
+    draw.camera_index = *index;
+  }
   const auto whole = [](std::string_view option, const std::string& text, int least, int most,
                         std::optional<int>& out) -> Result<void> {
     if (text.empty()) return {};
@@ -297,6 +323,11 @@ Result<DrawSettings> draw_settings(const CommonOptions& o, long most_pixels) {
 
 Result<ImportSettings> import_settings(const CommonOptions& o) {
   ImportSettings settings;
+  if (!o.scene_index.empty()) {
+    const auto index = parse_whole("--scene-index", o.scene_index, 0, kMostIndex);
+    if (!index) return index.error();
+    settings.scene_index = *index;
+  }
   if (!o.crease_angle.empty()) {
     const auto angle = parse_number("--crease-angle", o.crease_angle, 0.0, 180.0);
     if (!angle) return angle.error();
@@ -330,6 +361,21 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   return make_device(o.device, int(*threads));
 }
 
+Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  if (fs::is_directory(folder, ignored)) {
+    for (const char* file : files)
+      if (auto writable = check_writable(folder / file); !writable) return writable;
+    return {};
+  }
+  fs::path parent = fs::absolute(folder, ignored);
+  while (!fs::exists(parent, ignored) && parent != parent.parent_path()) parent = parent.parent_path();
+  if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
+    return file_error("{}: the folder cannot be made", folder.string());
+  return {};
+}
+
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> words;
   for (std::size_t start = 0; start <= text.size();) {
@@ -338,22 +384,6 @@ std::vector<std::string> split(const std::string& text) {
     start = comma + 1;
   }
   return words;
-}
-
-ProgressLine::ProgressLine() : shown_(::isatty(STDERR_FILENO) != 0) {}
-
-ProgressLine::~ProgressLine() { wipe(); }
-
-void ProgressLine::wipe() {
-  if (shown_ && width_ > 0) fmt::print(stderr, "\r{:{}}\r", "", width_);
-  width_ = 0;
-}
-
-void ProgressLine::show(const std::string& text) {
-  if (!shown_) return;
-  fmt::print(stderr, "\r{:<{}}", text, width_);
-  std::fflush(stderr);
-  width_ = std::max(width_, text.size());
 }
 
 }  // namespace umbrage::cli

@@ -1,6 +1,7 @@
 // Options that several commands share, and their text forms.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@ struct CommonOptions {
   std::string input_format;
   std::string resolution = "1024,1024";
   std::string point_size, point_shape = "auto";
-  std::string up, crease_angle, position, focal_point, view_up, direction;
-  std::string view_angle, azimuth = "0", elevation = "0", zoom = "1";
+  std::string up, scene_index, crease_angle, position, focal_point, view_up, direction;
+  std::string camera_index, view_angle, azimuth = "0", elevation = "0", zoom = "1";
   bool orthographic = false;
   std::string look = "studio", occlusion, occlusion_scale, radius, anti_aliasing, quality, ground = "auto";
   std::vector<std::string> settings;
@@ -53,22 +54,14 @@ Result<std::pair<int, int>> parse_resolution(std::string_view text, long most = 
 /// "+Y", "-z" or "0,1,0".
 Result<glm::vec3> parse_direction(std::string_view option, std::string_view text);
 
+/// A whole number. Errors: kUsage, naming the option.
+Result<int> parse_whole(std::string_view option, std::string_view text, int least, int most);
+Result<double> parse_number(std::string_view option, std::string_view text, double least, double most);
+
+/// Whether a folder can be made, or these files written into the one that is there, before any work; makes nothing.
+Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files);
+
 /// The words of a list parted by commas.
 std::vector<std::string> split(const std::string& text);
-
-/// One line of progress on a terminal, wiped at the end; nothing where standard error is piped.
-class ProgressLine {
- public:
-  ProgressLine();
-  ~ProgressLine();
-  ProgressLine(const ProgressLine&) = delete;
-  void show(const std::string& text);
-  /// Clears the line, before anything else is printed.
-  void wipe();
-
- private:
-  bool shown_;
-  std::size_t width_ = 0;
-};
 
 }  // namespace umbrage::cli

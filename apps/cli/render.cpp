@@ -4,16 +4,20 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <glm/geometric.hpp>
+#include <filesystem>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <span>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/frame_names.h"
 #include "apps/cli/options.h"
+#include "apps/cli/progress.h"
 #include "apps/cli/standard_input.h"
+#include "apps/cli/video.h"
 #include "apps/job/bands.h"
 #include "apps/job/passes.h"
+#include "apps/job/turntable.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
@@ -24,7 +28,7 @@ namespace umbrage::cli {
 namespace {
 
 struct RenderOptions : CommonOptions {
-  std::string output, camera_index, memory = "6G";
+  std::string output, turntable, frame_rate = "30", memory = "6G";
   std::optional<std::string> passes;
   int bits = 8;
   bool half = false, json = false;
@@ -44,6 +48,16 @@ Result<double> parse_memory(std::string_view text) {
   for (std::size_t k = 0; unit && k <= kUnits.find(*end); ++k) bytes *= 1024.0;
   return bytes;
 }
+
+/// Where a picture goes.
+struct Place {
+  std::string file;        ///< or kStandardOutput
+  Video* video = nullptr;  ///< a frame of it, in place of a file
+  PictureInfo first;       ///< of the first of several frames
+  std::string_view extension() const {
+    return video || file == kStandardOutput ? "png" : (*format_of(file))->extension;
+  }
+};
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 
@@ -82,9 +96,9 @@ Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
 }
 
 /// Writes the file, or standard output, from rows that are made meanwhile.
-Result<void> put_rows(const RenderOptions& o, const ImageShape& shape, const WriteSettings& settings,
+Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSettings& settings,
                       const MakeImageRows& make) {
-  if (o.output != kStandardOutput) return write_image_rows(o.output, shape, settings, make);
+  if (place.file != kStandardOutput) return write_image_rows(place.file, shape, settings, make);
   const auto bytes = encode_png_rows(shape, settings, make);
   if (!bytes) return bytes.error();
   if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
@@ -92,26 +106,26 @@ Result<void> put_rows(const RenderOptions& o, const ImageShape& shape, const Wri
   return {};
 }
 
-/// Writes the file, or standard output.
-Result<void> put_image(const RenderOptions& o, const Image& image, const WriteSettings& settings) {
-  return put_rows(o, {image.width, image.height, image.names}, settings,
+/// Writes the file, or standard output, or adds a frame to a video.
+Result<void> put_image(const Place& place, const Image& image, const WriteSettings& settings) {
+  if (place.video) return place.video->add(image);
+  return put_rows(place, {image.width, image.height, image.names}, settings,
                   [&](const TakeImageRows& take) { return take(image); });
 }
 
 /// What the file holds of a picture, or of some of its rows.
-Image picture_in_file(const RenderOptions& o, const Image& drawn, const std::vector<std::string>& names,
-                      const EffectSettings& settings, const PictureInfo& info) {
-  const std::string_view extension = o.output == kStandardOutput ? "png" : (*format_of(o.output))->extension;
-  if (o.passes && extension == "png" && *o.passes == "outline")
-    return picture_of_lines(drawn.plane("outline"), settings);
-  if (o.passes && extension == "png") return picture_of_pass(drawn, names, info);
+Image picture_in_file(const RenderOptions& o, const Place& place, const Image& drawn,
+                      const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
+  const bool of_display = place.extension() == "png";
+  if (o.passes && of_display && *o.passes == "outline") return picture_of_lines(drawn.plane("outline"), settings);
+  if (o.passes && of_display) return picture_of_pass(drawn, names, info);
   Image picture(drawn.width, drawn.height);
   for (const std::string& name : names) picture.add(name) = drawn.plane(name);
   return picture;
 }
 
-Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_settings, Device& device,
-                          const Frame& frame) {
+Result<void> write_output(const RenderOptions& o, const Place& place, const EffectSettings& effect_settings,
+                          Device& device, const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
   auto names = kColor;
@@ -125,29 +139,8 @@ Result<void> write_output(const RenderOptions& o, const EffectSettings& effect_s
     for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
   }
   const auto image = device.download(frame, names);
-  return image ? put_image(o, picture_in_file(o, *image, names, effect_settings, frame.info), settings) : image.error();
-}
-
-/// Makes the camera of that number the scene's own view: one of the file's, or else of those that a built-in scene
-/// suggests.
-Result<void> use_camera(const std::string& index, Scene& scene) {
-  const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
-  std::size_t k = 0;
-  const auto [end, error] = std::from_chars(index.data(), index.data() + index.size(), k);
-  const bool is_number = error == std::errc() && end == index.data() + index.size();
-  if (!is_number || k >= cameras.size())
-    return usage_error("--camera-index cannot be '{}': {} has {}", index, scene.name,
-                       cameras.empty()       ? "no cameras"
-                       : cameras.size() == 1 ? "one camera, 0"
-                                             : fmt::format("cameras 0 to {}", cameras.size() - 1));
-  View view = cameras[k];
-  // It turns around what is in the middle of the scene, as far as it looks there.
-  const glm::vec3 along = glm::normalize(view.target - view.eye);
-  const float distance = glm::dot(scene.center() - view.eye, along);
-  if (!scene.cameras.empty())
-    view.target = view.eye + along * (distance > 0.0f ? distance : std::max(scene.radius(), 1e-6f));
-  scene.views = {view};
-  return {};
+  if (!image) return image.error();
+  return put_image(place, picture_in_file(o, place, *image, names, effect_settings, place.first), settings);
 }
 
 /// What is seen in a picture, for hints.
@@ -267,6 +260,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
 /// Draws the picture in bands, into its file. Progress is shown meanwhile, on `line`.
 Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device& device, Scene& scene,
                             const DrawSettings& draw_with, BandPlan plan, ProgressLine& line, StageTimes& times) {
+  const Place place{o.output, nullptr, {}};
   auto names = kColor;
   if (o.no_background) names.push_back("color.a");
   if (o.passes) {
@@ -281,14 +275,14 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
   Image pixel(1, 1);
   for (const std::string& name : plan.planes) pixel.add(name) = Plane(1, 1, 0.0f);
   const ImageShape shape{draw_with.width, draw_with.height,
-                         picture_in_file(o, pixel, names, recipe.settings, {}).names};
+                         picture_in_file(o, place, pixel, names, recipe.settings, {}).names};
   Seen seen;
   const Camera camera = frame_scene(scene, draw_with.framing, draw_with.width, draw_with.height);
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
   const auto make = [&](const TakeImageRows& take) -> Result<void> {
     const auto take_rows = [&](const PictureInfo& info, const Image& rows, int) {
       seen.add(rows.plane("depth"), rows.find("ao"));
-      const auto taken = take(picture_in_file(o, rows, names, recipe.settings, info));
+      const auto taken = take(picture_in_file(o, place, rows, names, recipe.settings, info));
       times.done("write");
       return taken;
     };
@@ -298,7 +292,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
       return Error{ErrorKind::kInternal, "not enough memory; try a smaller --memory, --resolution or model"};
     }
   };
-  const auto written = put_rows(o, shape, settings, make);
+  const auto written = put_rows(place, shape, settings, make);
   line.wipe();
   if (written) print_hints(o, recipe, seen, scene);
   return written;
@@ -335,22 +329,109 @@ void print_times(const StageTimes& times, const std::vector<PassTime>& passes, b
   fmt::print("{}\n", records.dump(2));
 }
 
-Result<void> render(const RenderOptions& o) {
-  StageTimes times;
-  // Everything that can be wrong without a model is found before it is read.
+/// What is written, and how many frames; checked before the model is read.
+struct Output {
+  int frames = 1;
+  bool turns = false, is_video = false;
+  double frame_rate = 0.0;
+  FrameNames names;  ///< of frames that are files
+};
+
+Result<Output> output_of(const RenderOptions& o) {
+  Output output;
   const bool piped = o.output == kStandardOutput;
   if (piped && ::isatty(STDOUT_FILENO))
     return usage_error("-o - writes a PNG to standard output, which is a terminal: send it to a file or a program");
   if (piped && o.json) return usage_error("-o - and --json cannot both have standard output");
-  if (!piped)
-    if (auto writable = check_writable(o.output); !writable) return writable;
-  if (!o.camera_index.empty() && (!o.position.empty() || !o.focal_point.empty() || !o.direction.empty()))
-    return usage_error("--camera-index and --camera-{} both say where the camera is: give one of them",
-                       !o.position.empty()      ? "position"
-                       : !o.focal_point.empty() ? "focal-point"
-                                                : "direction");
-  const auto format = format_of(piped ? "-.png" : o.output);
-  if (!format) return format.error();
+  constexpr double kSlowest = 0.1, kFastest = 1000.0;
+  const auto rate = parse_number("--frame-rate", o.frame_rate, kSlowest, kFastest);
+  if (!rate) return rate.error();
+  output.frame_rate = *rate;
+  if (o.turntable.empty()) {
+    if (is_video(o.output) && !format_of(o.output))
+      return usage_error("'{}' is a video, of several frames: --turntable 120 makes it", o.output);
+    if (piped) return output;
+    if (auto writable = check_writable(o.output); !writable) return writable.error();
+    if (const auto format = format_of(o.output); !format) return format.error();
+    return output;
+  }
+  constexpr int kMostTurns = 100000;
+  const auto frames = parse_whole("--turntable", o.turntable, 1, kMostTurns);
+  if (!frames) return frames.error();
+  output.frames = *frames;
+  output.turns = true;
+  output.is_video = is_video(o.output);
+  if (output.is_video) return output;
+  if (piped)
+    return usage_error("--turntable {} makes several pictures, and -o - takes one: name files, such as turn.png",
+                       o.turntable);
+  auto names = frame_names(o.output);
+  if (!names) return names.error();
+  output.names = *names;
+  for (const int frame : {0, output.frames - 1})
+    if (auto writable = check_writable(names->of(frame)); !writable) return writable.error();
+  if (const auto format = format_of(names->of(0)); !format) return format.error();
+  return output;
+}
+
+VideoSettings video_settings(const RenderOptions& o, const Output& output, const DrawSettings& draw_with) {
+  return {.width = draw_with.width,
+          .height = draw_with.height,
+          .frame_rate = output.frame_rate,
+          .alpha = o.passes ? *o.passes == "outline" : o.no_background};
+}
+
+/// Draws and writes all frames.
+Result<void> draw_frames(const RenderOptions& o, const Output& output, const Recipe& recipe, Device& device,
+                         Scene& scene, DrawSettings draw_with, const BandPlan& plan, StageTimes& times) {
+  ProgressLine line;
+  int frame_number = 0;
+  draw_with.progress = [&](double done) {
+    line.show(output.frames == 1 ? "drawing" : fmt::format("drawing frame {} of {}", frame_number + 1, output.frames),
+              (frame_number + done) / output.frames);
+    return true;
+  };
+  if (plan.rows > 0) return draw_into_file(o, recipe, device, scene, draw_with, plan, line, times);
+  const KeptPlanes kept;
+  std::unique_ptr<Video> video;
+  Place place{o.output, nullptr, {}};
+  if (output.is_video) {
+    auto begun = Video::begin(o.output, video_settings(o, output, draw_with));
+    if (!begun) return begun.error();
+    video = std::move(*begun);
+    place.video = video.get();
+  }
+  Turntable turntable(scene, draw_with);
+  constexpr float kWholeTurnDeg = 360.0f;
+  for (; frame_number < output.frames; ++frame_number) {
+    if (output.turns) turntable.turn_to(kWholeTurnDeg * float(frame_number) / float(output.frames), scene, draw_with);
+    const auto frame = draw(device, scene, draw_with, times);
+    if (!frame) return frame.error();
+    if (frame_number == 0) {
+      line.wipe();
+      if (const auto planes = device.download(*frame, seen_planes(o, recipe))) {
+        Seen seen;
+        seen.add(planes->plane("depth"), planes->find("ao"));
+        print_hints(o, recipe, seen, scene);
+      }
+      place.first = frame->info;
+    }
+    if (output.turns && !video) place.file = output.names.of(frame_number);
+    if (auto written = write_output(o, place, recipe.settings, device, *frame); !written) return written;
+    times.done("write");
+  }
+  if (!video) return {};
+  line.show("finishing " + o.output);
+  if (auto written = video->finish(); !written) return written;
+  times.done("write");
+  return {};
+}
+
+Result<void> render(const RenderOptions& o) {
+  StageTimes times;
+  // Everything that can be wrong without a model is found before it is read.
+  const auto output = output_of(o);
+  if (!output) return output.error();
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   auto draw_with = draw_settings(o, kMostBandPixels);
   if (!draw_with) return draw_with.error();
@@ -361,11 +442,15 @@ Result<void> render(const RenderOptions& o) {
   if (!capture_with) return capture_with.error();
   if (o.passes)
     if (auto fine = check_passes(split(*o.passes), *draw_with); !fine) return fine;
-  const std::string_view extension = (*format)->extension;
+  const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
+                                : o.output == kStandardOutput ? "png"
+                                                              : std::string((*format_of(o.output))->extension);
   if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
     return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", *o.passes);
   if (o.bits != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
+  if (output->is_video)
+    if (auto fine = check_video(o.output, video_settings(o, *output, *draw_with)); !fine) return fine;
   const auto import_with = import_settings(o);
   if (!import_with) return import_with.error();
   auto device = device_of(o);
@@ -384,45 +469,39 @@ Result<void> render(const RenderOptions& o) {
   if (plan->rows > 0 && o.passes && *o.passes == "all")
     return usage_error("--passes all of {} x {} pixels takes more than --memory {}: name the passes, or allow more",
                        draw_with->width, draw_with->height, o.memory);
+  if (plan->rows > 0 && output->turns)
+    return usage_error(
+        "--turntable of {} x {} pixels takes more than --memory {}: allow more, or draw smaller pictures",
+        draw_with->width, draw_with->height, o.memory);
 
+  std::optional<ProgressLine> line(std::in_place);
+  const auto warn = [&](const std::string& warning) {
+    line->wipe();
+    fmt::print(stderr, "umbrage: warning: {}\n", warning);
+  };
+  if (!draw_with->hdri.file.empty()) line->show("reading " + draw_with->hdri.file);
   const auto hdri_warnings = read_hdri(draw_with->hdri);
   if (!hdri_warnings) return hdri_warnings.error();
-  for (const std::string& warning : *hdri_warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
+  for (const std::string& warning : *hdri_warnings) warn(warning);
+  line->show("reading " + o.models[0]);
   auto scene = load_models(o.models, o.input_format, *import_with);
   if (!scene) return scene.error();
-  if (!o.camera_index.empty())
-    if (auto used = use_camera(o.camera_index, *scene); !used) return used;
-  for (const std::string& warning : scene->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
-  for (const std::string& setting : useless_settings(o, *recipe, *scene))
-    fmt::print(stderr, "umbrage: warning: {}\n", setting);
+  if (draw_with->camera_index)
+    if (auto used = use_camera(*draw_with->camera_index, *scene); !used) return used;
+  for (const std::string& warning : scene->warnings) warn(warning);
+  for (const std::string& setting : useless_settings(o, *recipe, *scene)) warn(setting);
   times.done("load");
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
+  line->show("preparing " + scene->name);
   furnish(*scene, *draw_with);
   if (auto ready = (*device)->prepare(*scene); !ready) return ready;
+  line.reset();
   times.done("prepare");
-  ProgressLine line;
-  draw_with->progress = [&](double done) {
-    line.show(fmt::format("drawing: {:.0f} %", 100.0 * done));
-    return true;
-  };
-  if (plan->rows > 0) {
-    if (o.verbose)
-      fmt::print(stderr, "drawn in bands of {} rows, by about {:.1f} GB; whole it would take more than --memory {}\n",
-                 plan->rows, plan->bytes * 1e-9, o.memory);
-    if (auto drawn = draw_into_file(o, *recipe, **device, *scene, *draw_with, *plan, line, times); !drawn) return drawn;
-  } else {
-    const auto frame = draw(**device, *scene, *draw_with, times);
-    line.wipe();
-    if (!frame) return frame.error();
-    if (const auto planes = (*device)->download(*frame, seen_planes(o, *recipe))) {
-      Seen seen;
-      seen.add(planes->plane("depth"), planes->find("ao"));
-      print_hints(o, *recipe, seen, *scene);
-    }
-    if (auto written = write_output(o, recipe->settings, **device, *frame); !written) return written;
-  }
-  times.done("write");
+  if (plan->rows > 0 && o.verbose)
+    fmt::print(stderr, "drawn in bands of {} rows, by about {:.1f} GB; whole it would take more than --memory {}\n",
+               plan->rows, plan->bytes * 1e-9, o.memory);
+  if (auto drawn = draw_frames(o, *output, *recipe, **device, *scene, *draw_with, *plan, times); !drawn) return drawn;
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, (*device)->description());
   if (o.verbose || o.json) print_times(times, added_up((*device)->take_pass_times()), o.json);
   return {};
@@ -437,19 +516,22 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_technique_options(*command, *options);
   add_picture_options(*command, *options);
   add_light_options(*command, *options);
-  command
-      ->add_option("--camera-index", options->camera_index,
-                   "a camera of the file, from 0: see umbrage info [none of them]")
-      ->group("Camera");
   const auto output = "Output";
   command
-      ->add_option("-o,--output", options->output, "file to write: .png, .exr or .pfm; - for a PNG on standard output")
+      ->add_option("-o,--output", options->output,
+                   "file to write: .png, .exr or .pfm; - for a PNG on standard output; of --turntable also .mp4, .webm "
+                   "or .gif")
       ->required()
       ->group(output);
   command
       ->add_option("--passes", options->passes,
                    "planes to write instead of the picture: all, or names such as depth,normal,ao")
       ->group(output);
+  command
+      ->add_option("--turntable", options->turntable,
+                   "frames of one turn of the model, written as turn_0000.png and so on, or as a video [one picture]")
+      ->group(output);
+  command->add_option("--frame-rate", options->frame_rate, "of a video: frames per second [30]")->group(output);
   command->add_option("--bits", options->bits, "bits per channel of a PNG: 8 or 16 [8]")->group(output);
   command->add_flag("--half", options->half, "half floats in an EXR, where they suffice")->group(output);
   command

@@ -1,13 +1,17 @@
 #include "apps/cli/standard_input.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <random>
+#include <utility>
 
 #include "core/suggest.h"
 
@@ -67,13 +71,23 @@ Result<fs::path> take_standard_input(const std::string& format) {
   const std::string ending = format.empty() ? format_of_content(bytes) : format;
   if (ending.empty()) return file_error("standard input: its format cannot be told; name it with --input-format");
   std::error_code code;
-  std::string folder = (fs::temp_directory_path(code) / "umbrage-XXXXXX").string();
-  if (code || folder.size() + 32 > kLongestPath || !::mkdtemp(folder.data()))
-    return file_error("standard input: there is no folder for temporary files");
+  const fs::path place = fs::temp_directory_path(code);
+  std::random_device random;
+  const std::string folder = (place / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
   const std::string file = folder + "/stdin." + ending;
-  std::strcpy(dropped_folder, folder.c_str());
-  std::strcpy(dropped_file, file.c_str());
-  std::FILE* stream = std::fopen(file.c_str(), "wb");
+  if (code || file.size() >= kLongestPath) return file_error("standard input: there is no folder for temporary files");
+  // Known to the signal handler before they are there: the first byte makes a name of the others.
+  for (const auto& [dropped, name] : {std::pair(dropped_folder, &folder), {dropped_file, &file}}) {
+    std::strcpy(dropped + 1, name->c_str() + 1);
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    dropped[0] = name->front();
+  }
+  constexpr mode_t kOwnerOnly = 0700;
+  if (::mkdir(folder.c_str(), kOwnerOnly) != 0) {
+    dropped_file[0] = dropped_folder[0] = '\0';
+    return file_error("standard input: there is no folder for temporary files");
+  }
+  std::FILE* stream = std::fopen(file.c_str(), "wbx");
   const bool written = stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
   if (!stream || std::fclose(stream) != 0 || !written)
     return file_error("standard input: there is no room for it in {}", folder);
@@ -120,8 +134,7 @@ std::string format_of_content(std::string_view bytes) {
   return "";
 }
 
-Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
-                          const ImportSettings& settings) {
+Result<void> check_standard_input(const std::vector<std::string>& models, const std::string& format) {
   const auto& formats = import_formats();
   if (!format.empty() && std::find(formats.begin(), formats.end(), format) == formats.end())
     return usage_error("--input-format cannot be '{}'{}", format, suggestion(format, formats));
@@ -129,7 +142,13 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
   if (count > 1) return usage_error("- stands for standard input, which can be read once");
   if (count == 0 && !format.empty())
     return usage_error("--input-format is for a model on standard input: name the model -");
-  if (count == 0) return load_scenes(models, settings);
+  return {};
+}
+
+Result<Scene> load_models(const std::vector<std::string>& models, const std::string& format,
+                          const ImportSettings& settings) {
+  if (auto fine = check_standard_input(models, format); !fine) return fine.error();
+  if (std::find(models.begin(), models.end(), "-") == models.end()) return load_scenes(models, settings);
   const DropAtEnd drop;
   const auto file = take_standard_input(format);
   if (!file) return file.error();
@@ -138,6 +157,12 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
   auto scene = load_scenes(files, settings);
   if (!scene) return about_standard_input(scene.error());
   return scene;
+}
+
+std::function<Result<Scene>(const std::string&, const ImportSettings&)> loader_of(const CommonOptions& o) {
+  return [format = o.input_format](const std::string& model, const ImportSettings& settings) {
+    return load_models({model}, model == "-" ? format : "", settings);
+  };
 }
 
 }  // namespace umbrage::cli

@@ -9,6 +9,8 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/options.h"
+#include "apps/cli/progress.h"
+#include "apps/cli/standard_input.h"
 
 namespace umbrage::cli {
 namespace {
@@ -86,12 +88,14 @@ Result<void> run_tune(const TuneOptions& o) {
   const auto draw_with = draw_settings(o);
   if (!draw_with) return draw_with.error();
   settings.draw = *draw_with;
+  settings.load = loader_of(o);
+  if (auto fine = check_standard_input(o.models, o.input_format); !fine) return fine;
   if (auto fine = check_tune(settings); !fine) return fine;
   auto device = device_of(o);
   if (!device) return device.error();
   ProgressLine line;
-  settings.progress = [&](const std::string& what) {
-    line.show(what);
+  settings.progress = [&](const std::string& what, double done) {
+    line.show(what, done);
     return true;
   };
   const auto tuning = tune(**device, settings);

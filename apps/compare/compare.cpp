@@ -105,20 +105,41 @@ struct Run {
   double error_sum = 0.0, light_error_sum = 0.0, truth_sum = 0.0;
   long pictures = 0, light_pictures = 0, pixels = 0;
 
-  TraceControl control(const std::string& what) const {
-    return {device.threads(),
-            [this, what](double done) { return settings.progress(fmt::format("{}: {:.0f} %", what, 100.0 * done)); }};
+  // Of the whole work: where the picture in hand begins, what it is, and how many of its units of time are done. A unit
+  // is what a ray of each pixel takes, about.
+  double start = 0.0, span = 1.0, units = 1.0, done = 0.0;
+
+  bool tell(const std::string& what, double more = 0.0) const {
+    return settings.progress(what, start + span * std::min((done + more) / units, 1.0));
+  }
+  TraceControl control(const std::string& what, double of_units) const {
+    return {device.threads(), [this, what, of_units](double share) { return tell(what, of_units * share); }};
   }
 };
+
+/// What a variant of a technique takes, in units of a Run. Those that trace nothing take a fraction of a second.
+double units_of(const Run& run, const Effect& effect) {
+  constexpr double kQuick = 2.0;
+  if (&effect != &reference_effect()) return kQuick;
+  return double(as<ReferenceParams>(run.recipe.settings.find(effect.name)->second).samples);
+}
+
+/// What a picture takes.
+double units_of_picture(const Run& run) {
+  double sum = double(run.settings.samples) * (run.settings.light ? 2.0 : 1.0);
+  for (const Effect* effect : run.techniques) sum += double(effect->variants.size()) * units_of(run, *effect);
+  return sum;
+}
 
 /// Runs one technique, with its filter; what it writes is then in the frame. Gives the median time.
 Result<double> run_technique(const Run& run, const TracedScene& traced, const Effect& effect,
                              const EffectSettings& settings, Frame& frame, const std::string& what) {
   const bool traces = &effect == &reference_effect();
+  const double of_units = units_of(run, effect);
   Look look{.name = "compare", .summary = "", .occlusion = effect.name, .effects = {"occlusion"}, .presets = {}};
   if (run.filter && !traces) look.effects.push_back(run.filter->name);
   const auto run_reference = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
-    const auto planes = trace_reference(traced, on.info, params, run.control(what));
+    const auto planes = trace_reference(traced, on.info, params, run.control(what, of_units));
     return planes ? run.device.add(*planes, on) : planes.error();
   };
   const LookRun look_run{.look = &look,
@@ -145,13 +166,15 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   const auto& reference = as<ReferenceParams>(run.recipe.settings.find("reference")->second);
   const int half = run.settings.samples / 2;
   auto occlusion = trace_truth(Quantity::kOcclusion, info, classes, [&](std::uint32_t seed) {
-    return trace_occlusion(traced, info,
-                           {.samples = half,
-                            .radius = radius,
-                            .falloff = Falloff(reference.falloff),
-                            .normal = HemisphereNormal(reference.normal),
-                            .seed = seed},
-                           run.control(what + ", truth"));
+    auto traced_half = trace_occlusion(traced, info,
+                                       {.samples = half,
+                                        .radius = radius,
+                                        .falloff = Falloff(reference.falloff),
+                                        .normal = HemisphereNormal(reference.normal),
+                                        .seed = seed},
+                                       run.control(what + ", truth", half));
+    run.done += half;
+    return traced_half;
   });
   if (!occlusion) return occlusion.error();
   if (occlusion->pixels == 0) return usage_error("{} shows nothing: move the camera or leave it to be placed", what);
@@ -163,9 +186,11 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   truths.push_back(std::move(*occlusion));
   if (!run.settings.light) return truths;
   auto light = trace_truth(Quantity::kLight, info, classes, [&](std::uint32_t seed) {
-    return trace_light(traced, info,
-                       {.samples = half, .direct = false, .reach = radius, .captured_shadows = true, .seed = seed},
-                       run.control(what + ", truth of light"));
+    auto traced_half = trace_light(
+        traced, info, {.samples = half, .direct = false, .reach = radius, .captured_shadows = true, .seed = seed},
+        run.control(what + ", truth of light", half));
+    run.done += half;
+    return traced_half;
   });
   if (!light) return light.error();
   const double mean = mean_of(light->planes, classes);
@@ -237,9 +262,10 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
         reference.shadows = kReferenceCapturedShadows;
       }
       const std::string label = fmt::format("{}, {} {}", what, effect->name, variant);
-      if (!run.settings.progress(label)) return Error{ErrorKind::kInterrupted, "interrupted"};
+      if (!run.tell(label)) return Error{ErrorKind::kInterrupted, "interrupted"};
       const auto ms = run_technique(run, traced, *effect, settings, *frame, label);
       if (!ms) return ms.error();
+      run.done += units_of(run, *effect);
       for (ComparedView& view : views) {
         const bool light = view.quantity == Quantity::kLight;
         if (light && !gathers_light(*effect, params)) continue;
@@ -323,24 +349,36 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
   Comparison result;
   Run run{device, settings, *techniques, *filter_of(settings), *recipe, result};
   result.terms = terms_of(settings);
-  for (const std::string& model : settings.models) {
-    if (!settings.progress(model)) return Error{ErrorKind::kInterrupted, "interrupted"};
-    auto scene = load_scene(model, settings.import);
+  double all_pixels = 0.0;
+  for (const auto& [width, height] : settings.sizes) all_pixels += double(width) * double(height);
+  run.units = units_of_picture(run);
+  for (std::size_t m = 0; m < settings.models.size(); ++m) {
+    const std::string& model = settings.models[m];
+    const double model_span = 1.0 / double(settings.models.size()), model_start = double(m) * model_span;
+    if (!settings.progress("reading " + model, model_start)) return Error{ErrorKind::kInterrupted, "interrupted"};
+    auto scene = settings.load(model, settings.import);
     if (!scene) return scene.error();
+    if (settings.draw.camera_index)
+      if (auto used = use_camera(*settings.draw.camera_index, *scene); !used) return used.error();
     result.warnings.insert(result.warnings.end(), scene->warnings.begin(), scene->warnings.end());
     if (auto ready = device.prepare(*scene); !ready) return ready.error();
     const auto traced = trace_ready(*scene);
     if (!traced) return traced.error();
     const std::vector<Light> own_lights = scene->lights;
-    for (const CameraShot& shot : shots_of(*scene, settings.draw.framing, settings.cameras)) {
+    const std::vector<CameraShot> shots = shots_of(*scene, settings.draw.framing, settings.cameras);
+    run.start = model_start;
+    for (const CameraShot& shot : shots) {
       scene->views = shot.views;
       const auto [width, height] = settings.sizes[0];
       if (own_lights.empty()) scene->lights = default_lights(*scene, frame_scene(*scene, shot.framing, width, height));
-      for (std::size_t s = 0; s < settings.sizes.size(); ++s)
-        if (auto done =
-                compare_picture(run, *scene, **traced, model, shot, settings.sizes[s], settings.pictures && s == 0);
-            !done)
+      for (std::size_t s = 0; s < settings.sizes.size(); ++s) {
+        const auto& size = settings.sizes[s];
+        run.span = model_span / double(shots.size()) * double(size.first) * double(size.second) / all_pixels;
+        run.done = 0.0;
+        if (auto done = compare_picture(run, *scene, **traced, model, shot, size, settings.pictures && s == 0); !done)
           return done.error();
+        run.start += run.span;
+      }
     }
   }
   result.noise = std::sqrt(run.error_sum / double(std::max(run.pictures, 1L)));

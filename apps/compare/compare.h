@@ -32,8 +32,10 @@ struct CompareSettings {
   std::string filter;    ///< an effect of kind kFilter that follows each technique but the reference; empty: none
   DrawSettings draw;     ///< framing, settings, guard band, scale, radius (the reference's own where empty)
   bool pictures = true;  ///< keep the pictures of the first size
-  /// Told what is done now; false ends the work.
-  std::function<bool(const std::string&)> progress = [](const std::string&) { return true; };
+  /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
+  std::function<Result<Scene>(const std::string&, const ImportSettings&)> load = load_scene;
+  /// Told what is done now, and about the share of the whole that is done; false ends the work.
+  std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
 };
 
 /// One technique at one setting in one picture.

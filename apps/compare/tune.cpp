@@ -14,6 +14,7 @@
 namespace umbrage {
 namespace {
 
+constexpr double kTruthShare = 0.3;  // of the time, before the first trial; it is as good as any
 constexpr std::array<std::string_view, 3> kScales = {"full", "half", "quarter"};
 // Of the budget: up to here settings that are too slow are still searched from.
 constexpr double kTooSlow = 1.3;
@@ -109,7 +110,9 @@ Result<void> attempt(Search& search, Candidate candidate) {
   for (const std::string& setting : settings) name += ' ' + setting;
   if (!search.known.insert(name).second) return {};
   const int most = search.settings.trials;
-  if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, most)))
+  const double tried = double(search.trials.size()) / double(most);
+  if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, most),
+                                kTruthShare + (1.0 - kTruthShare) * tried))
     return Error{ErrorKind::kInterrupted, "interrupted"};
 
   Look look{
@@ -212,8 +215,9 @@ Result<const Effect*> technique_of(const Recipe& recipe) {
 }
 
 /// Captures all pictures and traces their truth.
-Result<void> take_pictures(Search& search, const std::string& model, Scene& scene,
+Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene,
                            const std::string& radius_as_written) {
+  const std::string& model = search.settings.models[model_index];
   const TuneSettings& settings = search.settings;
   if (auto ready = search.device.prepare(scene); !ready) return ready;
   const auto traced = trace_ready(scene);
@@ -222,7 +226,11 @@ Result<void> take_pictures(Search& search, const std::string& model, Scene& scen
   if (!capture) return capture.error();
   const auto length = parse_radius("--ao-radius", radius_as_written);
   if (!length) return length.error();
-  for (const CameraShot& shot : shots_of(scene, settings.draw.framing, settings.cameras)) {
+  const std::vector<CameraShot> shots = shots_of(scene, settings.draw.framing, settings.cameras);
+  // Each truth is traced in two halves.
+  const double half_span = kTruthShare / double(settings.models.size()) / double(2 * shots.size());
+  double halves = double(2 * shots.size()) * double(model_index);
+  for (const CameraShot& shot : shots) {
     scene.views = shot.views;
     auto frame =
         search.device.capture(frame_scene(scene, shot.framing, settings.draw.width, settings.draw.height), *capture);
@@ -230,13 +238,14 @@ Result<void> take_pictures(Search& search, const std::string& model, Scene& scen
     const auto radius = radius_in_scene("--ao-radius", *length, frame->info);
     if (!radius) return radius.error();
     const std::string what = fmt::format("{}, camera {}, truth", model, shot.name);
-    const TraceControl control{search.device.threads(), [&](double done) {
-                                 return settings.progress(fmt::format("{}: {:.0f} %", what, 100.0 * done));
-                               }};
+    const TraceControl control{search.device.threads(),
+                               [&](double done) { return settings.progress(what, half_span * (halves + done)); }};
     ClassMap classes = classify(downloaded(search.device, *frame));
     auto truth = trace_truth(Quantity::kOcclusion, frame->info, classes, [&](std::uint32_t seed) {
-      return trace_occlusion(**traced, frame->info, {.samples = settings.samples / 2, .radius = *radius, .seed = seed},
-                             control);
+      auto half = trace_occlusion(**traced, frame->info,
+                                  {.samples = settings.samples / 2, .radius = *radius, .seed = seed}, control);
+      halves += 1.0;
+      return half;
     });
     if (!truth) return truth.error();
     if (truth->pixels == 0)
@@ -296,12 +305,16 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
                 .filter = filter ? std::string(filter->name) : "",
                 .radius = radius_text(settings.draw, *recipe, *technique)};
 
-  for (const std::string& model : settings.models) {
-    if (!settings.progress(model)) return Error{ErrorKind::kInterrupted, "interrupted"};
-    auto scene = load_scene(model, settings.import);
+  for (std::size_t m = 0; m < settings.models.size(); ++m) {
+    const std::string& model = settings.models[m];
+    if (!settings.progress("reading " + model, kTruthShare * double(m) / double(settings.models.size())))
+      return Error{ErrorKind::kInterrupted, "interrupted"};
+    auto scene = settings.load(model, settings.import);
     if (!scene) return scene.error();
+    if (settings.draw.camera_index)
+      if (auto used = use_camera(*settings.draw.camera_index, *scene); !used) return used.error();
     result.warnings.insert(result.warnings.end(), scene->warnings.begin(), scene->warnings.end());
-    if (auto taken = take_pictures(search, model, *scene, result.radius); !taken) return taken.error();
+    if (auto taken = take_pictures(search, m, *scene, result.radius); !taken) return taken.error();
   }
   Candidate start{recipe->settings, recipe->occlusion_every};
   const Frame& first = search.pictures[0].frame;

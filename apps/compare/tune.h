@@ -20,8 +20,10 @@ struct TuneSettings {
   int runs = 3;            ///< behind each time, after one that does not count
   double budget_ms = 0.0;  ///< of technique, filter and upsampling, in the mean over all pictures; 0: what it takes now
   int trials = 100;        ///< settings that are tried, at most
-  /// Told what is done now; false ends the work.
-  std::function<bool(const std::string&)> progress = [](const std::string&) { return true; };
+  /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
+  std::function<Result<Scene>(const std::string&, const ImportSettings&)> load = load_scene;
+  /// Told what is done now, and about the share of the whole that is done; false ends the work.
+  std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
 };
 
 /// One way to set the technique.

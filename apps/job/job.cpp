@@ -47,6 +47,7 @@ double StageTimes::total() const {
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings) {
   if (model.empty()) return usage_error("the name of a model is empty");
   if (!model.starts_with("scene:")) return import_scene(model, settings);
+  if (auto fine = check_scene_index(settings, model, 1); !fine) return fine.error();
   auto scene = make_builtin_scene(model);
   if (scene && settings.up != glm::vec3(0.0f)) scene->up = settings.up;
   return scene;
@@ -75,10 +76,28 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
     all->bounds_min = glm::min(all->bounds_min, next->bounds_min);
     all->bounds_max = glm::max(all->bounds_max, next->bounds_max);
     all->views.clear();
+    all->scene_names.clear();
     all->cameras.insert(all->cameras.end(), next->cameras.begin(), next->cameras.end());
     all->name += " + " + next->name;
   }
   return all;
+}
+
+Result<void> use_camera(int index, Scene& scene) {
+  const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
+  if (index < 0 || std::size_t(index) >= cameras.size())
+    return usage_error("--camera-index cannot be '{}': {} has {}", index, scene.name,
+                       cameras.empty()       ? "no cameras"
+                       : cameras.size() == 1 ? "one camera, 0"
+                                             : fmt::format("cameras 0 to {}", cameras.size() - 1));
+  View view = cameras[std::size_t(index)];
+  // It turns around what is in the middle of the scene, as far as it looks there.
+  const glm::vec3 along = glm::normalize(view.target - view.eye);
+  const float distance = glm::dot(scene.center() - view.eye, along);
+  if (!scene.cameras.empty())
+    view.target = view.eye + along * (distance > 0.0f ? distance : std::max(scene.radius(), 1e-6f));
+  scene.views = {view};
+  return {};
 }
 
 namespace {
@@ -609,6 +628,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     return planes ? device.add(*planes, on) : planes.error();
   };
   LookRun run = look_run(recipe, times, progress);
+  if (settings.stops) run.stops = *settings.stops;
   run.run_handed_in = run_reference;
   PictureSum total;
   // The last frame stays.
@@ -624,6 +644,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     const auto stops = run_look(run, device, *frame);
     if (!stops) return stops.error();
     run.stops = *stops;  // one exposure for all
+    if (settings.stops) *settings.stops = *stops;
     if (!drawing->averages()) {
       if (auto done = progress.end(); !done) return done.error();
       return frame;

@@ -60,6 +60,7 @@ struct Hdri {
 struct DrawSettings {
   int width = 1024, height = 1024;
   Framing framing;
+  std::optional<int> camera_index;    ///< for use_camera
   std::string look = "ao";            ///< the plainest; programs say which one people get
   std::string occlusion;              ///< empty: the look's own
   std::string occlusion_scale;        ///< --ao-scale: full, half or quarter; empty: the look's own
@@ -75,6 +76,8 @@ struct DrawSettings {
   std::vector<std::string> averaged;    ///< planes besides the picture that are averaged, too, where it is of frames
   std::optional<int> extra_views;       ///< further cameras; nothing: as many as the look wants
   float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side
+  /// Of pictures that belong together: what metering adds to the exposure, taken where it is known and else told here.
+  std::optional<float>* stops = nullptr;
   /// Told the share that is done, now and then, by the thread that draws; false ends the work. See Device::go_on.
   std::function<bool(double)> progress = [](double) { return true; };
 };
@@ -90,6 +93,10 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
 
 /// Several models side by side in one scene, as they are placed in their files.
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {});
+
+/// Makes the camera of that number the scene's own view: one of the file's, or else of those that a built-in scene
+/// suggests. Errors: kUsage for one that there is not.
+Result<void> use_camera(int index, Scene& scene);
 
 /// The device that `--device` names: `cpu`, `vulkan` (the best), `vulkan:N`, or `auto`: a real GPU if there is one,
 /// else the CPU. Errors: kUsage for a name that does not exist; kDevice for a device that is not there or cannot be

@@ -85,6 +85,12 @@ Result<DrawSettings> draw_settings(const RenderRequest& request) {
   framing.elevation_deg = camera.elevation_deg;
   framing.zoom = camera.zoom;
   framing.orthographic = camera.orthographic;
+  if (camera.index && (camera.position || camera.focal_point || camera.direction))
+    return usage_error("--camera-index and --camera-{} both say where the camera is: give one of them",
+                       camera.position      ? "position"
+                       : camera.focal_point ? "focal-point"
+                                            : "direction");
+  settings.camera_index = camera.index;
   constexpr double kAnyAngle = 36000.0;
   for (const auto& done :
        {store_picture(request, settings), store_vector("--camera-position", camera.position, false, framing.position),
@@ -122,6 +128,7 @@ Result<ImportSettings> import_settings(const RenderRequest& request) {
   std::optional<glm::vec3> up;
   if (auto done = store_vector("--up", request.up, true, up); !done) return done.error();
   if (up) settings.up = *up;
+  settings.scene_index = request.scene_index;
   if (!request.point_size.empty()) {
     const auto size = parse_radius("--point-size", request.point_size);
     if (!size) return size.error();
@@ -198,6 +205,8 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
   if (!hdri_warnings) return hdri_warnings.error();
   auto scene = load_scene(request.model, *import_with);
   if (!scene) return scene.error();
+  if (settings->camera_index)
+    if (auto used = use_camera(*settings->camera_index, *scene); !used) return used.error();
   warnings = *hdri_warnings;
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
   if (!settings->progress(0.0)) return interrupted();

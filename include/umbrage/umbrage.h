@@ -61,6 +61,7 @@ struct Picture {
 /// Where the camera stands. What is not said is chosen: the model's own view, or else the whole model from slightly
 /// above and to the side. World space, scene units, degrees.
 struct CameraRequest {
+  std::optional<int> index{};  ///< a camera of the file, from 0; not with position, focal point or direction
   std::optional<std::array<float, 3>> position{};     ///< the eye
   std::optional<std::array<float, 3>> focal_point{};  ///< what is looked at
   std::optional<std::array<float, 3>> view_up{};      ///< what points up in the picture; not 0
@@ -83,7 +84,8 @@ struct RenderRequest {
   std::string device = "auto";          ///< "cpu", "vulkan", "vulkan:N", or "auto": a graphics card if there is one
   CameraRequest camera{};
   std::optional<std::array<float, 3>> up{};  ///< the model's up; as its format says
-  std::optional<float> crease_angle_deg{};   ///< 0 to 180: edges of larger angles stay where normals are made; 80
+  std::optional<int> scene_index{};         ///< of a glTF file that holds several scenes, from 0; the one that it names
+  std::optional<float> crease_angle_deg{};  ///< 0 to 180: edges of larger angles stay where normals are made; 80
   std::string
       point_size{};  ///< of a file's points: "0.01" scene units, or "0.5%" of the scene; empty: by their spacing
   std::string point_sprites = "auto";  ///< what they are drawn as: "auto", "disc", "sphere"

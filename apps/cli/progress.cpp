@@ -1,0 +1,128 @@
+#include "apps/cli/progress.h"
+
+#include <fmt/core.h>
+#include <signal.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+
+namespace umbrage::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 1s;       // what is done sooner needs no line
+constexpr auto kOften = 200ms;       // between two drawings of it
+constexpr double kLeastSeen = 0.01;  // share of the work behind an estimate of the time that is left
+constexpr std::size_t kUsualWidth = 80;
+
+// For the signal handler: whether a line is on the terminal, and whether there may be one.
+std::atomic<bool> on_screen = false, dropped = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+std::size_t terminal_width() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col : kUsualWidth;
+}
+
+}  // namespace
+
+std::string duration_text(double seconds) {
+  const long whole = std::lround(std::max(seconds, 0.0));
+  const long minutes = whole / 60 % 60, hours = whole / 3600;
+  return hours > 0 ? fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60)
+                   : fmt::format("{}:{:02}", minutes, whole % 60);
+}
+
+ProgressLine::ProgressLine() : on_terminal_(::isatty(STDERR_FILENO) != 0) {
+  if (!on_terminal_) return;
+  // Signals are for the threads that work.
+  sigset_t all, before;
+  sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  ticker_ = std::thread([this] { tick(); });
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+}
+
+ProgressLine::~ProgressLine() {
+  wipe();
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  if (ticker_.joinable()) ticker_.join();
+}
+
+void ProgressLine::tick() {
+  std::unique_lock lock(mutex_);
+  while (!changed_.wait_for(lock, kOften, [this] { return ends_; }))
+    if (wanted_ && Clock::now() - made_ >= kPatience) draw();
+}
+
+void ProgressLine::draw() {
+  // The last column stays free: some terminals go on to the next line when it is written.
+  const std::string line = text(Clock::now(), terminal_width() - 1);
+  if (dropped) return;
+  on_screen = true;
+  fmt::print(stderr, "\r{:<{}}", line, std::max(width_, line.size()));
+  std::fflush(stderr);
+  width_ = std::max(width_, line.size());
+}
+
+std::string ProgressLine::text(Clock::time_point now, std::size_t room) const {
+  std::string numbers;
+  if (share_) {
+    numbers = fmt::format(": {:.0f} %", std::floor(100.0 * *share_));
+    const double done = *share_ - first_share_;
+    const double took = std::chrono::duration<double>(told_ - first_told_).count();
+    const double since = std::chrono::duration<double>(now - told_).count();
+    if (done >= kLeastSeen && took > 0.0)
+      numbers += fmt::format(", {} left", duration_text(took * (1.0 - *share_) / done - since));
+  } else {
+    numbers = fmt::format(" ({})", duration_text(std::chrono::duration<double>(now - made_).count()));
+  }
+  if (numbers.size() >= room) return numbers.substr(0, room);
+  constexpr std::string_view kCut = "..";
+  std::string what = what_;
+  if (const std::size_t left = room - numbers.size(); what.size() > left)
+    what = left > kCut.size() ? what.substr(0, left - kCut.size()).append(kCut) : "";
+  return what + numbers;
+}
+
+void ProgressLine::show(std::string what, std::optional<double> share) {
+  if (!on_terminal_) return;
+  const std::lock_guard lock(mutex_);
+  if (share && !share_) {
+    first_share_ = *share;
+    first_told_ = Clock::now();
+  }
+  what_ = std::move(what);
+  share_ = share;
+  told_ = Clock::now();
+  wanted_ = true;
+}
+
+void ProgressLine::wipe() {
+  if (!on_terminal_) return;
+  const std::lock_guard lock(mutex_);
+  wanted_ = false;
+  if (width_ > 0 && !dropped) {
+    fmt::print(stderr, "\r{:{}}\r", "", width_);
+    std::fflush(stderr);
+  }
+  width_ = 0;
+  on_screen = false;
+}
+
+void drop_progress() {
+  dropped = true;
+  constexpr char kWiped[] = "\r\033[K";
+  if (on_screen && ::write(STDERR_FILENO, kWiped, sizeof kWiped - 1) < 0) on_screen = false;
+}
+
+}  // namespace umbrage::cli

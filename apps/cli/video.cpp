@@ -1,0 +1,222 @@
+#include "apps/cli/video.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "apps/cli/signals.h"
+#include "io/format.h"
+
+extern char** environ;
+
+namespace umbrage::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "ffmpeg";
+constexpr std::array<std::string_view, 3> kEndings = {"mp4", "webm", "gif"};
+
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
+  if (!ending.empty()) ending.erase(0, 1);
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
+  return ending;
+}
+
+bool is_on_path(const char* program) {
+  const char* path = std::getenv("PATH");
+  std::string_view folders = path ? path : "";
+  while (!folders.empty()) {
+    const std::string_view folder = folders.substr(0, folders.find(':'));
+    folders.remove_prefix(std::min(folder.size() + 1, folders.size()));
+    const fs::path place = fs::path(folder.empty() ? "." : folder) / program;
+    std::error_code ignored;
+    if (fs::is_regular_file(place, ignored) && ::access(place.c_str(), X_OK) == 0) return true;
+  }
+  return false;
+}
+
+/// As PNG files have it: nearest of 256, NaN as 0.
+std::uint8_t byte_of(float v) {
+  constexpr float kMost = 255.0f;
+  return v > 0.0f ? std::uint8_t(std::min(v, 1.0f) * kMost + 0.5f) : std::uint8_t(0);
+}
+
+std::vector<std::string> words_for(const std::string& ending, const VideoSettings& settings, const fs::path& part) {
+  std::vector<std::string> words = {kProgram, "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
+  const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
+  add({"-f", "rawvideo", "-pixel_format", settings.alpha ? "rgba" : "rgb24", "-video_size",
+       fmt::format("{}x{}", settings.width, settings.height), "-framerate", fmt::format("{:g}", settings.frame_rate),
+       "-i", "pipe:0", "-an"});
+  if (ending == "gif") {
+    // Colours of its own, of all frames.
+    add({"-filter_complex", "split[a][b];[a]palettegen[p];[b][p]paletteuse", "-loop", "0"});
+  } else {
+    // Pictures are sRGB, whose primaries are Rec.709's; players take the matrix of untagged ones for another.
+    add({"-vf", "scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", settings.alpha ? "yuva420p" : "yuv420p",
+         "-color_primaries", "bt709", "-color_trc", "bt709", "-colorspace", "bt709", "-color_range", "tv"});
+    if (ending == "webm")
+      add({"-crf", "24", "-b:v", "0"});
+    else
+      add({"-crf", "18", "-movflags", "+faststart"});
+  }
+  add({"-f", ending, part.string()});
+  return words;
+}
+
+}  // namespace
+
+bool is_video(const fs::path& file) {
+  return std::find(kEndings.begin(), kEndings.end(), ending_of(file)) != kEndings.end();
+}
+
+Result<void> check_video(const fs::path& file, const VideoSettings& settings) {
+  const std::string ending = ending_of(file);
+  if (ending != "gif" && (settings.width % 2 != 0 || settings.height % 2 != 0))
+    return usage_error("--resolution cannot be {},{}: a .{} has sides of even numbers of pixels", settings.width,
+                       settings.height, ending);
+  if (ending == "mp4" && settings.alpha)
+    return usage_error("--no-background is for a .webm or .gif, or pictures: a .mp4 has no alpha");
+  if (!is_on_path(kProgram))
+    return file_error(
+        "'{}' cannot be written: it needs the program {}, which is not on PATH; numbered pictures, such "
+        "as -o turn.png, do not",
+        file.string(), kProgram);
+  return check_writable(file);
+}
+
+Result<std::unique_ptr<Video>> Video::begin(const fs::path& file, const VideoSettings& settings) {
+  std::unique_ptr<Video> video(new Video);
+  video->file_ = file;
+  video->settings_ = settings;
+  auto part = PartFile::begin(file);
+  if (!part) return part.error();
+  video->part_ = std::move(*part);
+  if (auto started = video->start(); !started) return started.error();
+  return video;
+}
+
+Result<void> Video::start() {
+  int ends[2] = {-1, -1};
+  said_ = ::memfd_create("umbrage-ffmpeg", MFD_CLOEXEC);
+  if (said_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
+    return file_error("'{}' cannot be written: {}", file_.string(), std::strerror(errno));
+  frames_ = ends[1];
+  const std::vector<std::string> words = words_for(ending_of(file_), settings_, part_->path());
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t attributes;
+  posix_spawn_file_actions_init(&files);
+  posix_spawnattr_init(&attributes);
+  posix_spawn_file_actions_adddup2(&files, ends[0], STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, said_, STDERR_FILENO);
+  sigset_t none, all;
+  sigemptyset(&none);
+  sigfillset(&all);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setsigdefault(&attributes, &all);
+  // In a group of its own: what is typed at the terminal ends this program, which then ends it.
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  int failed = 0;
+  {
+    const SignalsHeld held;
+    failed = ::posix_spawnp(&child_, kProgram, &files, &attributes, arguments.data(), environ);
+    if (failed != 0) child_ = 0;
+    set_child(child_);
+  }
+  posix_spawn_file_actions_destroy(&files);
+  posix_spawnattr_destroy(&attributes);
+  ::close(ends[0]);
+  if (failed == 0) return {};
+  return file_error("'{}' cannot be written: the program {} does not start ({})", file_.string(), kProgram,
+                    std::strerror(failed));
+}
+
+Result<void> Video::wait() {
+  if (frames_ >= 0) ::close(frames_);
+  frames_ = -1;
+  if (child_ == 0) return {};
+  int status = 0;
+  pid_t waited = 0;
+  do waited = ::waitpid(child_, &status, 0);
+  while (waited < 0 && errno == EINTR);
+  {
+    const SignalsHeld held;
+    set_child(0);
+    child_ = 0;
+  }
+  if (waited > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
+  // The first line says what is wrong; those after it what follows from that.
+  std::array<char, 4096> said{};
+  const ssize_t got = ::pread(said_, said.data(), said.size(), 0);
+  std::string_view text(said.data(), std::size_t(std::max<ssize_t>(got, 0)));
+  text = text.substr(0, text.find('\n'));
+  if (text.starts_with('[') && text.find("] ") != text.npos) text.remove_prefix(text.find("] ") + 2);
+  std::string reason;
+  constexpr std::size_t kLongest = 200;
+  for (const char c : text.substr(0, kLongest)) reason += std::iscntrl(static_cast<unsigned char>(c)) ? ' ' : c;
+  if (reason.empty() && WIFSIGNALED(status)) reason = ::strsignal(WTERMSIG(status));
+  return file_error("'{}' cannot be written: {} failed{}", file_.string(), kProgram,
+                    reason.empty() ? "" : " (" + reason + ")");
+}
+
+Video::~Video() {
+  if (child_ != 0) ::kill(child_, SIGKILL);
+  static_cast<void>(bool(wait()));
+  if (said_ >= 0) ::close(said_);
+}
+
+Result<void> Video::add(const Image& frame) {
+  if (frame.width != settings_.width || frame.height != settings_.height)
+    return Error{ErrorKind::kInternal, "a frame of a video is not of its size"};
+  const auto planes = picture_planes(file_, frame, settings_.alpha);
+  if (!planes) return planes.error();
+  const std::size_t channels = settings_.alpha ? 4 : 3;
+  std::vector<std::uint8_t> row(std::size_t(frame.width) * channels);
+  // A program that has ended must not end this one.
+  struct sigaction ignore {
+  }, before{};
+  ignore.sa_handler = SIG_IGN;
+  ::sigaction(SIGPIPE, &ignore, &before);
+  bool written = true;
+  for (int y = 0; y < frame.height && written; ++y) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      const Plane* plane = planes->size() == 1 && c < 3 ? (*planes)[0] : c < planes->size() ? (*planes)[c] : nullptr;
+      for (int x = 0; x < frame.width; ++x)
+        row[std::size_t(x) * channels + c] = plane ? byte_of(plane->at(x, y)) : std::uint8_t(255);
+    }
+    for (std::size_t at = 0; at < row.size() && written;) {
+      const ssize_t put = ::write(frames_, row.data() + at, row.size() - at);
+      if (put < 0 && errno == EINTR) continue;
+      written = put > 0;
+      if (written) at += std::size_t(put);
+    }
+  }
+  ::sigaction(SIGPIPE, &before, nullptr);
+  if (written) return {};
+  if (auto ended = wait(); !ended) return ended;
+  return file_error("'{}' cannot be written: {} reads no more frames", file_.string(), kProgram);
+}
+
+Result<void> Video::finish() {
+  if (auto ended = wait(); !ended) return ended;
+  return part_->keep();
+}
+
+}  // namespace umbrage::cli
