@@ -75,6 +75,7 @@ Result<void> apply_setting(EffectSettings& settings, std::string_view assignment
   const Effect* effect = find_in(all, owner);
   if (!effect) {
     std::vector<std::string_view> names;
+    names.reserve(all.size());
     for (const Effect* each : all) names.push_back(each->name);
     return usage_error("there is no effect '{}'{}", owner, suggestion(owner, names));
   }
@@ -179,9 +180,9 @@ Result<float> run_output(const LookRun& run, Device& device, Frame& frame) {
   float stops = 0.0f;
   if (params.metering != kMeteringNone) {
     const bool by_light = params.metering == kMeteringLight;
-    const Result<float> metered = run.stops  ? Result<float>(*run.stops)
-                                  : by_light ? Result<float>(usual_stops(frame.info))
-                                             : run.meter(device, frame);
+    Result<float> metered = run.stops  ? Result<float>(*run.stops)
+                            : by_light ? Result<float>(usual_stops(frame.info))
+                                       : run.meter(device, frame);
     if (!metered) return metered;
     stops = *metered;
     params.exposure += stops;
@@ -216,7 +217,7 @@ Result<float> run_look(const LookRun& run, Device& device, Frame& frame) {
       step = last;
     } else {
       if (steps[step]->name == "output") {
-        const auto metered = run_output(run, device, frame);
+        auto metered = run_output(run, device, frame);
         if (!metered) return metered;
         stops = *metered;
       } else if (auto done = run_step(run, steps, step, device, frame); !done) {
