@@ -51,6 +51,7 @@ Result<Scene> make_builtin_scene(std::string_view uri) {
       std::find_if(kScenes.begin(), kScenes.end(), [&](const BuiltinScene& each) { return each.name == name; });
   if (scene == kScenes.end()) {
     std::vector<std::string_view> names;
+    names.reserve(kScenes.size());
     for (const BuiltinScene& each : kScenes) names.push_back(each.name);
     return usage_error("{}: there is no built-in scene '{}'{}", uri, name, suggestion(name, names));
   }

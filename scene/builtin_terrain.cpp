@@ -389,6 +389,7 @@ void add_cover(Scene& scene, const Materials& m, const Field& field, int budget)
   const int slices = std::clamp(fir_budget / (kMostFirs * cost(1)), kLeastSlices, kMostSlices);
   const int firs = std::min(fir_budget / cost(slices), kMostFirs);
   std::vector<Mesh> kinds;
+  kinds.reserve(kKinds);
   for (int i = 0; i < kKinds; ++i) kinds.push_back(fir(slices, tiers, std::uint32_t(i)));
   Mesh wood;
   noise::Random random{noise::hash(801u)};

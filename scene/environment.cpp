@@ -208,6 +208,7 @@ void store_ambient(const Coefficients& light, EnvironmentLight& out) {
 /// Solid angle of one pixel of each row.
 std::vector<double> solid_angles(int width, int height) {
   std::vector<double> rows;
+  rows.reserve(std::size_t(height));
   for (int y = 0; y < height; ++y)
     rows.push_back(2.0 * kPi / width * (std::cos(kPi * y / height) - std::cos(kPi * (y + 1) / height)));
   return rows;
