@@ -377,7 +377,8 @@ EnvironmentLight environment_light(const Panorama& panorama) {
     if (luminance(flux) > 0.0) cells.push_back({direction, flux, luminance(flux), solid_angle});
   });
   if (!cells.empty()) {
-    for (const Part& part : parts_of(std::move(cells)))
+    const auto parts = parts_of(std::move(cells));
+    for (const Part& part : parts)
       if (part.weight > kFaint * luminance(all)) out.lights.push_back(light_of(part));
     std::stable_sort(out.lights.begin(), out.lights.end(),
                      [](const Light& a, const Light& b) { return luminance(a.color) > luminance(b.color); });

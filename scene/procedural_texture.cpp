@@ -201,6 +201,7 @@ Texture carpet(int width, int height, vec3 field, vec3 border, vec3 figure, std:
     const float along = from_edge.x < from_edge.y ? p.y : p.x;
     const vec3 deep = field * 0.35f;
     vec3 color = field;
+    // Stripes from the edge inwards: NOLINTNEXTLINE(bugprone-branch-clone)
     if (edge < 0.025f) {
       color = deep;
     } else if (edge < 0.05f) {

@@ -167,6 +167,7 @@ Mesh rounded_hull(std::span<const vec3> points, float bevel, int segments) {
     if (ring.size() < 3) continue;
     sort_around(ring, planes[p].normal, [&](int c) { return corners[c].position; });
     std::vector<std::uint32_t> face;
+    face.reserve(ring.size());
     for (const int c : ring) face.push_back(builder.add(corners[c].position, planes[p].normal));
     for (std::size_t i = 2; i < face.size(); ++i) builder.triangle(face[0], face[i - 1], face[i]);
 
