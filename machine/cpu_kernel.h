@@ -11,6 +11,22 @@
 #define UMBRAGE_CONCAT_(a, b) a##b
 #define UMBRAGE_CONCAT(a, b) UMBRAGE_CONCAT_(a, b)
 
+namespace umbrage {
+void UMBRAGE_CONCAT(run_scalar_, UMBRAGE_KERNEL)(const KernelFrame& frame, const Tile& tile);
+}  // namespace umbrage
+
+#if HWY_TARGET == HWY_SCALAR
+// For machines without vectors the text is compiled once.
+namespace umbrage {
+namespace HWY_NAMESPACE {
+namespace {
+
+void Run(const KernelFrame& frame, const Tile& tile) { UMBRAGE_CONCAT(run_scalar_, UMBRAGE_KERNEL)(frame, tile); }
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace umbrage
+#else
 HWY_BEFORE_NAMESPACE();
 namespace umbrage {
 namespace HWY_NAMESPACE {
@@ -57,6 +73,7 @@ void Run(const KernelFrame& frame, const Tile& tile) {
 }  // namespace HWY_NAMESPACE
 }  // namespace umbrage
 HWY_AFTER_NAMESPACE();
+#endif
 
 #if HWY_ONCE
 #include "machine/scalar_view.h"

@@ -18,6 +18,7 @@
 #define Vec2 vec2
 #define Vec3 vec3
 #define FN
+#define FN_RARE
 #define CONST const
 #define mad fma
 #define rsqrt inversesqrt

@@ -2,6 +2,8 @@
 // becomes the constants F and C, of the type UMBRAGE_KERNEL_CONSTANTS, and the loads and stores that a kernel text
 // declares. kernel_end.h closes it. GLSL's counterpart is glsl.h.
 #define FN HWY_INLINE HWY_MAYBE_UNUSED
+// A function that few pixels need and that is long: called, not inlined, where that can be chosen.
+#define FN_RARE HWY_NOINLINE HWY_MAYBE_UNUSED
 const FrameConstants F = view.frame.frame;
 const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*>(view.frame.constants);
 // Where the pixel of these coordinates, whole numbers inside the picture, is in every plane: for read_NAME(place),

@@ -1,4 +1,5 @@
 #undef FN
+#undef FN_RARE
 #undef CONST
 #undef IN_REAL
 #undef IN_TRIPLE

@@ -1,4 +1,5 @@
 // umbrage bench: time of every effect, device and size.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>

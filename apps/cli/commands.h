@@ -1,9 +1,12 @@
 // The commands: each adds itself to the command line, and runs when it was named.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <functional>
 
 #include "core/result.h"
+
+namespace CLI {
+class App;
+}
 
 namespace umbrage::cli {
 

@@ -1,6 +1,7 @@
 // umbrage compare: each technique against ray-traced truth: numbers, error maps, an HTML page.
 #include "apps/compare/compare.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,6 @@
 #include "apps/cli/config.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>

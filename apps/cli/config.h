@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "core/result.h"
+
+namespace CLI {
+class App;
+}
 
 namespace umbrage::cli {
 

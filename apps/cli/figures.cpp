@@ -1,6 +1,7 @@
 // umbrage figures: the papers' figures and tables, with the numbers that they must show.
 #include "apps/figures/figures.h"
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 

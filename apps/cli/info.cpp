@@ -1,4 +1,5 @@
 // umbrage info: what a model holds, and how it was understood.
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <cmath>

@@ -1,4 +1,5 @@
 // umbrage list: what there is.
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"

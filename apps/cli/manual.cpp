@@ -1,4 +1,5 @@
 // umbrage completion and umbrage manual: what a shell and man want to know, made from the options that there are.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cctype>

@@ -1,12 +1,15 @@
 // Options that several commands share, and their text forms.
 #pragma once
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "apps/cli/config.h"
 #include "apps/job/job.h"
+
+namespace CLI {
+class App;
+}
 
 namespace umbrage::cli {
 

@@ -1,6 +1,7 @@
 // umbrage render: a model in, a picture out.
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <array>
 #include <charconv>
 #include <cmath>

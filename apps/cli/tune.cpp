@@ -2,6 +2,7 @@
 #include "apps/compare/tune.h"
 
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <limits>

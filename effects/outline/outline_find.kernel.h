@@ -251,6 +251,9 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   return Vec2(select(peak, clear, Real(-1.0f)), t);
 }
 
+// The same called: what the wide strides of high pictures ask, which need not be compiled into each of its places.
+FN_RARE Vec2 crease_called(Int px, Int py, int i, int j, int stride) { return crease_between(px, py, i, j, stride); }
+
 // Whether there may be a jump, or another object or material, between pixel (0, 0) and (i, j), the right or the lower
 // one.
 FN Bool may_part(int i, int j) {
@@ -293,7 +296,7 @@ FN Real edge(Int px, Int py, int i, int j, int stride, Bool parted, Bool turned)
   if (some(turned)) {
     Vec2 crease = crease_between(px, py, i, j, 1);
     if (stride > 1) {
-      Vec2 wide = crease_between(px, py, i, j, stride);
+      Vec2 wide = crease_called(px, py, i, j, stride);
       crease = Vec2(max(crease.x, wide.x), select(wide.x > crease.x, wide.y, crease.y));
     }
     code = Real(2.0f * kLevels + 1.0f) + (clamp(crease.y, Real(-0.5f), Real(1.499f)) + 0.5f) * 0.5f;
