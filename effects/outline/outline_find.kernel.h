@@ -31,10 +31,12 @@ CONST float kSure = 0.9f;               // share of a threshold that tells witho
 CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane's slope is not trusted further
 CONST float kNoSlope = 1e30f;           // of normals that do not face the eye, which interpolation makes at rims
 CONST float kMostSteepening = 4.0f;     // of a slope from one step to the next: 2.4 on a ball's last pixel
+CONST float kFirstStep = 0.3f;          // share of a jump in two steps, from which on it is at the first
 CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a surface that still tells its shape
 
 // Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
 // three off may turn (round things have 1/5: 0.04), and those beside a sharp edge.
+CONST float kBend = 0.1f;  // beside a jump in two steps
 CONST float kFaintTurn = 0.5f;
 CONST float kSteady = 0.026f;
 CONST float kTurnRange = 0.4f;  // share of the threshold within which a crease becomes clear
@@ -43,6 +45,8 @@ CONST float kMostStep = 0.35f;  // of a wide bevel's turn, in one step: or else 
 CONST float kAsStrong = 1.03f;  // what is as strong as its neighbours is a peak, where strides are longer than a pixel
 CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
+CONST float kNarrow = 0.4f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
+CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
 // Weights of a step's turn and of those one and two steps off. Two like steps up to four apart are one peak in their
@@ -50,6 +54,8 @@ CONST float kSoft = 0.45f;
 CONST float kWeight0 = 9.0f;
 CONST float kWeight1 = 8.5f;
 CONST float kWeight2 = 7.0f;
+
+FN Real square(Vec3 v) { return dot(v, v); }
 
 // Nearness of a pixel, and how it changes by one pixel to the right (`rightwards` 1) or down (0) on its own plane.
 FN Vec2 nearness(Int px, Int py, int i, int j, int rightwards) {
@@ -76,6 +82,12 @@ FN Vec2 nearness(Int px, Int py, int i, int j, int rightwards) {
   return Vec2(select(surface, near, nowhere), select(surface, slope, Real(0.0f)));
 }
 
+// The nearness alone, of a pixel that shows a surface.
+FN Real nearness_of(int i, int j) {
+  Real depth = near_depth(i, j);
+  return F.orthographic != 0 ? Real(0.0f) - depth : Real(1.0f) / max(depth, Real(1e-30f));
+}
+
 FN Bool same_object(int i, int j, int k, int l) {
   return near_object_id(i, j) == near_object_id(k, l) && is_surface(near_depth(i, j)) && is_surface(near_depth(k, l));
 }
@@ -88,8 +100,6 @@ FN Bool goes_on(int i, int j, int k, int l, int pixels) {
   if (F.orthographic == 0) bound = bound * min(depth1, depth2);
   return abs(depth1 - depth2) < bound && near_object_id(i, j) == near_object_id(k, l);
 }
-
-FN Real square(Vec3 v) { return dot(v, v); }
 
 // How much normals turn about the step from n2 to n3, squared: the weighted sum of the turns of five steps.
 FN Real smooth_turn(Vec3 n0, Vec3 n1, Vec3 n2, Vec3 n3, Vec3 n4, Vec3 n5) {
@@ -107,6 +117,12 @@ FN Real predicted_slope(Bool known, Vec2 last, Vec2 before, Real measured, Real 
   return select(known, both, select(last.y < kNoSlope, last.y, Real(0.0f)));
 }
 
+// What a step of nearness is beyond what either side predicts; below 0 for a step upwards.
+FN Real agreed_gap(Real step, Real of_pixel, Real of_neighbour) {
+  Real gap = select(step < 0.0f, max(min(-of_pixel, -of_neighbour), Real(0.0f)), Real(0.0f));
+  return select(step > 0.0f, -max(min(of_pixel, of_neighbour), Real(0.0f)), gap);
+}
+
 // How far, in pixel sizes, this pixel lies in front of its neighbour (i, j), the right or the lower one; below 0 if the
 // neighbour is in front. 0 where one surface goes on.
 FN Real jump_between(Int px, Int py, int i, int j) {
@@ -120,12 +136,37 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   if (F.orthographic == 0) pixel = pixel * min(plane1.x, plane2.x);
   // What each side says of the other: below 0 it lies behind.
   Real step = plane2.x - plane1.x;
-  Real of_neighbour = step - predicted_slope(before, plane1, plane0, plane1.x - plane0.x, pixel);
-  of_neighbour = select(before, milder(of_neighbour, step - (plane1.x - plane0.x)), of_neighbour);
-  Real of_pixel = predicted_slope(after, plane2, plane3, plane3.x - plane2.x, pixel) - step;
-  of_pixel = select(after, milder(of_pixel, (plane3.x - plane2.x) - step), of_pixel);
-  Real gap = select(step < 0.0f, max(min(of_pixel, -of_neighbour), Real(0.0f)), Real(0.0f));
-  gap = select(step > 0.0f, -max(min(of_neighbour, -of_pixel), Real(0.0f)), gap);
+  Real step0 = plane1.x - plane0.x;
+  Real step2 = plane3.x - plane2.x;
+  Real slope1 = predicted_slope(before, plane1, plane0, step0, pixel);
+  Real slope2 = predicted_slope(after, plane2, plane3, step2, pixel);
+  Real of_neighbour = step - slope1;
+  of_neighbour = select(before, milder(of_neighbour, step - step0), of_neighbour);
+  Real of_pixel = slope2 - step;
+  of_pixel = select(after, milder(of_pixel, step2 - step), of_pixel);
+  Real gap = agreed_gap(step, of_neighbour, -of_pixel);
+  // A pixel in the middle of a jump, halfway down, parts it into two steps: it is at the first, unless that is small.
+  // Normals turn there; where they do not, a smooth thing's mesh has a flaw.
+  Real least = pixel * C.depth;
+  Vec3 n1 = near_normal(0, 0);
+  Vec3 n2 = near_normal(i, j);
+  Real turn = square(n2 - n1);
+  Real faint = Real(C.crease_chord * kBend);
+  Real down = step + step2;
+  Real ramp = agreed_gap(down, down - select(before, step0, slope1) * 2.0f,
+                         down - (nearness_of(3 * i, 3 * j) - plane3.x) * 2.0f);
+  Bool two = after && step * step2 > 0.0f && abs(ramp) > least &&
+             max(turn, square(near_normal(2 * i, 2 * j) - n2)) > faint && same_object(2 * i, 2 * j, 3 * i, 3 * j) &&
+             near_inside(3 * i, 3 * j);
+  Bool first = abs(step) >= abs(down) * kFirstStep;
+  gap = select(two && first && abs(ramp) > abs(gap), ramp, gap);
+  down = step0 + step;
+  ramp = agreed_gap(down, down - (plane0.x - nearness_of(-2 * i, -2 * j)) * 2.0f,
+                    down - select(after, step2, slope2) * 2.0f);
+  two = before && step0 * step > 0.0f && abs(ramp) > least && max(turn, square(n1 - near_normal(-i, -j))) > faint &&
+        same_object(-i, -j, -2 * i, -2 * j) && near_inside(-2 * i, -2 * j);
+  first = abs(step0) >= abs(down) * kFirstStep;
+  gap = select(two && !first && abs(ramp) > abs(gap), ramp, gap);
   return gap / max(pixel, Real(1e-30f));
 }
 
@@ -190,9 +231,14 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   Bool sharp = max(square(a0 - a1), square(b1 - b0)) < here * kSharp;
   Real inside = sqrt(square(b2 - a2));
-  Real outside = sqrt(square(a2 - a4)) + sqrt(square(b4 - b2));
-  Real steady = (Real(kRound) - outside / max(inside, Real(1e-20f))) * Real(1.0f / (kRound - kBevel));
-  steady = select(sharp, Real(1.0f), select(before3 && after3, steady, Real(0.0f)));
+  // A side that ends after three steps is judged by the last of them: before a rim it turns the more the rounder it is.
+  Real outside_a = sqrt(select(before3, square(a2 - a4), square(a1 - a2) * kLast));
+  Real outside_b = sqrt(select(after3, square(b4 - b2), square(b2 - b1) * kLast));
+  Real steady = (Real(kRound) - (outside_a + outside_b) / max(inside, Real(1e-20f))) * Real(1.0f / (kRound - kBevel));
+  // Between a crease and a rim so near is hardly room for two lines: it is drawn where it is clear elsewhere.
+  steady = select(before3 && after3, steady, min(steady, Real(kNarrow)));
+  steady = select(before2 && after2 && (before3 || after3), steady, Real(0.0f));
+  steady = select(sharp, Real(1.0f), steady);
   Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;
   clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
   if (C.convex == 0 || C.concave == 0) {
