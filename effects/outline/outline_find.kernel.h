@@ -45,7 +45,7 @@ CONST float kMostStep = 0.35f;  // of a wide bevel's turn, in one step: or else 
 CONST float kAsStrong = 1.03f;  // what is as strong as its neighbours is a peak, where strides are longer than a pixel
 CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
-CONST float kNarrow = 0.4f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
+CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;

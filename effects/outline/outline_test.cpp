@@ -657,6 +657,35 @@ TEST(Outline, SeamsOfRoundThingsAreOneLine) {
   EXPECT_EQ(drawn, 2 * 4 * 3 * 4 * 4);
 }
 
+/// A jump of so many pixel sizes that is a steep surface, `wide_px` wide in the picture.
+Scene steep_step(double angle_deg, double wide_px, double depth_px, const Lens& lens) {
+  const double a = radians(angle_deg);
+  const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+  const double pixel = lens.pixel() * (lens.orthographic ? 1.0 : kFocus);
+  const dvec3 steep = glm::normalize(front * wide_px - up * depth_px);
+  const dvec3 behind = middle - front * (0.5 * depth_px * pixel), before = middle + front * (0.5 * depth_px * pixel);
+  return together({convex_solid({{steep, glm::dot(steep, middle)}, {front, glm::dot(front, before)}}),
+                   convex_solid({{front, glm::dot(front, behind)}})});
+}
+
+TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLine) {
+  for (const bool orthographic : {false, true})
+    for (const double angle : {1.5, 4.0, 86.0, 88.5})
+      for (const double wide_px : {0.5, 0.8, 1.0, 1.2})
+        for (const double depth_px : {8.0, 10.0, 15.0}) {
+          const Straight straight{true, angle};
+          const Lens lens{256, 256, orthographic};
+          const Plane lines = lines_of(seen(lens, steep_step(angle, wide_px, depth_px, lens)), {{"width", "2"}});
+          const Profile p = profile_of(lines, straight, lens, 2.0);
+          const std::string what =
+              fmt::format("{} degrees, {} wide, {} deep{}: mean {:.2f}, worst {:.2f}, wobble {:.2f}", angle, wide_px,
+                          depth_px, orthographic ? ", orthographic" : "", p.mean, p.worst, p.wobble);
+          EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
+          EXPECT_LE(p.worst, 0.75) << what;
+          EXPECT_LE(p.wobble, 0.35) << what;
+        }
+}
+
 /// A rim with its edge cut off, `bevel_px` wide in the picture.
 Scene bevelled_rim(double angle_deg, double bevel_px, const Lens& lens) {
   const double a = radians(angle_deg);
@@ -668,6 +697,44 @@ Scene bevelled_rim(double angle_deg, double bevel_px, const Lens& lens) {
   return convex_solid({{-side, -glm::dot(side, middle)},
                        {cut, glm::dot(cut, middle)},
                        {front, glm::dot(front, middle + wide * front)}});
+}
+
+TEST(Outline, SoftCreasesBesideARimDoNotBreak) {
+  for (const bool orthographic : {false, true})
+    for (const double angle : {2.0, 3.5, 86.5, 88.0})
+      for (const double away_px : {2.3, 2.6, 2.9, 3.2, 3.5, 3.8, 4.5}) {
+        const Straight straight{true, angle};
+        const Lens lens{256, 256, orthographic};
+        const double a = radians(angle), pixel = lens.pixel() * (orthographic ? 1.0 : kFocus);
+        const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+        const Scene scene = [=, sharp = bevelled_rim(angle, away_px, lens)](const dvec3& origin,
+                                                                            const dvec3& direction) {
+          Hit hit = sharp(origin, direction);
+          if (hit.distance == kInfinity) return hit;
+          // Its normals turn from one face to the other within a pixel and a half.
+          const double u = glm::dot(middle - origin - direction * hit.distance, up) / pixel - away_px;
+          hit.normal = glm::normalize(front + std::tan(radians(45.0 * std::clamp(0.5 - u / 1.5, 0.0, 1.0))) * up);
+          return hit;
+        };
+        const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+        const bool steep = angle > 45.0;
+        const dvec2 along = straight.along(), across(-along.y, along.x), place = lens.place({kOffX, kOffY, -kFocus});
+        std::vector<double> sums;
+        for (int k = 32; k < 224; ++k) {
+          double sum = 0.0;
+          for (int q = 0; q < 256; ++q) {
+            const dvec2 p(steep ? q + 0.5 : k + 0.5, steep ? k + 0.5 : q + 0.5);
+            const double off = std::fabs(glm::dot(p - place, across));
+            if (off > 2.5 && off < away_px + 2.0) sum += lines.at(int(p.x), int(p.y));
+          }
+          sums.push_back(sum);
+        }
+        const auto [least, most] = std::minmax_element(sums.begin(), sums.end());
+        // Drawn along all of the way, or so faintly that no dash is seen.
+        EXPECT_TRUE(away_px > 3.4 ? *least > 0.5 * *most && *most > 1.5 : *most < 1.0)
+            << angle << " degrees, " << away_px << " away" << (orthographic ? ", orthographic" : "") << ": " << *least
+            << " to " << *most;
+      }
 }
 
 TEST(Outline, BevelsBesideARimAreInItsLine) {
