@@ -17,9 +17,9 @@ namespace HWY_NAMESPACE {
 namespace {
 
 // Neighbours up to so many pixels away are read without looking for the border, where it is farther.
-constexpr int kMargin = 32;
+constexpr int kMargin = 16;
 // The same in blocks of up to 4 x 4 pixels, with room for the one that holds the pixel.
-constexpr int kMarginBlocks = 4;
+constexpr int kMarginBlocks = 3;
 
 struct LanesView {
   const KernelFrame& frame;

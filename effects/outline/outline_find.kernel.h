@@ -8,6 +8,7 @@
 //             nearer side predicts, by more than `depth` pixel sizes. A side predicts with the milder of its last two
 //             pixels' planes, since the last one before a rim is so steep that it explains anything, and with the
 //             measured slope, since interpolated normals of coarse meshes are not their surface's
+//             A jump that falls on two pixels, one of them halfway down, is told by both steps
 //   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
 //             a sharp edge or a bevelled one; noise, roughness and round things are none. In high pictures the same
 //             within five strides, so that what is an edge is one at any resolution
@@ -32,6 +33,7 @@ CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane
 CONST float kNoSlope = 1e30f;           // of normals that do not face the eye, which interpolation makes at rims
 CONST float kMostSteepening = 4.0f;     // of a slope from one step to the next: 2.4 on a ball's last pixel
 CONST float kFirstStep = 0.3f;          // share of a jump in two steps, from which on it is at the first
+CONST float kLeastRamp = 2.0f;          // of such a jump, times `depth`
 CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a surface that still tells its shape
 
 // Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
@@ -42,7 +44,8 @@ CONST float kSteady = 0.026f;
 CONST float kTurnRange = 0.4f;  // share of the threshold within which a crease becomes clear
 CONST float kSharp = 0.1f;
 CONST float kMostStep = 0.35f;  // of a wide bevel's turn, in one step: or else it is several edges
-CONST float kAsStrong = 1.03f;  // what is as strong as its neighbours is a peak, where strides are longer than a pixel
+CONST float kTie = 1.001f;      // what is as strong as its neighbours is a peak, lest rounding choose;
+CONST float kAsStrong = 1.03f;  // and where strides are longer than a pixel, what is nearly so
 CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
@@ -147,7 +150,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   Real gap = agreed_gap(step, of_neighbour, -of_pixel);
   // A pixel in the middle of a jump, halfway down, parts it into two steps: it is at the first, unless that is small.
   // Normals turn there; where they do not, a smooth thing's mesh has a flaw.
-  Real least = pixel * C.depth;
+  Real least = pixel * (C.depth * kLeastRamp);
   Vec3 n1 = near_normal(0, 0);
   Vec3 n2 = near_normal(i, j);
   Real turn = square(n2 - n1);
@@ -220,7 +223,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Bool after3 = after2 && goes_on(i + 2 * si, j + 2 * sj, i + 3 * si, j + 3 * sj, stride);
   Vec3 a3 = select(before3, near_normal(-3 * si, -3 * sj), a2);
   Vec3 b3 = select(after3, near_normal(i + 3 * si, j + 3 * sj), b2);
-  Real strength = smooth_turn(a2, a1, a0, b0, b1, b2) * (stride == 1 ? 1.0f : kAsStrong);
+  Real strength = smooth_turn(a2, a1, a0, b0, b1, b2) * (stride == 1 ? kTie : kAsStrong);
   peak = peak && strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3);
   if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   Bool before4 = before3 && goes_on(-3 * si, -3 * sj, -4 * si, -4 * sj, stride);
