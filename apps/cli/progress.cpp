@@ -1,9 +1,9 @@
 #include "apps/cli/progress.h"
 
 #include <fmt/core.h>
-#include <signal.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <algorithm>
 #include <atomic>

@@ -283,7 +283,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
   const auto make = [&](const TakeImageRows& take) -> Result<void> {
     const auto take_rows = [&](const PictureInfo& info, const Image& rows, int) {
       seen.add(rows.plane("depth"), rows.find("ao"));
-      const auto taken = take(picture_in_file(o, place, rows, names, recipe.settings, info));
+      auto taken = take(picture_in_file(o, place, rows, names, recipe.settings, info));
       times.done("write");
       return taken;
     };
@@ -293,7 +293,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
       return Error{ErrorKind::kInternal, "not enough memory; try a smaller --memory, --resolution or model"};
     }
   };
-  const auto written = put_rows(place, shape, settings, make);
+  auto written = put_rows(place, shape, settings, make);
   line.wipe();
   if (written) print_hints(o, recipe, seen, scene);
   return written;

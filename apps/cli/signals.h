@@ -1,7 +1,7 @@
 // What happens when somebody ends the program: nothing half done stays behind.
 #pragma once
-#include <signal.h>
 #include <sys/types.h>
+#include <csignal>
 
 namespace umbrage::cli {
 

@@ -116,6 +116,7 @@ Result<void> Video::start() {
   frames_ = ends[1];
   const std::vector<std::string> words = words_for(ending_of(file_), settings_, part_->path());
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
 
@@ -167,7 +168,7 @@ Result<void> Video::wait() {
   const ssize_t got = ::pread(said_, said.data(), said.size(), 0);
   std::string_view text(said.data(), std::size_t(std::max<ssize_t>(got, 0)));
   text = text.substr(0, text.find('\n'));
-  if (text.starts_with('[') && text.find("] ") != text.npos) text.remove_prefix(text.find("] ") + 2);
+  if (text.starts_with('[') && text.find("] ") != std::string_view::npos) text.remove_prefix(text.find("] ") + 2);
   std::string reason;
   constexpr std::size_t kLongest = 200;
   for (const char c : text.substr(0, kLongest)) reason += std::iscntrl(static_cast<unsigned char>(c)) ? ' ' : c;
