@@ -187,7 +187,7 @@ class Unfinished {
 /// Where a file is to appear. A link stays a link: what it points at is replaced.
 fs::path target_of(const fs::path& file) {
   std::error_code code;
-  const fs::path resolved = fs::canonical(file, code);
+  fs::path resolved = fs::canonical(file, code);
   if (!code) return resolved;
   if (!fs::is_symlink(fs::symlink_status(file, code))) return file;
   const fs::path aim = fs::read_symlink(file, code);  // of a link that leads nowhere yet

@@ -134,7 +134,7 @@ Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape&
   };
   if (!start(writer, stream, shape.width, shape.height, channels, settings)) return failed();
   std::vector<png_byte> row(std::size_t(shape.width) * channels * (settings.bits / 8));
-  const Result<void> made = make([&](const Image& rows) -> Result<void> {
+  Result<void> made = make([&](const Image& rows) -> Result<void> {
     const auto planes = picture_planes(name, rows, true);
     if (!planes) return planes.error();
     return write_rows(writer, planes->data(), channels, settings.bits, row.data()) ? Result<void>() : failed();

@@ -32,6 +32,7 @@ struct KernelFrame {
 
 /// Where row 0 of a plane would be of which row `first` and those below are held, from `data` on.
 inline float* row_zero(float* data, int stride, int first) {
+  // As a number, since it may lie outside all that is there: NOLINTNEXTLINE(performance-no-int-to-ptr)
   return reinterpret_cast<float*>(reinterpret_cast<std::uintptr_t>(data) -
                                   std::uintptr_t(first) * std::uintptr_t(stride) * sizeof(float));
 }

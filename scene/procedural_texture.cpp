@@ -201,10 +201,9 @@ Texture carpet(int width, int height, vec3 field, vec3 border, vec3 figure, std:
     const float along = from_edge.x < from_edge.y ? p.y : p.x;
     const vec3 deep = field * 0.35f;
     vec3 color = field;
-    // Stripes from the edge inwards: NOLINTNEXTLINE(bugprone-branch-clone)
-    if (edge < 0.025f) {
+    if (edge < 0.025f) {  // NOLINT(bugprone-branch-clone)
       color = deep;
-    } else if (edge < 0.05f) {
+    } else if (edge < 0.05f) {  // NOLINT(bugprone-branch-clone): stripes, from the edge inwards
       color = figure;
     } else if (edge < 0.15f) {  // rosettes in a row
       const float x = fract(along * 12.0f) - 0.5f, y = (edge - 0.1f) * 12.0f;

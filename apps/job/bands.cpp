@@ -89,7 +89,7 @@ class BandDrawer {
       margins_.resize(std::max(margins_.size(), sweep_ + 1), margins_.empty() ? 0 : margins_.back());
       for (int begin = 0; begin < height_; begin += rows) {
         const Rows band{begin, std::min(begin + rows, height_)};
-        const auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
+        auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
         if (!done && !is_unfinished(done.error())) return done;
         if (begin > 0 && finished != bool(done)) fail_check("bands of one picture wait for different things");
         finished = bool(done);
@@ -117,7 +117,7 @@ class BandDrawer {
       band.wholes->lacking = 0;
       first_ = std::clamp(band.rows.begin, drawing_.capture.guard, height_ - drawing_.capture.guard) -
                drawing_.capture.guard;
-      const auto done = try_band(camera, band, planes, finish);
+      auto done = try_band(camera, band, planes, finish);
       const int lacking = band.wholes->lacking;
       if (done || !is_unfinished(done.error()) || lacking == 0) return done;
       if (margin > height_) fail_check(fmt::format("a band of a picture {} pixels high wants more margin", height_));
