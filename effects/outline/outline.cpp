@@ -151,7 +151,10 @@ bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mod
 bool is_robust(const ParameterBytes& bytes) { return !is_paper(bytes); }
 
 // How far the passes read, in rows: see the kernel texts.
-int find_reach(const void* constants, int) { return 4 * static_cast<const OutlineConstants*>(constants)->stride + 1; }
+int find_reach(const void* constants, int) {
+  const int stride = static_cast<const OutlineConstants*>(constants)->stride;
+  return std::max(4 * stride + 1, 2 * stride + 4);
+}
 int settle_reach(const void*, int) { return 1; }
 int refine_reach(const void*, int) { return 6; }
 /// 24 rows or columns along a line that leans by 1.5 at most, and in each of four hops 2.1 pixels besides.

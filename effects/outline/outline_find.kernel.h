@@ -50,6 +50,11 @@ CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyo
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
+CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
+CONST float kNarrowing = 0.5f;  // per pixel that is left of it
+CONST float kLeastSteep = 2.0f;    // pixel sizes per pixel, of such a side
+CONST float kLevelOff = 1.0f / 3.0f;  // of its slope, at its end,
+CONST float kSetsOut = 0.25f;         // and at least at its beginning
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
 // Weights of a step's turn and of those one and two steps off. Two like steps up to four apart are one peak in their
@@ -198,6 +203,35 @@ FN Bool sliver(int i, int j, Real gap) {
          (gap < 0.0f && (ends_soon(i, j, i, j) || falls_soon(0, 0, -i, -j)));
 }
 
+// Whether the surface beside a crease, seen from pixel (k, l) by steps of (i, j), is a steep one that soon levels off,
+// such as the side of a fold: above 0, up to 1 the narrower it is, if it falls away from the crease, below 0 if the
+// crease is at its foot.
+FN Real steep_side(int k, int l, int i, int j, int room) {
+  Real depth = near_depth(k, l);
+  Real id = near_object_id(k, l);
+  Real pixel = Real(F.ray_scale_x);
+  if (F.orthographic == 0) pixel = pixel * depth;
+  Bool on = is_surface(depth);
+  Real found = Real(0.0f);
+  Real last = near_depth(k + i, l + j);
+  Real first = abs(last - depth);
+  Real second = abs(near_depth(k + 2 * i, l + 2 * j) - last);
+  first = select(last < depth, max(first, second), first);
+  for (int m = 1; m <= room; ++m) {
+    on = on && near_object_id(k + m * i, l + m * j) == id && is_surface(last);
+    Real next = near_depth(k + (m + 1) * i, l + (m + 1) * j);
+    Real fall = last - depth;
+    Real slope = abs(fall) * Real(1.0f / float(m));
+    Bool steep = slope > pixel * kLeastSteep && abs(fall) > pixel * (C.depth * kLeastRamp) && first > slope * kSetsOut;
+    Bool ends = abs(next - last) < slope * kLevelOff;
+    Real narrow = min(Real(1.0f), Real(float(room + 1 - m) * kNarrowing));
+    found = select(on && steep && ends, select(fall > 0.0f, narrow, Real(-1.0f)), found);
+    on = on && !ends;
+    last = next;
+  }
+  return found;
+}
+
 // The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
 FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   // Normals up to four strides before and after, as long as they are of one surface, and squared chords between them,
@@ -244,6 +278,14 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   steady = select(sharp, Real(1.0f), steady);
   Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;
   clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
+  // The two edges of a fold's narrow side are one line, at the nearer one.
+  int room = kRoom * C.stride + kRoom;
+  Real side_a = steep_side(0, 0, -i, -j, room);
+  Real side_b = steep_side(i, j, i, j, room);
+  Real top = max(select(after3, side_a, Real(0.0f)), select(before3, side_b, Real(0.0f)));
+  Real foot = min(side_a, side_b);
+  clear = select(foot < 0.0f, select(top > 0.0f, clear, min(clear, Real(kNarrow))),
+                 max(clear, top));
   if (C.convex == 0 || C.concave == 0) {
     Real depth1 = select(peak, near_depth(0, 0), Real(1.0f));
     Real depth2 = select(peak, near_depth(i, j), Real(1.0f));

@@ -23,7 +23,7 @@ CONST int kAround = 6;              // pixels within which a line has
 CONST float kLeastAround = 6.5f;    // crossings, or else it is a speck; one that ends has kAround + 1 and more
 CONST int kBeside = 4;              // pixels from a clear crossing within which a faint one may run along with it,
 CONST int kShadow = 2;              // and within which it is but that one's shadow
-CONST float kPart = 1.25f;          // pixels from something else within which a crease is a part of that, and
+CONST float kPart = 1.25f;          // pixels from something no less clear, within which a crease is a part of that, and
 CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
 CONST float kCovers = 0.5f;         // which is its width less this
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
@@ -106,13 +106,15 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real t = crossed_at(v - side);
   Bool clear = signed_v > 0.0f;
   // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim. What
-  // runs beside one goes on in its like alone. A crease close to a clear rim is a part of that.
+  // runs beside one goes on in its like alone. Of a crease and a jump that are close the less clear one is a part of the
+  // other: of two as clear, the crease.
   Bool rim = abs(side - kMiddle) > kOneSided;
   Bool crease = side == Real(kMiddle);
   Bool beside = v < 0.0f;
   Bool shadow = beside;
-  Real nearest = Real(kPartShort);  // clear crossing that is no crease, in pixels
-  if (some(v > 0.0f && (!clear || crease))) {
+  Real least = clear_of(signed_v) + select(crease, Real(-0.5f), Real(0.5f));
+  Real nearest = Real(kPartShort);  // clear crossing of the other sort that is clearer, in pixels
+  if (some(v > 0.0f && (crease || least < kClearest))) {
     for (int k = 1; k <= kBeside; ++k) {
       Real before = lying == 0 ? near_outline_right_settled(-k, 0) : near_outline_below_settled(0, -k);
       Real after = lying == 0 ? near_outline_right_settled(k, 0) : near_outline_below_settled(0, k);
@@ -124,8 +126,12 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
       shadow = beside;
       Real before_away = t - place_in(before) + Real(float(k));
       Real after_away = place_in(after) - t + Real(float(k));
-      nearest = min(nearest, select(before > 0.0f && before_off > 1.0f, before_away, nearest));
-      nearest = min(nearest, select(after > 0.0f && after_off > 1.0f, after_away, nearest));
+      Bool other_before = (crease && before_off > 1.0f) || (!crease && before_off < 1.0f);
+      Bool other_after = (crease && after_off > 1.0f) || (!crease && after_off < 1.0f);
+      other_before = other_before && before > 0.0f && clear_of(before) > least;
+      other_after = other_after && after > 0.0f && clear_of(after) > least;
+      nearest = min(nearest, select(other_before, before_away, nearest));
+      nearest = min(nearest, select(other_after, after_away, nearest));
     }
   }
   Bool lone = clear || (!beside && abs(signed_v) >= kStep);
@@ -190,7 +196,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
   Real part_within = min(select(short_line, Real(kPartShort), Real(kPart)), Real(C.width_px - kCovers));
-  Bool part = crease && nearest < part_within;
+  Bool part = nearest < part_within;
   Bool keep = v > 0.0f && !step && !speck && !shadow && !part;
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + 0.5f);
