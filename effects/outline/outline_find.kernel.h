@@ -51,10 +51,15 @@ CONST float kRound = 0.6f;      // and from which on it is a round thing, which 
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
-CONST float kNarrowing = 0.5f;  // per pixel that is left of it
-CONST float kLeastSteep = 2.0f;    // pixel sizes per pixel, of such a side
+CONST float kTurnsOver = 2.0f;  // times the crease's squared chord, at its top
+CONST int kAtTop = 2;           // pixels from its top, within which a jump and the crease there are one
+CONST int kFootRoom = 2;       // pixels beyond that, within which the crease at its foot is less clear the nearer it is
+CONST float kTopFades = 0.5f;  // per pixel
+CONST float kFootFades = 0.33f;
+CONST float kLeastSteep = 2.0f;       // pixel sizes per pixel, of such a side
 CONST float kLevelOff = 1.0f / 3.0f;  // of its slope, at its end,
 CONST float kSetsOut = 0.25f;         // and at least at its beginning
+CONST float kMostOfIt = 0.7f;         // of its depth, in one step: or else that is a rim
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
 // Weights of a step's turn and of those one and two steps off. Two like steps up to four apart are one peak in their
@@ -204,30 +209,56 @@ FN Bool sliver(int i, int j, Real gap) {
 }
 
 // Whether the surface beside a crease, seen from pixel (k, l) by steps of (i, j), is a steep one that soon levels off,
-// such as the side of a fold: above 0, up to 1 the narrower it is, if it falls away from the crease, below 0 if the
-// crease is at its foot.
-FN Real steep_side(int k, int l, int i, int j, int room) {
+// such as the side of a fold: above 0, up to 1 the narrower it is, if it falls away from the crease, below 0, down to
+// -1, if the crease is at its foot. It is asked only where that changes a crease that is so `clear`.
+FN_RARE Real steep_side(int k, int l, int i, int j, int room, Bool peak, Real clear) {
   Real depth = near_depth(k, l);
-  Real id = near_object_id(k, l);
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * depth;
-  Bool on = is_surface(depth);
-  Real found = Real(0.0f);
   Real last = near_depth(k + i, l + j);
-  Real first = abs(last - depth);
-  Real second = abs(near_depth(k + 2 * i, l + 2 * j) - last);
-  first = select(last < depth, max(first, second), first);
-  for (int m = 1; m <= room; ++m) {
-    on = on && near_object_id(k + m * i, l + m * j) == id && is_surface(last);
-    Real next = near_depth(k + (m + 1) * i, l + (m + 1) * j);
+  Real next = near_depth(k + 2 * i, l + 2 * j);
+  Real first = last - depth;
+  Real step = abs(first);
+  Real after = abs(next - last);
+  Real least = select(first < 0.0f, max(step, after), step);
+  Real largest = step;
+  Real before = step;
+  Bool on = peak && is_surface(depth) && least > pixel * (kLeastSteep * kSetsOut) &&
+            select(first < 0.0f, clear - kNarrow, Real(1.0f) - clear) > 0.0f;  // or else it changes nothing
+  Bool jumps = on && !on;
+  Real found = Real(0.0f);
+  for (int m = 1; m <= room + kFootRoom; ++m) {
+    if (!some(on)) continue;
+    Real second = near_depth(k + (m + 2) * i, l + (m + 2) * j);
+    Real beyond = abs(second - next);
     Real fall = last - depth;
     Real slope = abs(fall) * Real(1.0f / float(m));
-    Bool steep = slope > pixel * kLeastSteep && abs(fall) > pixel * (C.depth * kLeastRamp) && first > slope * kSetsOut;
-    Bool ends = abs(next - last) < slope * kLevelOff;
-    Real narrow = min(Real(1.0f), Real(float(room + 1 - m) * kNarrowing));
-    found = select(on && steep && ends, select(fall > 0.0f, narrow, Real(-1.0f)), found);
+    Real level = slope * kLevelOff;
+    largest = max(largest, step);
+    // A jump further down has its own line.
+    if (m > kAtTop) jumps = jumps || step - max(before, after) > pixel * C.depth;
+    // Where it ends it does not rise again at once: it is no groove.
+    Bool ends = after < level;
+    Bool side = on && ends && beyond < level && slope > pixel * kLeastSteep &&
+                abs(fall) > pixel * (C.depth * kLeastRamp) && least > slope * kSetsOut &&
+                largest < abs(fall) * kMostOfIt;
+    if (some(side)) {
+      side = side && same_object(k, l, k + (m + 1) * i, l + (m + 1) * j);
+      Real top = clamp(Real(float(room + 1 - m) * kTopFades), Real(0.0f), Real(1.0f));
+      Real foot = clamp(Real(float(room + 1 + kFootRoom - m) * kFootFades), Real(0.0f), Real(1.0f));
+      // A rounded top has no line to stand for both.
+      Vec3 over = near_normal(k + (m + C.stride) * i, l + (m + C.stride) * j);
+      Real turn = square(over - near_normal(k + (m - C.stride) * i, l + (m - C.stride) * j));
+      foot = select(turn > Real(C.crease_chord * kTurnsOver), foot, Real(0.0f));
+      found = select(side, select(fall > 0.0f, select(jumps, Real(0.0f), top), -foot), found);
+    }
     on = on && !ends;
+    if (m > 1) on = on && slope > pixel * (kLeastSteep * kSetsOut);
     last = next;
+    next = second;
+    before = step;
+    step = after;
+    after = beyond;
   }
   return found;
 }
@@ -280,11 +311,11 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
   // The two edges of a fold's narrow side are one line, at the nearer one.
   int room = kRoom * C.stride + kRoom;
-  Real side_a = steep_side(0, 0, -i, -j, room);
-  Real side_b = steep_side(i, j, i, j, room);
+  Real side_a = steep_side(0, 0, -i, -j, room, peak, clear);
+  Real side_b = steep_side(i, j, i, j, room, peak, clear);
   Real top = max(select(after3, side_a, Real(0.0f)), select(before3, side_b, Real(0.0f)));
   Real foot = min(side_a, side_b);
-  clear = select(foot < 0.0f, select(top > 0.0f, clear, min(clear, Real(kNarrow))),
+  clear = select(foot < 0.0f, select(top > 0.0f, clear, min(clear, mad(foot, Real(1.0f - kNarrow), Real(1.0f)))),
                  max(clear, top));
   if (C.convex == 0 || C.concave == 0) {
     Real depth1 = select(peak, near_depth(0, 0), Real(1.0f));

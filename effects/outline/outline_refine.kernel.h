@@ -106,8 +106,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real t = crossed_at(v - side);
   Bool clear = signed_v > 0.0f;
   // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim. What
-  // runs beside one goes on in its like alone. Of a crease and a jump that are close the less clear one is a part of the
-  // other: of two as clear, the crease.
+  // runs beside one goes on in its like alone. Of a crease and a jump that are close the less clear one is a part of
+  // the other: of two as clear, the crease.
   Bool rim = abs(side - kMiddle) > kOneSided;
   Bool crease = side == Real(kMiddle);
   Bool beside = v < 0.0f;

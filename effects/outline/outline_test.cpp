@@ -686,6 +686,39 @@ TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLine) {
         }
 }
 
+TEST(Outline, SidesOfFoldsAreOneLine) {
+  for (const int height : {256, 1700})  // pixels by ones, and by strides of two
+    for (const bool orthographic : {false, true})
+      for (const double angle : {86.0, 88.5})
+        for (const double wide_px : {2.5, 3.0, 3.5, 4.5})
+          for (const double steep : {4.0, 6.0})
+            for (const double rounded_px : {0.0, 2.0, 4.0}) {
+              if (height == 256 && wide_px > 4.0) continue;
+              const Straight straight{true, angle};
+              const Lens lens{height == 256 ? 256 : 160, height, orthographic};
+              const double a = radians(angle), pixel = lens.pixel() * (orthographic ? 1.0 : kFocus);
+              const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+              const Scene scene = [=, sharp = steep_step(angle, wide_px, steep * wide_px, lens)](
+                                      const dvec3& origin, const dvec3& direction) {
+                Hit hit = sharp(origin, direction);
+                if (hit.distance == kInfinity || rounded_px == 0.0) return hit;
+                // Beyond the foot its normals turn back slowly.
+                const double u = glm::dot(middle - origin - direction * hit.distance, up) / pixel - 0.5 * wide_px;
+                const double turned = std::clamp(0.75 - u / rounded_px, 0.0, 1.0);
+                if (u > -0.25 * rounded_px)
+                  hit.normal = glm::normalize(front - std::tan(turned * std::atan(steep)) * up);
+                return hit;
+              };
+              const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+              const Profile p = profile_of(lines, straight, lens, 2.0);
+              const std::string what =
+                  fmt::format("{} high, {} degrees, {} wide, {} steep, {} rounded{}: mean {:.2f}, worst {:.2f}", height,
+                              angle, wide_px, steep, rounded_px, orthographic ? ", orthographic" : "", p.mean, p.worst);
+              EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
+              EXPECT_LE(p.worst, 0.75) << what;
+            }
+}
+
 /// A rim with its edge cut off, `bevel_px` wide in the picture.
 Scene bevelled_rim(double angle_deg, double bevel_px, const Lens& lens) {
   const double a = radians(angle_deg);
