@@ -624,17 +624,16 @@ class VulkanDevice final : public Device {
       const auto drawn = draw_seen(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
       if (!drawn) return drawn.error();
       seen = *drawn;
-      table[kSeenSlot] = seen->address;
+      if (seen) table[kSeenSlot] = seen->address;
     }
     return dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
                     std::as_bytes(std::span(&constants, 1)), table);
   }
 
-  /// Which triangle each pixel of a layer sees, by drawing them all.
+  /// Which triangle each pixel of a layer sees, by drawing them all. Null where there is no memory to draw into: rays
+  /// need none.
   Result<DevicePlanePtr> draw_seen(const PictureInfo& info, int layer, const Planes& planes, Constants constants,
                                    Table table) {
-    auto seen = memory_->plane(planes.bytes);
-    if (!seen) return seen;
     const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
     if (!pipeline) return pipeline.error();
     if (!target_ || target_->width != info.width || target_->height != info.height) {
@@ -642,13 +641,17 @@ class VulkanDevice final : public Device {
       if (!drawing) return drawing.error();
       target_.reset();  // in use no longer, or kept by the commands
       const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
-      if (!made) return made.error();
+      if (!made) return DevicePlanePtr();
       target_ = *made;
     }
+    auto seen = memory_->plane(planes.bytes);
+    if (!seen) return DevicePlanePtr();
+    // A triangle takes the longer the larger the picture is.
+    const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));
     if (auto done = dispatch({.pipeline = *pipeline,
                               .effect = "capture",
                               .pass = layer_plane(layer, "seen"),
-                              .settings = scenes_ * kMostLayers + std::size_t(layer),
+                              .settings = (scenes_ * kMostLayers + std::size_t(layer)) * 64 + size,
                               .target = target_.get()},
                              info, constants, table);
         !done)
