@@ -5,7 +5,6 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -20,9 +19,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/child_process.h"
 #include "scene/transfer.h"
-
-extern char** environ;
 
 namespace umbrage {
 namespace {
@@ -73,38 +71,6 @@ Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
   if (WIFSIGNALED(ended.status) && WTERMSIG(ended.status) == SIGALRM)
     ended.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   return ended;
-}
-
-Result<pid_t> spawn(const fs::path& program, const fs::path& file, const std::vector<std::string>& words, int result,
-                    int done) {
-  std::vector<char*> arguments = {const_cast<char*>(kProgram)};
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&files);
-  posix_spawnattr_init(&attributes);
-  // What a library prints before it gives up says nothing to people; the error does.
-  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&files, result, kImportResult);
-  posix_spawn_file_actions_adddup2(&files, done, kImportDone);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  pid_t child = 0;
-  const int failed = ::posix_spawn(&child, program.c_str(), &files, &attributes, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
-  if (failed != 0)
-    return file_error("{}: cannot be read, since the program {} does not start ({})", file.string(), program.string(),
-                      std::strerror(failed));
-  return child;
 }
 
 /// Why there is nothing, of a process that has ended without one.
@@ -160,8 +126,18 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   if (result.number < 0 || told.number < 0 || done.number < 0)
     return file_error("{}: cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
-  const auto child = spawn(program, file, words, result.number, done.number);
-  if (!child) return child.error();
+  // What a library prints before it gives up says nothing to people; the error does.
+  const ChildProgram reader{.program = program,
+                            .words = words,
+                            .files = {{STDIN_FILENO},
+                                      {STDOUT_FILENO},
+                                      {STDERR_FILENO},
+                                      {kImportResult, result.number},
+                                      {kImportDone, done.number}}};
+  pid_t child = 0;
+  if (const int failed = start_child(reader, child))
+    return file_error("{}: cannot be read, since the program {} does not start ({})", file.string(), program.string(),
+                      std::strerror(failed));
   done.close();  // the child's end alone is open now: that it ends is seen, too
   char byte = 0;
   ssize_t got = 0;
@@ -169,7 +145,7 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   while (got < 0 && errno == EINTR);
   std::optional<Result<T>> received;
   if (got == 1) received = receive(result.number);
-  const Ended ended = wait_for(*child, started);
+  const Ended ended = wait_for(child, started);
   if (received) return std::move(*received);
   if (got == 1)
     return file_error("{}: cannot be read: {} is of another version than this program", file.string(),

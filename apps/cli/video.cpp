@@ -1,7 +1,6 @@
 #include "apps/cli/video.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -15,9 +14,8 @@
 #include <vector>
 
 #include "apps/cli/signals.h"
+#include "core/child_process.h"
 #include "io/format.h"
-
-extern char** environ;
 
 namespace umbrage::cli {
 namespace {
@@ -55,7 +53,7 @@ std::uint8_t byte_of(float v) {
 }
 
 std::vector<std::string> words_for(const std::string& ending, const VideoSettings& settings, const fs::path& part) {
-  std::vector<std::string> words = {kProgram, "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
+  std::vector<std::string> words = {"-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
   add({"-f", "rawvideo", "-pixel_format", settings.alpha ? "rgba" : "rgb24", "-video_size",
        fmt::format("{}x{}", settings.width, settings.height), "-framerate", fmt::format("{:g}", settings.frame_rate),
@@ -114,35 +112,18 @@ Result<void> Video::start() {
   if (said_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
     return file_error("'{}' cannot be written: {}", file_.string(), std::strerror(errno));
   frames_ = ends[1];
-  const std::vector<std::string> words = words_for(ending_of(file_), settings_, part_->path());
-  std::vector<char*> arguments;
-  arguments.reserve(words.size() + 1);
-  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-
-  posix_spawn_file_actions_t files;
-  posix_spawnattr_t attributes;
-  posix_spawn_file_actions_init(&files);
-  posix_spawnattr_init(&attributes);
-  posix_spawn_file_actions_adddup2(&files, ends[0], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&files, said_, STDERR_FILENO);
-  sigset_t none, all;
-  sigemptyset(&none);
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
   // In a group of its own: what is typed at the terminal ends this program, which then ends it.
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+  const ChildProgram program{.program = kProgram,
+                             .words = words_for(ending_of(file_), settings_, part_->path()),
+                             .files = {{STDIN_FILENO, ends[0]}, {STDOUT_FILENO}, {STDERR_FILENO, said_}},
+                             .own_group = true};
   int failed = 0;
   {
     const SignalsHeld held;
-    failed = ::posix_spawnp(&child_, kProgram, &files, &attributes, arguments.data(), environ);
+    failed = start_child(program, child_);
     if (failed != 0) child_ = 0;
     set_child(child_);
   }
-  posix_spawn_file_actions_destroy(&files);
-  posix_spawnattr_destroy(&attributes);
   ::close(ends[0]);
   if (failed == 0) return {};
   return file_error("'{}' cannot be written: the program {} does not start ({})", file_.string(), kProgram,
