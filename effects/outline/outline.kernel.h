@@ -158,13 +158,16 @@ FN Real ends_cover(int j, Vec3 own) {
   Real fj = Real(float(j));
   for (int i = -C.reach; i <= C.reach; ++i) {
     Real fi = Real(float(i));
+    // What lies beyond the picture's border reads as its last column.
     Real v = -near_outline_steep_linked(i, j);
+    if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.y, fi + place_of(v), own.z * fj);
       Real cover = end_cover(v, fi, fj, near_depth(i, j), near_depth(i + 1, j), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
     v = -near_outline_flat_linked(i, j);
+    if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.z, fj + place_of(v), own.y * fi);
       Real cover = end_cover(v, fj, fi, near_depth(i, j), near_depth(i, j + 1), predicted);

@@ -506,6 +506,26 @@ TEST(Outline, WidthIsWhatWasAskedForAtEveryAngle) {
         }
 }
 
+TEST(Outline, LinesThatLeaveThePictureAreNoWider) {
+  for (const double width : {2.0, 8.0})
+    for (const double angle : {10.0, 30.0, 40.0, 50.0, 80.0, 130.0, 150.0, 320.0}) {
+      const Straight straight{true, angle};
+      const Lens lens{200, 200, false};
+      const Plane lines = lines_of(seen(lens, straight_scene(straight, lens)), {{"width", fmt::format("{}", width)}});
+      const dvec2 along = straight.along(), across(-along.y, along.x), middle = lens.place({kOffX, kOffY, -kFocus});
+      int on = 0;
+      for (int y = 0; y < 200; ++y)
+        for (int x = 0; x < 200; ++x) {
+          const double away = std::fabs(glm::dot(dvec2(x + 0.5, y + 0.5) - middle, across));
+          on += lines.at(x, y) > 0.5f;
+          if (away > width + 1.5) {
+            EXPECT_EQ(lines.at(x, y), 0.0f) << angle << " degrees, " << width << " wide: " << x << ',' << y;
+          }
+        }
+      EXPECT_GT(on, int(150 * width));
+    }
+}
+
 TEST(Outline, RimsThatLeanLittleAreStraight) {
   // Their place steps by a pixel in 15 to 60 rows: near pixels alone do not tell where they pass.
   for (const bool orthographic : {false, true})
