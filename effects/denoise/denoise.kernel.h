@@ -14,6 +14,13 @@ CONST float kNoJoint = 2.0f;
 // grazing angle the next pixel is far away, and off the plane by that share of the way.
 CONST float kSlack = 0.05f;
 
+// A pixel that none beside it in its row (column) joins, of a fold or a wire one pixel wide, keeps the noise of its few
+// samples. From the second round on, when what is beside it is smooth, it may be so many times as bright as that, and
+// so much darker.
+CONST float kAlone = 0.02f;  // sum of weights
+CONST float kBrighter = 1.35f;
+CONST float kDarker = 0.75f;
+
 // The weight of the neighbour (i, j) pixels right and down, of at most `most`.
 FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool surface, float most) {
   Real depth = near_depth(i, j);
@@ -30,4 +37,25 @@ FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool
   // What is no number, of a normal or a position, is no joint; max overlooks it.
   Bool number = is_finite(turned + (off_own + off_other));
   return select(number && surface && is_surface(depth) && near_inside(i, j), joint * Real(most), Real(0.0f));
+}
+
+// Whether neither of the pixels (i, j) to the right and below, and to the left and above, joins.
+FN Bool is_alone(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool surface) {
+  return surface && weight_of(-i, -j, px, py, position, normal, surface, 1.0f) +
+                            weight_of(i, j, px, py, position, normal, surface, 1.0f) <
+                        kAlone;
+}
+
+FN Bool beside(int i, int j) { return is_surface(near_depth(i, j)) && near_inside(i, j); }
+
+// The limit for one channel of light, from those of the pixels before and after.
+FN Real at_most_beside(Real light, Real before, Real after, Bool has_before, Bool has_after) {
+  Real most = max(select(has_before, before, Real(0.0f)), select(has_after, after, Real(0.0f))) * kBrighter;
+  return select(has_before || has_after, min(light, most), light);
+}
+
+// Occlusion likewise.
+FN Real at_least_beside(Real ao, Real before, Real after, Bool has_before, Bool has_after) {
+  Real least = min(select(has_before, before, Real(1.0f)), select(has_after, after, Real(1.0f))) * kDarker;
+  return select(has_before || has_after, max(ao, least), ao);
 }

@@ -15,6 +15,7 @@ FN void denoise_light_across_pixel(Int px, Int py) {
   Vec3 normal = near_normal(0, 0);
   Real own = clean_ao(near_ao(0, 0));
   Real change = Real(0.0f);
+  Real joined = Real(0.0f);
   Vec3 own_light = clean_light(near_indirect(0, 0));
   Vec3 light_change = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   for (int k = -2; k <= 2; ++k) {
@@ -22,8 +23,30 @@ FN void denoise_light_across_pixel(Int px, Int py) {
     float most = k == -1 || k == 1 ? C.near_weight : C.far_weight;
     Real weight = weight_of(k * step, 0, px, py, position, normal, surface, most);
     change = mad(weight, clean_ao(near_ao(k * step, 0)) - own, change);
+    joined = joined + weight;
     light_change = light_change + (clean_light(near_indirect(k * step, 0)) - own_light) * weight;
   }
-  store_denoise_ao(mad(change, Real(occlusion), own));
-  store_denoise_indirect(own_light + light_change * Real(indirect));
+  Real ao = mad(change, Real(occlusion), own);
+  Vec3 light = own_light + light_change * Real(indirect);
+  Bool alone = surface && joined < kAlone;
+  if (F.round > 0 && some(alone)) {
+    alone = alone && is_alone(1, 0, px, py, position, normal, surface);
+    Bool has_before = beside(-1, 0);
+    Bool has_after = beside(1, 0);
+    if (occlusion > 0.0f) {
+      Real before = clean_ao(near_ao(-1, 0));
+      Real after = clean_ao(near_ao(1, 0));
+      ao = select(alone, at_least_beside(ao, before, after, has_before, has_after), ao);
+    }
+    if (indirect > 0.0f) {
+      Vec3 before = clean_light(near_indirect(-1, 0));
+      Vec3 after = clean_light(near_indirect(1, 0));
+      Vec3 most = Vec3(at_most_beside(light.x, before.x, after.x, has_before, has_after),
+                       at_most_beside(light.y, before.y, after.y, has_before, has_after),
+                       at_most_beside(light.z, before.z, after.z, has_before, has_after));
+      light = select(alone, most, light);
+    }
+  }
+  store_denoise_ao(ao);
+  store_denoise_indirect(light);
 }

@@ -161,6 +161,7 @@ TEST(Denoise, ConstantsStayConstantAndMeansStay) {
       });
     }
     // Bumpy surfaces with holes and steps everywhere, and a gradient over all.
+    constexpr float kContrast = 0.16f;
     GBuffer g = test::bumpy_gbuffer(191, 347, 8);
     for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 347, 0.0f);
     fill_with_noise(g);
@@ -170,15 +171,18 @@ TEST(Denoise, ConstantsStayConstantAndMeansStay) {
           Plane& plane = g.layers[0].plane(name);
           // Darker on the nearer surfaces, so that what crossed an edge one way only would show.
           const float depth = g.layers[0].plane("depth").at(x, y);
-          plane.at(x, y) = 0.2f * plane.at(x, y) + (std::isfinite(depth) ? 0.08f * depth : 1.0f);
+          const float v = 0.2f * plane.at(x, y) + (std::isfinite(depth) ? 0.08f * depth : 1.0f);
+          // All so alike that no pixel that stands alone is too bright or too dark for those beside it.
+          plane.at(x, y) = 0.8f + kContrast * v;
         }
-    test::on_every_target("denoise", g, {{"rounds", std::to_string(rounds)}, {"indirect", "1"}, {"angle", "180"}},
-                          [&](const Image& image) {
-                            for (const char* name : kMade) {
-                              EXPECT_NEAR(mean_of(image.plane(name)), mean_of(g.layers[0].plane(name)), 1e-4);
-                              EXPECT_GT(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).mean, 0.01);
-                            }
-                          });
+    test::on_every_target(
+        "denoise", g, {{"rounds", std::to_string(rounds)}, {"indirect", "1"}, {"angle", "180"}},
+        [&](const Image& image) {
+          for (const char* name : kMade) {
+            EXPECT_NEAR(mean_of(image.plane(name)), mean_of(g.layers[0].plane(name)), 1e-4 * kContrast);
+            EXPECT_GT(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).mean, 0.01 * kContrast);
+          }
+        });
   }
 }
 
@@ -217,6 +221,49 @@ TEST(Denoise, StopsAtStepsCreasesAndBackground) {
             }
       });
     }
+}
+
+TEST(Denoise, WhatIsOnePixelWideIsNoSpark) {
+  // A wire before a wall: few samples found a lamp from it, and something dark. Nothing joins it across.
+  for (const bool upright : {true, false})
+    for (const int rounds : {1, 3}) {
+      GBuffer g = flat(48, 48, 0.4f);
+      Image& image = g.layers[0];
+      for (int k = 0; k < 48; ++k) {
+        const int x = upright ? 20 : k, y = upright ? k : 20;
+        image.plane("depth").at(x, y) = 3.0f;
+        image.plane("ao").at(x, y) = 0.0f;
+        for (const char* name : {"indirect.r", "indirect.g", "indirect.b"})
+          image.plane(name).at(x, y) = k % 4 == 0 ? 40.0f : 0.2f;
+      }
+      test::on_every_target("denoise", g, both(rounds), [&](const Image& out) {
+        for (int y = 0; y < 48; ++y)
+          for (int x = 0; x < 48; ++x) {
+            const float light = out.plane("indirect.g").at(x, y), ao = out.plane("ao").at(x, y);
+            const int along = upright ? y : x;
+            if ((upright ? x : y) != 20) {
+              EXPECT_EQ(light, 0.4f);
+              EXPECT_EQ(ao, 0.4f);
+            } else if (along < 12 || along >= 36) {
+              continue;  // near the ends fewer of the wire's pixels join
+            } else if (rounds == 1) {
+              EXPECT_GT(light, 5.0f);
+              EXPECT_EQ(ao, 0.0f);
+            } else {
+              EXPECT_NEAR(light, 0.4f * 1.35f, 1e-3f);
+              EXPECT_NEAR(ao, 0.4f * 0.75f, 1e-3f);
+            }
+          }
+      });
+    }
+  // Alone before the background it keeps what it has.
+  GBuffer g = flat(48, 48, 0.4f);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 48; ++x)
+      if (x != 20) g.layers[0].plane("depth").at(x, y) = kInfinity;
+  for (int y = 0; y < 48; ++y) g.layers[0].plane("indirect.g").at(20, y) = 7.0f;
+  const Image out = test::run_effect(*find_effect("denoise"), g, both(3), {});
+  for (int y = 0; y < 48; ++y) EXPECT_EQ(out.plane("indirect.g").at(20, y), 7.0f);
 }
 
 TEST(Denoise, StrengthsHoldForTheirOwnPlanes) {
