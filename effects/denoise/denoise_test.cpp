@@ -250,8 +250,9 @@ TEST(Denoise, WhatIsOnePixelWideIsNoSpark) {
               EXPECT_GT(light, 5.0f);
               EXPECT_EQ(ao, 0.0f);
             } else {
-              EXPECT_NEAR(light, 0.4f * 1.35f, 1e-3f);
-              EXPECT_NEAR(ao, 0.4f * 0.75f, 1e-3f);
+              EXPECT_LE(light, 0.4f * 1.35f + 1e-5f);
+              EXPECT_GT(light, 0.4f * 1.3f);
+              EXPECT_NEAR(ao, 0.4f * 0.75f, 1e-5f);
             }
           }
       });
