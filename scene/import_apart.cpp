@@ -127,7 +127,7 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
     return file_error("{}: cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
   // What a library prints before it gives up says nothing to people; the error does.
-  const ChildProgram reader{.program = program,
+  const ChildProgram reader{.program = fs::absolute(program),  // not one on PATH
                             .words = words,
                             .files = {{STDIN_FILENO},
                                       {STDOUT_FILENO},

@@ -641,11 +641,14 @@ class VulkanDevice final : public Device {
       if (!drawing) return drawing.error();
       target_.reset();  // in use no longer, or kept by the commands
       const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
-      if (!made) return DevicePlanePtr();
+      if (!made) return DevicePlanePtr();  // a device that is lost says so to what comes next
       target_ = *made;
     }
     auto seen = memory_->plane(planes.bytes);
-    if (!seen) return DevicePlanePtr();
+    if (!seen) {
+      target_.reset();  // others need the memory
+      return DevicePlanePtr();
+    }
     // A triangle takes the longer the larger the picture is.
     const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));
     if (auto done = dispatch({.pipeline = *pipeline,

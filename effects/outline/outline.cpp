@@ -153,7 +153,9 @@ bool is_robust(const ParameterBytes& bytes) { return !is_paper(bytes); }
 // How far the passes read, in rows: see the kernel texts.
 int find_reach(const void* constants, int) {
   const int stride = static_cast<const OutlineConstants*>(constants)->stride;
-  return std::max(4 * stride + 1, 3 * stride + 6);
+  // Normals four strides off; along a fold's side, of kRoom strides and pixels and kFootRoom more, depths three pixels
+  // and normals kTurnWithin beyond its end, which begins one pixel off.
+  return std::max(4 * stride + 1, 2 * stride + 8);
 }
 int settle_reach(const void*, int) { return 1; }
 int refine_reach(const void*, int) { return 6; }

@@ -11,7 +11,8 @@
 //             A jump that falls on two pixels, one of them halfway down, is told by both steps
 //   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
 //             a sharp edge or a bevelled one; noise, roughness and round things are none. In high pictures the same
-//             within five strides, so that what is an edge is one at any resolution
+//             within five strides, so that what is an edge is one at any resolution. Of the two edges of a fold, with
+//             a steep side of a few pixels between them, the nearer one is clear and the one at its foot faint
 //   an id     another object or material
 // A crease lies where its two planes meet, to a fraction of a pixel; a jump lies halfway until outline_refine.
 // Most pixels have no edge: each kind asks first for what it cannot be without.
@@ -51,12 +52,13 @@ CONST float kRound = 0.6f;      // and from which on it is a round thing, which 
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
-CONST float kTurnsOver = 2.0f;  // times the crease's squared chord, at its top
-CONST int kAtTop = 2;           // pixels from its top, within which a jump and the crease there are one
-CONST int kFootRoom = 2;       // pixels beyond that, within which the crease at its foot is less clear the nearer it is
-CONST float kTopFades = 0.5f;  // per pixel
-CONST float kFootFades = 0.33f;
-CONST float kLeastSteep = 2.0f;       // pixel sizes per pixel, of such a side
+CONST int kFootRoom = 2;        // pixels more, within which the crease at its foot is less clear the nearer it is
+CONST float kTopFades = 0.5f;   // per pixel less than kRoom that the side is wide: how clear its top is
+CONST float kFootFades = 0.33f;  // per pixel less than both, how faint its foot: all of it where the top begins to fade
+CONST int kAtTop = 2;            // pixels from its top, within which a jump and the crease there are one
+CONST float kTurnsOver = 2.0f;   // times the crease's squared chord, how far normals turn at a top that has a line
+CONST int kTurnWithin = 2;       // pixels to either side of it, seen from the foot
+CONST float kLeastSteep = 2.0f;  // pixel sizes per pixel, of such a side
 CONST float kLevelOff = 1.0f / 3.0f;  // of its slope, at its end,
 CONST float kSetsOut = 0.25f;         // and at least at its beginning
 CONST float kMostOfIt = 0.7f;         // of its depth, in one step: or else that is a rim
@@ -226,7 +228,7 @@ FN_RARE Real steep_side(int k, int l, int i, int j, int room, Bool peak, Real cl
   Bool on = peak && is_surface(depth) && least > pixel * (kLeastSteep * kSetsOut) &&
             select(first < 0.0f, clear - kNarrow, Real(1.0f) - clear) > 0.0f;  // or else it changes nothing
   Bool jumps = on && !on;
-  Real found = Real(0.0f);
+  Real answer = Real(0.0f);
   for (int m = 1; m <= room + kFootRoom; ++m) {
     if (!some(on)) continue;
     Real second = near_depth(k + (m + 2) * i, l + (m + 2) * j);
@@ -243,14 +245,17 @@ FN_RARE Real steep_side(int k, int l, int i, int j, int room, Bool peak, Real cl
                 abs(fall) > pixel * (C.depth * kLeastRamp) && least > slope * kSetsOut &&
                 largest < abs(fall) * kMostOfIt;
     if (some(side)) {
-      side = side && same_object(k, l, k + (m + 1) * i, l + (m + 1) * j);
+      side =
+          side && same_object(k, l, k + (m + 1) * i, l + (m + 1) * j) && near_inside(k + (m + 2) * i, l + (m + 2) * j);
       Real top = clamp(Real(float(room + 1 - m) * kTopFades), Real(0.0f), Real(1.0f));
       Real foot = clamp(Real(float(room + 1 + kFootRoom - m) * kFootFades), Real(0.0f), Real(1.0f));
       // A rounded top has no line to stand for both.
-      Vec3 over = near_normal(k + (m + C.stride) * i, l + (m + C.stride) * j);
-      Real turn = square(over - near_normal(k + (m - C.stride) * i, l + (m - C.stride) * j));
+      int forward = C.stride < kTurnWithin ? C.stride : kTurnWithin;
+      int back = m < forward ? m : forward;
+      Vec3 over = near_normal(k + (m + forward) * i, l + (m + forward) * j);
+      Real turn = square(over - near_normal(k + (m - back) * i, l + (m - back) * j));
       foot = select(turn > Real(C.crease_chord * kTurnsOver), foot, Real(0.0f));
-      found = select(side, select(fall > 0.0f, select(jumps, Real(0.0f), top), -foot), found);
+      answer = select(side, select(fall > 0.0f, select(jumps, Real(0.0f), top), -foot), answer);
     }
     on = on && !ends;
     if (m > 1) on = on && slope > pixel * (kLeastSteep * kSetsOut);
@@ -260,7 +265,7 @@ FN_RARE Real steep_side(int k, int l, int i, int j, int room, Bool peak, Real cl
     step = after;
     after = beyond;
   }
-  return found;
+  return answer;
 }
 
 // The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
@@ -314,7 +319,9 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real side_a = steep_side(0, 0, -i, -j, room, peak, clear);
   Real side_b = steep_side(i, j, i, j, room, peak, clear);
   Real top = max(select(after3, side_a, Real(0.0f)), select(before3, side_b, Real(0.0f)));
+  top = select(turn > Real(C.crease_chord * kTurnsOver), top, Real(0.0f));  // or else it is round
   Real foot = min(side_a, side_b);
+  if (C.convex == 0) foot = Real(0.0f);  // where the top is not drawn
   clear = select(foot < 0.0f, select(top > 0.0f, clear, min(clear, mad(foot, Real(1.0f - kNarrow), Real(1.0f)))),
                  max(clear, top));
   if (C.convex == 0 || C.concave == 0) {

@@ -708,15 +708,17 @@ TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLine) {
 }
 
 TEST(Outline, SidesOfFoldsAreOneLine) {
-  for (const int height : {256, 1700})  // pixels by ones, and by strides of two
+  for (const int height : {256, 1700, 2200, 3300})  // pixels by ones, and by strides of two to four
     for (const bool orthographic : {false, true})
-      for (const double angle : {86.0, 88.5})
+      for (const double angle : {1.5, 4.0, 86.0, 88.5})
         for (const double wide_px : {2.5, 3.0, 3.5, 4.5})
           for (const double steep : {4.0, 6.0})
             for (const double rounded_px : {0.0, 2.0, 4.0}) {
-              if (height == 256 && wide_px > 4.0) continue;
+              if (height == 256 ? wide_px > 4.0 : angle == 4.0 || angle == 86.0 || wide_px == 3.0 || rounded_px == 2.0)
+                continue;
+              if (height > 1700 && (wide_px > 4.0 || steep == 4.0)) continue;
               const Straight straight{true, angle};
-              const Lens lens{height == 256 ? 256 : 160, height, orthographic};
+              const Lens lens{height == 256 ? 256 : angle < 45.0 ? 64 : height / 12, height, orthographic};
               const double a = radians(angle), pixel = lens.pixel() * (orthographic ? 1.0 : kFocus);
               const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
               const Scene scene = [=, sharp = steep_step(angle, wide_px, steep * wide_px, lens)](
@@ -738,6 +740,45 @@ TEST(Outline, SidesOfFoldsAreOneLine) {
               EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
               EXPECT_LE(p.worst, 0.75) << what;
             }
+}
+
+TEST(Outline, FoldsHaveALineWithoutConvexEdges) {
+  const Lens lens{256, 256, true};
+  for (const double wide_px : {3.0, 3.5, 4.5}) {
+    const Plane lines =
+        lines_of(seen(lens, steep_step(88.5, wide_px, 5.0 * wide_px, lens)), {{"width", "2"}, {"convex", "off"}});
+    EXPECT_GT(profile_of(lines, {true, 88.5}, lens, 2.0).mean, 1.5) << wide_px;
+  }
+}
+
+TEST(Outline, RoundWeltsHaveALineAtEachFootAlone) {
+  // Half a cylinder on a plane, of one object: its middle is round and no edge, however close its feet are.
+  for (const double radius_px : {6.0, 8.0, 9.0, 10.0, 12.0, 15.0})
+    for (const bool upright : {false, true}) {
+      const Lens lens{256, 256, true};
+      const double radius = radius_px * lens.pixel();
+      const Scene scene = [=](const dvec3& origin, const dvec3& direction) {
+        const double u = (upright ? origin.x - kOffX : origin.y - kOffY), rises = radius * radius - u * u;
+        Hit hit;
+        hit.distance = (kFocus + origin.z - std::sqrt(std::max(rises, 0.0))) / -direction.z;
+        hit.normal = {0, 0, 1};
+        if (rises > 0.0)
+          hit.normal = glm::normalize(upright ? dvec3(u, 0, std::sqrt(rises)) : dvec3(0, u, std::sqrt(rises)));
+        return hit;
+      };
+      const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+      for (int k = 16; k < 240; ++k) {
+        double sum = 0.0, middle = 0.0;
+        for (int q = 0; q < 256; ++q) {
+          const double v = upright ? lines.at(q, k) : lines.at(k, q);
+          sum += v;
+          const dvec2 at = lens.place({kOffX, kOffY, -kFocus});
+          if (std::fabs(q + 0.5 - (upright ? at.x : at.y)) < 0.3 * radius_px) middle += v;
+        }
+        ASSERT_LE(sum, 4.6) << radius_px << ' ' << upright << ' ' << k;
+        ASSERT_EQ(middle, 0.0) << radius_px << ' ' << upright << ' ' << k;
+      }
+    }
 }
 
 /// A rim with its edge cut off, `bevel_px` wide in the picture.
