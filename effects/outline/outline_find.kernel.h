@@ -319,7 +319,8 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real side_a = steep_side(0, 0, -i, -j, room, peak, clear);
   Real side_b = steep_side(i, j, i, j, room, peak, clear);
   Real top = max(select(after3, side_a, Real(0.0f)), select(before3, side_b, Real(0.0f)));
-  top = select(turn > Real(C.crease_chord * kTurnsOver), top, Real(0.0f));  // or else it is round
+  top = top * clamp((turn - Real(C.crease_chord)) * Real(1.0f / (C.crease_chord * (kTurnsOver - 1.0f))), Real(0.0f),
+                    Real(1.0f));  // or else it is round
   Real foot = min(side_a, side_b);
   if (C.convex == 0) foot = Real(0.0f);  // where the top is not drawn
   clear = select(foot < 0.0f, select(top > 0.0f, clear, min(clear, mad(foot, Real(1.0f - kNarrow), Real(1.0f)))),
