@@ -44,7 +44,7 @@ struct Parts {
   Mask silhouette;  // pixels of the character that touch the background
   Mask overlap;     // pixels of the character that touch something well behind it
   Mask beside;      // ground within the samples' radius of the character, which is nearer there
-  Mask open;        // ground with nothing else within the samples' radius and the blur's
+  Mask open;        // ground with nothing else within the paper's samples' radius and blur; ours keeps to surfaces
 };
 
 Parts parts_of(const Studio& studio, const Shot& shot) {

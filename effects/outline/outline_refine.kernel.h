@@ -23,7 +23,7 @@ CONST int kAround = 6;              // pixels within which a line has
 CONST float kLeastAround = 6.5f;    // crossings, or else it is a speck; one that ends has kAround + 1 and more
 CONST int kBeside = 4;              // pixels from a clear crossing within which a faint one may run along with it,
 CONST int kShadow = 2;              // and within which it is but that one's shadow
-CONST float kPart = 1.25f;          // pixels from something no less clear, within which a crease is a part of that, and
+CONST float kPart = 1.25f;          // pixels from something clearer, within which a crossing is a part of that, and
 CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
 CONST float kCovers = 0.5f;         // which is its width less this
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
@@ -105,15 +105,15 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real side = floor(v);
   Real t = crossed_at(v - side);
   Bool clear = signed_v > 0.0f;
-  // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim. What
-  // runs beside one goes on in its like alone. Of a crease and a jump that are close the less clear one is a part of
-  // the other: of two as clear, the crease.
+  // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim farther
+  // off. What runs beside one goes on in its like alone. Of a crease and a jump that are close the less clear one is a
+  // part of the other: of two as clear, the crease.
   Bool rim = abs(side - kMiddle) > kOneSided;
   Bool crease = side == Real(kMiddle);
   Bool beside = v < 0.0f;
   Bool shadow = beside;
   Real least = clear_of(signed_v) + select(crease, Real(-0.5f), Real(0.5f));
-  Real nearest = Real(kPartShort);  // clear crossing of the other sort that is clearer, in pixels
+  Real nearest = Real(kPartShort);  // clear crossing of the other sort that it may be a part of, in pixels
   if (some(v > 0.0f && (crease || least < kClearest))) {
     for (int k = 1; k <= kBeside; ++k) {
       Real before = lying == 0 ? near_outline_right_settled(-k, 0) : near_outline_below_settled(0, -k);
