@@ -48,14 +48,20 @@ FN Bool is_alone(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool 
 
 FN Bool beside(int i, int j) { return is_surface(near_depth(i, j)) && near_inside(i, j); }
 
-// The limit for one channel of light, from those of the pixels before and after.
-FN Real at_most_beside(Real light, Real before, Real after, Bool has_before, Bool has_after) {
-  Real most = max(select(has_before, before, Real(0.0f)), select(has_after, after, Real(0.0f))) * kBrighter;
-  return select(has_before || has_after, min(light, most), light);
+FN Real at_most(Real light, Real before, Real after, Bool has_before, Bool has_after) {
+  return min(light, max(select(has_before, before, Real(0.0f)), select(has_after, after, Real(0.0f))) * kBrighter);
+}
+
+// Light, held to that of the pixels before and after.
+FN Vec3 light_beside(Vec3 light, Vec3 before, Vec3 after, Bool has_before, Bool has_after) {
+  Vec3 most = Vec3(at_most(light.x, before.x, after.x, has_before, has_after),
+                   at_most(light.y, before.y, after.y, has_before, has_after),
+                   at_most(light.z, before.z, after.z, has_before, has_after));
+  return select(has_before || has_after, most, light);
 }
 
 // Occlusion likewise.
-FN Real at_least_beside(Real ao, Real before, Real after, Bool has_before, Bool has_after) {
+FN Real ao_beside(Real ao, Real before, Real after, Bool has_before, Bool has_after) {
   Real least = min(select(has_before, before, Real(1.0f)), select(has_after, after, Real(1.0f))) * kDarker;
   return select(has_before || has_after, max(ao, least), ao);
 }

@@ -25,7 +25,7 @@ FN void denoise_ao_across_pixel(Int px, Int py) {
     alone = alone && is_alone(1, 0, px, py, position, normal, surface);
     Real before = clean_ao(near_ao(-1, 0));
     Real after = clean_ao(near_ao(1, 0));
-    ao = select(alone, at_least_beside(ao, before, after, beside(-1, 0), beside(1, 0)), ao);
+    ao = select(alone, ao_beside(ao, before, after, beside(-1, 0), beside(1, 0)), ao);
   }
   store_denoise_ao(ao);
 }

@@ -25,7 +25,7 @@ FN void denoise_ao_down_pixel(Int px, Int py) {
     alone = alone && is_alone(0, 1, px, py, position, normal, surface);
     Real before = clean_ao(near_denoise_ao(0, -1));
     Real after = clean_ao(near_denoise_ao(0, 1));
-    ao = select(alone, at_least_beside(ao, before, after, beside(0, -1), beside(0, 1)), ao);
+    ao = select(alone, ao_beside(ao, before, after, beside(0, -1), beside(0, 1)), ao);
   }
   store_ao(ao);
 }

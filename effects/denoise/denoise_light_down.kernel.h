@@ -36,15 +36,12 @@ FN void denoise_light_down_pixel(Int px, Int py) {
     if (occlusion > 0.0f) {
       Real before = clean_ao(near_denoise_ao(0, -1));
       Real after = clean_ao(near_denoise_ao(0, 1));
-      ao = select(alone, at_least_beside(ao, before, after, has_before, has_after), ao);
+      ao = select(alone, ao_beside(ao, before, after, has_before, has_after), ao);
     }
     if (indirect > 0.0f) {
       Vec3 before = clean_light(near_denoise_indirect(0, -1));
       Vec3 after = clean_light(near_denoise_indirect(0, 1));
-      Vec3 most = Vec3(at_most_beside(light.x, before.x, after.x, has_before, has_after),
-                       at_most_beside(light.y, before.y, after.y, has_before, has_after),
-                       at_most_beside(light.z, before.z, after.z, has_before, has_after));
-      light = select(alone, most, light);
+      light = select(alone, light_beside(light, before, after, has_before, has_after), light);
     }
   }
   store_ao(ao);
