@@ -39,11 +39,11 @@ FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool
   return select(number && surface && is_surface(depth) && near_inside(i, j), joint * Real(most), Real(0.0f));
 }
 
-// Whether neither of the pixels (i, j) to the right and below, and to the left and above, joins.
+// Whether neither of the pixels (i, j) to the right and below, and to the left and above, joins this one of a surface.
 FN Bool is_alone(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, Bool surface) {
-  return surface && weight_of(-i, -j, px, py, position, normal, surface, 1.0f) +
-                            weight_of(i, j, px, py, position, normal, surface, 1.0f) <
-                        kAlone;
+  return weight_of(-i, -j, px, py, position, normal, surface, 1.0f) +
+             weight_of(i, j, px, py, position, normal, surface, 1.0f) <
+         kAlone;
 }
 
 FN Bool beside(int i, int j) { return is_surface(near_depth(i, j)) && near_inside(i, j); }

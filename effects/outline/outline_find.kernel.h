@@ -213,7 +213,8 @@ FN Bool sliver(int i, int j, Real gap) {
 // Whether the surface beside a crease, seen from pixel (k, l) by steps of (i, j), is a steep one that soon levels off,
 // such as the side of a fold: above 0, up to 1 the narrower it is, if it falls away from the crease, below 0, down to
 // -1, if the crease is at its foot. It is asked only where that changes a crease that is so `clear`.
-FN_RARE Real steep_side(int k, int l, int i, int j, int room, Bool peak, Real clear) {
+FN_RARE Real steep_side(int k, int l, int i, int j, Bool peak, Real clear) {
+  int room = kRoom * C.stride + kRoom;
   Real depth = near_depth(k, l);
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * depth;
@@ -315,9 +316,8 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;
   clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
   // The two edges of a fold's narrow side are one line, at the nearer one.
-  int room = kRoom * C.stride + kRoom;
-  Real side_a = steep_side(0, 0, -i, -j, room, peak, clear);
-  Real side_b = steep_side(i, j, i, j, room, peak, clear);
+  Real side_a = steep_side(0, 0, -i, -j, peak, clear);
+  Real side_b = steep_side(i, j, i, j, peak, clear);
   Real top = max(select(after3, side_a, Real(0.0f)), select(before3, side_b, Real(0.0f)));
   top = top * clamp((turn - Real(C.crease_chord)) * Real(1.0f / (C.crease_chord * (kTurnsOver - 1.0f))), Real(0.0f),
                     Real(1.0f));  // or else it is round
