@@ -8,7 +8,8 @@
 //             nearer side predicts, by more than `depth` pixel sizes. A side predicts with the milder of its last two
 //             pixels' planes, since the last one before a rim is so steep that it explains anything, and with the
 //             measured slope, since interpolated normals of coarse meshes are not their surface's
-//             A jump that falls on two pixels, one of them halfway down, is told by both steps
+//             A jump that falls on two pixels, one of them halfway down, is told by both steps. Of two with a steep
+//             side of a few pixels between them the nearer one is clear, if it is the larger, and the other one faint
 //   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
 //             a sharp edge or a bevelled one; noise, roughness and round things are none. In high pictures the same
 //             within five strides, so that what is an edge is one at any resolution. Of the two edges of a fold, with
@@ -29,6 +30,7 @@ OUT_REAL(outline_below)
 CONST float kLeastSide = 2.0f / 32.0f;  // of what is no crease
 CONST float kDeep = 2.0f;               // a jump within one object is clear from so many times `depth` on
 CONST float kDeeper = 3.0f;             // times a jump, of the next one, that it is part of
+CONST float kStandsOut = 2.0f;          // times the steps beside it, of a jump that stands for a smaller one
 CONST float kSure = 0.9f;               // share of a threshold that tells without rounding that it is not reached
 CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane's slope is not trusted further
 CONST float kNoSlope = 1e30f;           // of normals that do not face the eye, which interpolation makes at rims
@@ -203,11 +205,36 @@ FN Bool falls_soon(int k, int l, int i, int j) {
   return depth1 - depth > deeper || near_depth(k + 2 * i, l + 2 * j) - depth1 > deeper;
 }
 
+// Whether the surface before a jump, that of pixel (k, l), seen from there by steps of (i, j), is a steep side so
+// narrow that it has no room for a line at either end, and came up from there by a jump larger than `drop`.
+FN Bool fell_before(int k, int l, int i, int j, Real drop) {
+  Real depth = near_depth(k, l);
+  Real pixel = Real(F.ray_scale_x);
+  if (F.orthographic == 0) pixel = pixel * depth;
+  Real least = max(drop, pixel * kSteepest);
+  Bool on = depth > 0.0f;
+  Bool found = on && !on;
+  Real before = Real(0.0f);
+  for (int m = 1; m <= kRoom * C.stride + kRoom; ++m) {
+    if (!some(on)) continue;
+    Real next = near_depth(k + m * i, l + m * j);
+    Real step = depth - next;
+    Real beyond = next - near_depth(k + (m + 1) * i, l + (m + 1) * j);
+    found = found || (on && step > least && step > max(before, beyond) * kStandsOut &&
+                      near_object_id(k + m * i, l + m * j) == near_object_id(k, l));
+    on = on && step < least && step > pixel * kLeastSteep;
+    depth = next;
+    before = step;
+  }
+  return found;
+}
+
 // Whether a jump within an object is the inner side of such a turn or such a side: the outer one has the line, and a
 // surface that narrow has room for no more.
 FN Bool sliver(int i, int j, Real gap) {
-  return (gap > 0.0f && (ends_soon(0, 0, -i, -j) || falls_soon(i, j, i, j))) ||
-         (gap < 0.0f && (ends_soon(i, j, i, j) || falls_soon(0, 0, -i, -j)));
+  Real drop = abs(near_depth(i, j) - near_depth(0, 0));
+  return (gap > 0.0f && (ends_soon(0, 0, -i, -j) || falls_soon(i, j, i, j) || fell_before(0, 0, -i, -j, drop))) ||
+         (gap < 0.0f && (ends_soon(i, j, i, j) || falls_soon(0, 0, -i, -j) || fell_before(i, j, i, j, drop)));
 }
 
 // Whether the surface beside a crease, seen from pixel (k, l) by steps of (i, j), is a steep one that soon levels off,
@@ -310,7 +337,10 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real outside_b = sqrt(select(after3, square(b4 - b2), square(b2 - b1) * kLast));
   Real steady = (Real(kRound) - (outside_a + outside_b) / max(inside, Real(1e-20f))) * Real(1.0f / (kRound - kBevel));
   // Between a crease and a rim so near is hardly room for two lines: it is drawn where it is clear elsewhere.
-  steady = select(before3 && after3, steady, min(steady, Real(kNarrow)));
+  // The wide bevels of high pictures need as much more as they are wide.
+  Bool roomy = before3 && after3;
+  if (stride > 1) roomy = before4 && after4;
+  steady = select(roomy, steady, min(steady, Real(kNarrow)));
   steady = select(before2 && after2 && (before3 || after3), steady, Real(0.0f));
   steady = select(sharp, Real(1.0f), steady);
   Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;

@@ -742,6 +742,82 @@ TEST(Outline, SidesOfFoldsAreOneLine) {
             }
 }
 
+TEST(Outline, StripsBetweenTwoJumpsHaveOneLine) {
+  // A steep side of a few pixels between a jump and a smaller one, all of one object: the nearer jump has the line.
+  struct Case {
+    int height;
+    double wide_px;
+  };
+  for (const Case& c : {Case{256, 2.5}, Case{256, 3.5}, Case{1700, 4.5}, Case{2200, 5.5}, Case{2200, 7.5}})
+    for (const double angle : {1.5, 88.5})
+      for (const double second_px : {11.0, 16.0, 24.0}) {
+        constexpr double kFirstPx = 30.0, kSteep = 4.0;
+        const Straight straight{true, angle};
+        const Lens lens{c.height == 256 ? 256 : angle < 45.0 ? 64 : c.height / 12, c.height, true};
+        const double a = radians(angle), pixel = lens.pixel();
+        const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+        const Scene scene = [=](const dvec3& origin, const dvec3& direction) {
+          const double u = glm::dot(origin - middle, -up) / pixel;
+          const bool strip = u >= 0.0 && u < c.wide_px;
+          const double behind = u < 0.0 ? 0.0 : kFirstPx + (strip ? kSteep * u : kSteep * c.wide_px + second_px);
+          Hit hit{.object = 0, .material = 0};
+          hit.distance = (kFocus + origin.z + behind * pixel) / -direction.z;
+          hit.normal = strip ? glm::normalize(front - kSteep * up) : front;
+          return hit;
+        };
+        const Profile p = profile_of(lines_of(seen(lens, scene), {{"width", "2"}}), straight, lens, 2.0);
+        const std::string what = fmt::format("{} high, {} wide, {} degrees, second {}: mean {:.2f}, worst {:.2f}",
+                                             c.height, c.wide_px, angle, second_px, p.mean, p.worst);
+        EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
+        EXPECT_LE(p.worst, 0.75) << what;
+        EXPECT_LE(p.wobble, 0.35) << what;
+      }
+}
+
+TEST(Outline, RoundEdgesOfNarrowRibsDoNotBreak) {
+  // In high pictures: a rib seen from its corner, with a side, a round edge, its narrow front, and a round edge that
+  // ends in the rim, as radiators have them. There is no room for lines inside.
+  for (const double side_px : {3.0, 5.0, 7.0})
+    for (const double round_px : {9.0, 11.0})
+      for (const double front_px : {1.0, 3.0, 5.0})
+        for (const double angle : {1.0, 89.0}) {
+          const double a = radians(angle), end_px = 0.6 * round_px, turns = radians(45.0);
+          const double wide_px = side_px + round_px + front_px + end_px;
+          const Lens lens{angle < 45.0 ? 96 : 200, 2160, true};
+          const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+          const auto across = [=](const dvec3& p) { return glm::dot(p - middle, up) / lens.pixel() + 0.5 * wide_px; };
+          const auto lean = [=](double u) {
+            if (u < side_px + round_px) return -turns + 2.0 * turns * std::max(u - side_px, 0.0) / round_px;
+            return turns + turns * std::min(std::max(u - wide_px + end_px, 0.0) / end_px, 0.97);
+          };
+          constexpr double kStep = 0.05;
+          std::vector<double> heights = {200.0};  // pixel sizes
+          for (double u = 0.5 * kStep; u < wide_px + kStep; u += kStep)
+            heights.push_back(heights.back() - std::tan(lean(u)) * kStep);
+          const Scene scene = [=](const dvec3& origin, const dvec3& direction) {
+            const double u = across(origin);
+            const bool rib = u >= 0.0 && u < wide_px;
+            Hit hit{.object = 0, .material = 0};
+            hit.distance =
+                (kFocus + origin.z - (rib ? heights[std::size_t(u / kStep)] * lens.pixel() : 0.0)) / -direction.z;
+            hit.normal = rib ? front * std::cos(lean(u)) + up * std::sin(lean(u)) : front;
+            return hit;
+          };
+          const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+          double inside = 0.0, all = 0.0;
+          for (int y = 0; y < lens.height; ++y)
+            for (int x = 0; x < lens.width; ++x) {
+              const double u =
+                  across({lens.left() + (x + 0.5) * lens.pixel(), lens.top() - (y + 0.5) * lens.pixel(), -kFocus});
+              all += lines.at(x, y);
+              if (u > 3.5 && u < wide_px - 3.5) inside += lines.at(x, y);
+            }
+          const double length = angle < 45.0 ? lens.width : lens.height;
+          EXPECT_EQ(inside, 0.0) << side_px << ' ' << round_px << ' ' << front_px << ' ' << angle;
+          EXPECT_NEAR(all, 4.0 * length, 0.6 * length) << side_px << ' ' << round_px << ' ' << front_px << ' ' << angle;
+        }
+}
+
 TEST(Outline, FoldsHaveALineWithoutConvexEdges) {
   const Lens lens{256, 256, true};
   for (const double wide_px : {3.0, 3.5, 4.5}) {
