@@ -9,6 +9,8 @@
 const int kLayersRead = 8;
 // The most planes, inputs and outputs, of one pass.
 const int kMostPlanes = 128;
+// Planes of a pass, the first ones, that a GPU reads as bound buffers; the others it reaches by their addresses.
+const int kBoundPlanes = 16;
 
 // What `ao` holds where a pixel is left to be computed: more than any occlusion or light.
 const float kMissing = 2e30f;

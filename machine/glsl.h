@@ -4,10 +4,11 @@
 //   #include "effects/NAME/NAME.kernel.h"
 //   UMBRAGE_MAIN(NAME)
 //
-// A pass reads up to a hundred planes, more than drivers bind at once. It reaches them by their addresses, which stand
-// in the table `planes`; where in it a plane stands, the device says through the specialization constant NAME_slot. Its
-// number is made of the line that declares the plane, so that nothing is numbered by hand: two planes must not be
-// declared on lines of the same number, which the compiler refuses ("id already used").
+// A pass reads up to a hundred planes, more than drivers bind at once. The first of those that it reads are bound
+// buffers, which are the fastest storage to sample; the others, and those that it writes, it reaches by their
+// addresses, which stand in the table `planes`. Where in it a plane stands, the device says through the specialization
+// constant NAME_slot. Its number is made of the line that declares the plane, so that nothing is numbered by hand: two
+// planes must not be declared on lines of the same number, which the compiler refuses ("id already used").
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -52,6 +53,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer InOutPlane {
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };  // of ways of a GPU alone
 layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPlanes]; };
 
+// How many of the first planes are bound: none where they are larger than the device binds.
+layout(constant_id = 0) const int bound_planes = 0;
+layout(set = 1, binding = 0, scalar) restrict readonly buffer bound_block { float at[]; }
+bound[kBoundPlanes];
+
 // The plane NAME becomes name_plane; `n` tells apart those that one line declares.
 #define PLANE(type, name, n)                                         \
   layout(constant_id = __LINE__ * 32 + n) const int name##_slot = 0; \
@@ -74,17 +80,26 @@ layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPl
   type near_##name(int i, int j) { return load_##name(here.x + i, here.y + j); }                              \
   type corner_##name(int f, int i, int j) { return load_##name((here.x / f + i) * f, (here.y / f + j) * f); } \
   type block_##name(int f, int i, int j) { return load_##name(here.x / f + i, here.y / f + j); }
-#define IN_REAL_AT(name, n)                                         \
-  PLANE(InPlane, name, n)                                           \
-  float read_##name(int place) { return name##_plane().at[place]; } \
+// One float of a plane that is bound or not: which is known when the shader is compiled.
+#define READ_AT(name)                                                     \
+  const int name##_bound = name##_slot < kBoundPlanes ? name##_slot : 0;  \
+  float name##_at(int place) {                                            \
+    if (name##_slot < bound_planes) return bound[name##_bound].at[place]; \
+    return name##_plane().at[place];                                      \
+  }
+#define IN_REAL_AT(name, n)                                 \
+  PLANE(InPlane, name, n)                                   \
+  READ_AT(name)                                             \
+  float read_##name(int place) { return name##_at(place); } \
   IN_LOADS(float, name)
-#define IN_TRIPLE_AT(name, n, a, b, c)                                                                           \
-  PLANE(InPlane, name##_##a, n)                                                                                  \
-  PLANE(InPlane, name##_##b, n + 1)                                                                              \
-  PLANE(InPlane, name##_##c, n + 2)                                                                              \
-  vec3 read_##name(int place) {                                                                                  \
-    return vec3(name##_##a##_plane().at[place], name##_##b##_plane().at[place], name##_##c##_plane().at[place]); \
-  }                                                                                                              \
+#define IN_TRIPLE_AT(name, n, a, b, c)                                                                                 \
+  PLANE(InPlane, name##_##a, n)                                                                                        \
+  PLANE(InPlane, name##_##b, n + 1)                                                                                    \
+  PLANE(InPlane, name##_##c, n + 2)                                                                                    \
+  READ_AT(name##_##a)                                                                                                  \
+  READ_AT(name##_##b)                                                                                                  \
+  READ_AT(name##_##c)                                                                                                  \
+  vec3 read_##name(int place) { return vec3(name##_##a##_at(place), name##_##b##_at(place), name##_##c##_at(place)); } \
   IN_LOADS(vec3, name)
 #define IN_REAL(name) IN_REAL_AT(name, 0)
 #define IN_VECTOR(name) IN_TRIPLE_AT(name, 0, x, y, z)

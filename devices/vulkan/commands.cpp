@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/check.h"
+#include "machine/frame_constants.h"
 
 namespace umbrage {
 namespace {
@@ -43,6 +44,13 @@ Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_p
     if (const auto r = on.vk.CreateQueryPool(on.device, &queries, nullptr, &commands->queries_); r != VK_SUCCESS)
       return failed(r);
   }
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kTimedPasses * std::uint32_t(kBoundPlanes)};
+  VkDescriptorPoolCreateInfo sets{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  sets.maxSets = kTimedPasses;
+  sets.poolSizeCount = 1;
+  sets.pPoolSizes = &size;
+  if (const auto r = on.vk.CreateDescriptorPool(on.device, &sets, nullptr, &commands->sets_); r != VK_SUCCESS)
+    return failed(r);
   auto uniforms = memory->host(kUniformBytes + kMostUniforms, true);
   if (!uniforms) return uniforms.error();
   commands->uniforms_ = *uniforms;
@@ -54,6 +62,7 @@ Commands::~Commands() {
     gpu_->vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
   if (recording_) gpu_->vk.EndCommandBuffer(buffer_);
   kept_.clear();
+  if (sets_) gpu_->vk.DestroyDescriptorPool(gpu_->device, sets_, nullptr);
   if (queries_) gpu_->vk.DestroyQueryPool(gpu_->device, queries_, nullptr);
   if (fence_) gpu_->vk.DestroyFence(gpu_->device, fence_, nullptr);
   if (pool_) gpu_->vk.DestroyCommandPool(gpu_->device, pool_, nullptr);
@@ -110,6 +119,7 @@ void Commands::reset() {
   timed_.clear();
   kept_.clear();
   gpu_->vk.ResetCommandPool(gpu_->device, pool_, 0);
+  gpu_->vk.ResetDescriptorPool(gpu_->device, sets_, 0);
 }
 
 Error Commands::failed(VkResult result) {
@@ -194,6 +204,23 @@ Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   const std::size_t step = gpu_->properties.limits.minUniformBufferOffsetAlignment;
   uniforms_used_ = (uniforms_used_ + bytes + step - 1) / step * step;
   return given;
+}
+
+Result<VkDescriptorSet> Commands::bound(VkDescriptorSetLayout layout, std::span<const VkDescriptorBufferInfo> buffers) {
+  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  allocate.descriptorPool = sets_;
+  allocate.descriptorSetCount = 1;
+  allocate.pSetLayouts = &layout;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  if (const auto r = gpu_->vk.AllocateDescriptorSets(gpu_->device, &allocate, &set); r != VK_SUCCESS)
+    return vulkan_error(r, "was given work");
+  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+  write.dstSet = set;
+  write.descriptorCount = std::uint32_t(buffers.size());
+  write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+  write.pBufferInfo = buffers.data();
+  gpu_->vk.UpdateDescriptorSets(gpu_->device, 1, &write, 0, nullptr);
+  return set;
 }
 
 void Commands::begin_pass(std::string_view effect, std::string_view pass, Kind kind, double groups, bool further) {

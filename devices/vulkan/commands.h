@@ -43,6 +43,9 @@ class Commands {
   };
   Result<Uniforms> uniforms(std::size_t bytes);
   VkBuffer uniform_buffer() const { return uniforms_->buffer; }
+  /// A set of storage buffers for the commands noted down next, which it must come before, and after uniforms().
+  /// Errors: kDevice.
+  Result<VkDescriptorSet> bound(VkDescriptorSetLayout layout, std::span<const VkDescriptorBufferInfo> buffers);
 
   /// Work that takes about as long each time: a shader, and a number that stands for what it is set to.
   struct Kind {
@@ -74,6 +77,7 @@ class Commands {
   VkCommandBuffer buffer_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   VkQueryPool queries_ = VK_NULL_HANDLE;
+  VkDescriptorPool sets_ = VK_NULL_HANDLE;
   HostBufferPtr uniforms_;
   std::size_t uniforms_used_ = 0;
   bool recording_ = false, handed_over_ = false;

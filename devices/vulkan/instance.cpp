@@ -1,4 +1,5 @@
 #include "devices/vulkan/instance.h"
+#include "machine/frame_constants.h"
 
 #include <algorithm>
 #include <cstring>
@@ -27,6 +28,11 @@ std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32
   instance.vk.GetPhysicalDeviceFeatures2(gpu, &features);
   if (!has.bufferDeviceAddress) return "buffer device addresses";
   if (!has.scalarBlockLayout) return "scalar block layout";
+  VkPhysicalDeviceProperties properties{};
+  instance.vk.GetPhysicalDeviceProperties(gpu, &properties);
+  if (properties.limits.maxPerStageDescriptorStorageBuffers < std::uint32_t(kBoundPlanes))
+    return fmt::format("bound buffers (it binds {} to a shader: {} are needed)",
+                       properties.limits.maxPerStageDescriptorStorageBuffers, kBoundPlanes);
   if (queue_family(instance, gpu) < 0) return "a queue that computes";
   return {};
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/check.h"
+#include "core/gbuffer.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/pipeline_file.h"
 #include "devices/vulkan/raster.h"
@@ -37,9 +38,14 @@ GpuStep plain_step(const Pass& pass) {
 
 std::vector<std::string_view> plane_table(const GpuStep& step) {
   std::vector<std::string_view> names;
+  const auto add = [&](std::string_view name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  };
+  const auto of_layer = [](std::string_view name) { return layer_of_plane(name) > 0; };
+  for (std::string_view name : step.inputs)
+    if (!of_layer(name)) add(name);
   for (const auto* list : {&step.inputs, &step.outputs})
-    for (std::string_view name : *list)
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    for (std::string_view name : *list) add(name);
   check_less(names.size(), std::size_t(kMostPlanes) + 1, fmt::format("planes of pass {}", step.name));
   return names;
 }
@@ -66,6 +72,12 @@ Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
   set_layout.pBindings = bindings;
   if (const auto r = vk.CreateDescriptorSetLayout(device, &set_layout, nullptr, &set_layout_); r != VK_SUCCESS)
     return failed(r);
+  const VkDescriptorSetLayoutBinding bound{0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, std::uint32_t(kBoundPlanes),
+                                           VK_SHADER_STAGE_COMPUTE_BIT, nullptr};
+  set_layout.bindingCount = 1;
+  set_layout.pBindings = &bound;
+  if (const auto r = vk.CreateDescriptorSetLayout(device, &set_layout, nullptr, &bound_layout_); r != VK_SUCCESS)
+    return failed(r);
   const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, 2};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.maxSets = 1;
@@ -91,8 +103,9 @@ Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
   vk.UpdateDescriptorSets(device, 2, writes, 0, nullptr);
 
   VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  layout.setLayoutCount = 1;
-  layout.pSetLayouts = &set_layout_;
+  const VkDescriptorSetLayout sets[] = {set_layout_, bound_layout_};
+  layout.setLayoutCount = 2;
+  layout.pSetLayouts = sets;
   if (const auto r = vk.CreatePipelineLayout(device, &layout, nullptr, &pass_layout_); r != VK_SUCCESS)
     return failed(r);
   // Without the padding at the end of the C++ struct.
@@ -131,17 +144,19 @@ Pipelines::~Pipelines() {
   if (pick_layout_) vk.DestroyPipelineLayout(device, pick_layout_, nullptr);
   if (pass_layout_) vk.DestroyPipelineLayout(device, pass_layout_, nullptr);
   if (pool_) vk.DestroyDescriptorPool(device, pool_, nullptr);
-  if (set_layout_) vk.DestroyDescriptorSetLayout(device, set_layout_, nullptr);
+  for (const VkDescriptorSetLayout layout : {set_layout_, bound_layout_})
+    if (layout) vk.DestroyDescriptorSetLayout(device, layout, nullptr);
 }
 
-Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte> block) {
+Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte> block, bool bound) {
   auto known = options_.find(step.spirv.data());
   if (known == options_.end()) known = options_.emplace(step.spirv.data(), options_of(step.spirv)).first;
   const Options options = option_values(known->second, block);
-  if (const auto found = pipelines_.find({step.spirv.data(), options}); found != pipelines_.end()) return found->second;
+  if (const auto found = pipelines_.find({step.spirv.data(), options, bound}); found != pipelines_.end())
+    return found->second;
   const std::vector<std::string_view> table = plane_table(step);
-  std::vector<VkSpecializationMapEntry> entries;
-  std::vector<std::int32_t> values;
+  std::vector<VkSpecializationMapEntry> entries = {{0, 0, sizeof(std::int32_t)}};  // bound_planes
+  std::vector<std::int32_t> values = {bound ? kBoundPlanes : 0};
   for (const Slot& slot : slots_of(step.spirv)) {
     const auto plane =
         std::find_if(table.begin(), table.end(), [&](auto name) { return slot_name(name) == slot.plane; });
@@ -152,12 +167,12 @@ Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte>
   }
   const VkSpecializationInfo specialization{std::uint32_t(entries.size()), entries.data(),
                                             values.size() * sizeof(std::int32_t), values.data()};
-  return compile(step.spirv, options, pass_layout_, &specialization);
+  return compile(step.spirv, options, bound, pass_layout_, &specialization);
 }
 
-Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, {}, pick_layout_, nullptr); }
-Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, {}, pass_layout_, nullptr); }
-Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, {}, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, {}, false, pick_layout_, nullptr); }
+Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, {}, false, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, {}, false, pass_layout_, nullptr); }
 
 Result<VkShaderModule> Pipelines::shader_of(std::span<const std::uint32_t> words) {
   VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
@@ -180,7 +195,7 @@ Result<VkRenderPass> Pipelines::drawing(bool clear) {
 }
 
 Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
-  const std::pair key(std::data(kPeelSpirv), Options{masks ? 1 : 0, points ? 1 : 0});
+  const Key key(std::data(kPeelSpirv), Options{masks ? 1 : 0, points ? 1 : 0}, false);
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
   const auto pass = drawing(true);
   if (!pass) return pass.error();
@@ -249,9 +264,9 @@ Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
   return pipeline;
 }
 
-Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, const Options& options,
+Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, const Options& options, bool bound,
                                       VkPipelineLayout layout, const VkSpecializationInfo* values) {
-  const std::pair key(spirv.data(), options);
+  const Key key(spirv.data(), options, bound);
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
   const std::vector<std::uint32_t> words = options.empty() ? std::vector(spirv.begin(), spirv.end())
                                                            : with_options(spirv, options_.at(spirv.data()), options);

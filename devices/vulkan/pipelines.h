@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -38,8 +39,8 @@ class Pipelines {
   Pipelines& operator=(const Pipelines&) = delete;
 
   /// The step's pipeline for this block of constants, compiled when one with the same options is first asked for.
-  /// Errors: kDevice.
-  Result<VkPipeline> of(const GpuStep& step, std::span<const std::byte> block);
+  /// `bound`: its first planes are bound, as bound_layout() has them. Errors: kDevice.
+  Result<VkPipeline> of(const GpuStep& step, std::span<const std::byte> block, bool bound);
   Result<VkPipeline> pick();
   /// capture.comp and convert.comp, which get constants and a table as passes do.
   Result<VkPipeline> capture();
@@ -54,26 +55,29 @@ class Pipelines {
   VkPipelineLayout pass_layout() const { return pass_layout_; }
   VkPipelineLayout pick_layout() const { return pick_layout_; }
   VkDescriptorSet constants() const { return set_; }  ///< takes two offsets: of the constants, of the table
+  VkDescriptorSetLayout bound_layout() const { return bound_layout_; }  ///< of the second set: kBoundPlanes planes
 
  private:
   explicit Pipelines(GpuPtr gpu) : gpu_(std::move(gpu)) {}
   Result<void> make_layouts(VkBuffer uniforms);
   using Options = std::vector<std::optional<std::int32_t>>;
+  /// SPIR-V, options, whether planes are bound.
+  using Key = std::tuple<const std::uint32_t*, Options, bool>;
   /// The pipeline that is kept as that of `spirv` with these options.
-  Result<VkPipeline> compile(std::span<const std::uint32_t> spirv, const Options& options, VkPipelineLayout layout,
-                             const VkSpecializationInfo* values);
+  Result<VkPipeline> compile(std::span<const std::uint32_t> spirv, const Options& options, bool bound,
+                             VkPipelineLayout layout, const VkSpecializationInfo* values);
 
   Result<VkShaderModule> shader_of(std::span<const std::uint32_t> words);
 
   GpuPtr gpu_;
-  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE;
+  VkDescriptorSetLayout set_layout_ = VK_NULL_HANDLE, bound_layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
   VkPipelineLayout pass_layout_ = VK_NULL_HANDLE, pick_layout_ = VK_NULL_HANDLE;
   VkPipelineCache cache_ = VK_NULL_HANDLE;
-  std::map<const std::uint32_t*, KernelOptions> options_;                     // by their SPIR-V
-  std::map<std::pair<const std::uint32_t*, Options>, VkPipeline> pipelines_;  // likewise
-  VkRenderPass drawing_[2] = {};                                              // going on, and the first
+  std::map<const std::uint32_t*, KernelOptions> options_;  // by their SPIR-V
+  std::map<Key, VkPipeline> pipelines_;
+  VkRenderPass drawing_[2] = {};  // going on, and the first
   std::filesystem::path file_;
   std::size_t read_ = 0;  // bytes of the file
 };

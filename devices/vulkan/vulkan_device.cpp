@@ -1,6 +1,7 @@
 #include "devices/vulkan/vulkan_device.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <map>
@@ -409,6 +410,18 @@ class VulkanDevice final : public Device {
     return {};
   }
 
+  /// A shader that is to run over all pixels, and whose time is taken under these names.
+  struct Work {
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    std::string_view effect, pass;
+    std::size_t settings = 0;                         // see Commands::Kind
+    int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
+    const RasterTarget* target = nullptr;  // not null: the scene's triangles and points are drawn, some at once
+    std::span<const VkDescriptorBufferInfo> bound = {};  // of a kernel of machine/glsl.h: kBoundPlanes of them
+  };
+  using Constants = std::span<const std::byte>;
+  using Table = std::span<const VkDeviceAddress>;
+
   Result<void> run_pass(const PassRun& run, Planes& planes) {
     const Pass& pass = run.pass;
     for (std::string_view input : pass.inputs) {
@@ -450,34 +463,42 @@ class VulkanDevice final : public Device {
   Result<void> run_step(const PassRun& run, const GpuStep& step, const Planes& planes, const StepPlanes& own) {
     const std::vector<std::byte> block =
         block_of(frame_constants(run.info, planes.stride, run.round, run.pixels), run.constants);
-    const auto pipeline = pipelines_->of(step, block);
-    if (!pipeline) return pipeline.error();
-    std::vector<VkDeviceAddress> table;
+    std::vector<const DevicePlane*> table;
     for (std::string_view name : plane_table(step)) {
       const auto found = own.find(name);
-      const DevicePlane* plane = found != own.end() ? found->second.get() : planes.find(run.plane(name));
-      table.push_back(plane ? plane->address : 0);  // a layer that is not there: nobody stores to it
+      table.push_back(found != own.end() ? found->second.get() : planes.find(run.plane(name)));
     }
     if (run.pixels == PixelSet::kMissing) {
-      const DevicePlane* ao = planes.find(run.plane("ao"));
-      if (!ao) return missing_plane(run, "ao");
       table.resize(kMostPlanes);
-      table.back() = ao->address;  // as machine/glsl.h reads it
+      table.back() = planes.find(run.plane("ao"));  // as machine/glsl.h reads it
+      if (!table.back()) return missing_plane(run, "ao");
     }
-    return dispatch({*pipeline, run.effect.name, step.name, number_of(run.params), step.group_width, step.group_height},
-                    run.info, block, table);
+    return run_kernel(step, {.effect = run.effect.name, .pass = step.name, .settings = number_of(run.params)}, run.info,
+                      block, planes.bytes, table);
   }
 
-  /// A shader that is to run over all pixels, and whose time is taken under these names.
-  struct Work {
-    VkPipeline pipeline;
-    std::string_view effect, pass;
-    std::size_t settings = 0;                         // see Commands::Kind
-    int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
-    const RasterTarget* target = nullptr;  // not null: the scene's triangles and points are drawn, some at once
-  };
-  using Constants = std::span<const std::byte>;
-  using Table = std::span<const VkDeviceAddress>;
+  /// Notes down a kernel on planes of so many bytes in the order of plane_table. Null: a layer that is not there, which
+  /// nobody reads or stores to.
+  Result<void> run_kernel(const GpuStep& step, Work work, const PictureInfo& info, Constants block, VkDeviceSize bytes,
+                          std::span<const DevicePlane* const> planes) {
+    const VkDeviceSize most = gpu_->properties.limits.maxStorageBufferRange;
+    const auto pipeline = pipelines_->of(step, block, bytes <= most);
+    if (!pipeline) return pipeline.error();
+    std::vector<VkDeviceAddress> table;
+    for (const DevicePlane* plane : planes) table.push_back(plane ? plane->address : 0);
+    // What no plane stands for is bound to one that does: nobody reads it.
+    const DevicePlane* any = *std::find_if(planes.begin(), planes.end(), [](auto* plane) { return plane != nullptr; });
+    std::array<VkDescriptorBufferInfo, kBoundPlanes> bound;
+    for (std::size_t k = 0; k < bound.size(); ++k) {
+      const DevicePlane* plane = k < planes.size() && planes[k] ? planes[k] : any;
+      bound[k] = {plane->buffer, plane->offset, std::min(bytes, most)};
+    }
+    work.pipeline = *pipeline;
+    work.group_width = step.group_width;
+    work.group_height = step.group_height;
+    work.bound = bound;
+    return dispatch(work, info, block, table);
+  }
 
   /// Notes down a shader over all pixels that reads constants and a table of addresses. What
   /// may take too long for one submission is done in bands; of what is new first a few rows in the middle, where
@@ -528,6 +549,12 @@ class VulkanDevice final : public Device {
     if (!drawing) return drawing.error();
     const auto uniforms = commands_->uniforms(kTableBytes + constants.size());
     if (!uniforms) return uniforms.error();
+    VkDescriptorSet sets[] = {pipelines_->constants(), VK_NULL_HANDLE};
+    if (!work.bound.empty()) {
+      const auto bound = commands_->bound(pipelines_->bound_layout(), work.bound);
+      if (!bound) return bound.error();
+      sets[1] = *bound;
+    }
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     // The table comes first: it is as large for all shaders, and so the constants lie as aligned as it does.
@@ -539,9 +566,8 @@ class VulkanDevice final : public Device {
     commands_->barrier();
     const VkPipelineBindPoint point = work.target ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
     gpu_->vk.CmdBindPipeline(*buffer, point, work.pipeline);
-    const VkDescriptorSet set = pipelines_->constants();
     const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
-    gpu_->vk.CmdBindDescriptorSets(*buffer, point, pipelines_->pass_layout(), 0, 1, &set, 2, offsets);
+    gpu_->vk.CmdBindDescriptorSets(*buffer, point, pipelines_->pass_layout(), 0, sets[1] ? 2 : 1, sets, 2, offsets);
     if (work.target) {
       const int first = row * kDrawnAtOnce, last = std::min(end * kDrawnAtOnce, scene_.triangles);
       begin_drawing(*gpu_, *buffer, *work.target, *drawing, row == 0);
@@ -675,36 +701,33 @@ class VulkanDevice final : public Device {
     const auto reach = memory_->plane(planes.bytes);
     if (!reach) return reach.error();
     const auto run = [&](const Pass& pass, const PictureInfo& info, const SoftenConstants& constants,
-                         const std::map<std::string_view, VkDeviceAddress>& own) -> Result<void> {
+                         const StepPlanes& own) -> Result<void> {
       const GpuStep step = plain_step(pass);
       const std::vector<std::byte> block =
           block_of(frame_constants(info, planes.stride, 0), std::as_bytes(std::span(&constants, 1)));
-      const auto pipeline = pipelines_->of(step, block);
-      if (!pipeline) return pipeline.error();
-      std::vector<VkDeviceAddress> table;
+      std::vector<const DevicePlane*> table;
       for (std::string_view name : plane_table(step)) {
         const auto found = own.find(name);
-        table.push_back(found != own.end() ? found->second : planes.find(std::string(name))->address);
+        table.push_back(found != own.end() ? found->second.get() : planes.find(name));
       }
-      return dispatch({*pipeline, "capture", pass.name}, info, block, table);
+      return run_kernel(step, {.effect = "capture", .pass = pass.name}, info, block, planes.bytes, table);
     };
     PictureInfo blocks = frame.info;
     blocks.width = (blocks.width + kSoftenBlock - 1) / kSoftenBlock;
     blocks.height = (blocks.height + kSoftenBlock - 1) / kSoftenBlock;
     for (const PenumbraRadii& of : radii) {
-      const VkDeviceAddress shadow = planes.find(shadow_plane(of.light))->address;
+      const DevicePlanePtr& shadow = planes.made.find(shadow_plane(of.light))->second;
       for (const int second : {0, 1})
         for (const int down : {0, 1}) {
           if (second)
-            if (auto done =
-                    run(soften_reach_pass(), blocks, {},
-                        {{"penumbra", (down ? of.down : of.across)->address}, {"soften_reach", (*reach)->address}});
+            if (auto done = run(soften_reach_pass(), blocks, {},
+                                {{"penumbra", down ? of.down : of.across}, {"soften_reach", *reach}});
                 !done)
               return done;
           if (auto done = run(soften_pass(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
-                              {{"soften_from", down ? (*between)->address : shadow},
-                               {"soften_to", down ? shadow : (*between)->address},
-                               {"soften_reach", (*reach)->address}});
+                              {{"soften_from", down ? *between : shadow},
+                               {"soften_to", down ? shadow : *between},
+                               {"soften_reach", *reach}});
               !done)
             return done;
         }

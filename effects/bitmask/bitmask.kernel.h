@@ -4,7 +4,7 @@
 //
 // The text is included by several kernels. They define before it what they want: kLayers, that occluders are sought in
 // all depth layers, kLight, that what covers directions sends its light, kBent, that the mean open direction is stored;
-// and depth_of, normal_of, sent_of, store_light and store_bent.
+// depth_of, the depth of a layer behind the first, normal_of, sent_of, store_light and store_bent.
 //
 // A tap reads one pixel, whose centre does not lie in the slice. Its height above the surface is taken as it is, and
 // its distance along the slice too; so a plane stays open at every tilt.
@@ -93,7 +93,7 @@ FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
       column = x;
       row = y;
     }
-    return Tap(column, row, depth_of(0, place_of(column, row)), inside);
+    return Tap(column, row, read_depth(place_of(column, row)), inside);
   }
   if (near_border) inside = x >= 0.0f && x < float(F.width) && y >= 0.0f && y < float(F.height);
   Real scale = Real(1.0f) / size;
@@ -104,7 +104,7 @@ FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
   row = clamp(row, Real(0.0f), floor(scale * float(F.height)) - 1.0f);
   Bool small = size == 1.0f;
   Real depth = from.depth;
-  if (some(small)) depth = depth_of(0, place_of(column, row));
+  if (some(small)) depth = read_depth(place_of(column, row));
   if (some(!small)) {
     Real first_row = mad(scale, Real(float(-4 * C.mip_rows)), Real(float(2 * C.mip_rows)));
     Real mip_depth = mip_of(place_of(column, row + max(first_row, Real(0.0f))));

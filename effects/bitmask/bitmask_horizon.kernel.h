@@ -7,7 +7,7 @@ IN_REAL(bitmask_mips)
 OUT_REAL(ao)
 
 CONST bool kLayers = false;
-FN Real depth_of(int layer, Int place) { return read_depth(place); }
+FN Real depth_of(int layer, Int place) { return Real(0.0f); }  // there is no other layer
 FN Real mip_of(Int place) { return read_bitmask_mips(place); }
 CONST bool kLight = false;
 FN Vec3 normal_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }

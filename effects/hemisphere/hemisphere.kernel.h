@@ -374,7 +374,7 @@ FN void gather(Int px, Int py) {
           if (C.other[i] != 0) inside = inside && own_depth_of(i, position) > 0.0f && -there.z > 0.0f;
           known = known || inside;
         }
-        Real tap = select(inside, read_depth_of(C.layer[i], place), Real(0.0f));
+        Real tap = select(inside, layers == 1 ? read_depth(place) : read_depth_of(C.layer[i], place), Real(0.0f));
         Bool before = tap > 0.0f && point_depth - tap > least_nearer;
         if (i == 0) open = inside && !before;
         if (kLanes == 1) {
