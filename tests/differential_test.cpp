@@ -8,6 +8,7 @@
 #include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
+#include "faulty_vulkan.h"
 #include "machine/cpu_target.h"
 #include "machine/frame_constants.h"
 #include "run_effect.h"
@@ -269,6 +270,24 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
           EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0)
               << effect.name << ' ' << a.names[p] << " setting " << k << " at " << size.width << 'x' << size.height;
       }
+}
+
+// What a device cannot bind is read by its address.
+TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
+  const Effect& effect = *GetParam();
+  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  test::faulty().faults.largest_bound = 4096;
+  const auto unbound = test::new_vulkan_device({.get = test::faulty_get});
+  Device* const bound = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(unbound && bound);
+  const test::NoMessages no_messages;
+  GBuffer gbuffer = test::bumpy_gbuffer(67, 41, 3);
+  add_made_inputs(effect, gbuffer);
+  const ParameterBytes params = variant_of(effect, 0);
+  const Image a = outputs(effect, params, gbuffer, *bound), b = outputs(effect, params, gbuffer, *unbound);
+  ASSERT_EQ(a.names, b.names);
+  for (std::size_t p = 0; p < a.planes.size(); ++p)
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << effect.name << ' ' << a.names[p];
 }
 
 bool is_missing(int x, int y) { return test::hash(unsigned(x) + 4099u * unsigned(y)) % 7 == 0 || (x > 90 && y == 17); }

@@ -14,6 +14,7 @@ struct Faults {
   std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, of all allocations from now on
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: what they are
   VkDeviceSize largest_allocation = 0;                   ///< 0: what it is
+  std::uint32_t largest_bound = 0, bound_buffers = 0;    ///< of a storage buffer, bytes; and how many: 0: what it is
   bool has_addresses = true;
   bool draws = true;  ///< queues do
 };
@@ -53,12 +54,19 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_allocate(VkDevice device, const VkM
   left -= info->allocationSize;
   return faulty().allocate(device, info, how, memory);
 }
+inline void put_in_limits(VkPhysicalDeviceLimits& limits) {
+  const Faults& faults = faulty().faults;
+  if (faults.largest_bound) limits.maxStorageBufferRange = faults.largest_bound;
+  if (faults.bound_buffers) limits.maxPerStageDescriptorStorageBuffers = faults.bound_buffers;
+}
 inline VKAPI_ATTR void VKAPI_CALL faulty_properties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* out) {
   faulty().properties(gpu, out);
   if (faulty().faults.device_version) out->apiVersion = faulty().faults.device_version;
+  put_in_limits(out->limits);
 }
 inline VKAPI_ATTR void VKAPI_CALL faulty_properties2(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* out) {
   faulty().properties2(gpu, out);
+  put_in_limits(out->properties.limits);
   for (auto* next = static_cast<VkBaseOutStructure*>(out->pNext); next; next = next->pNext)
     if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES && faulty().faults.largest_allocation)
       reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize =

@@ -397,6 +397,9 @@ TEST(Vulkan, SaysWhatIsMissing) {
   faulty().faults.has_addresses = false;
   EXPECT_NE(message({.get = test::faulty_get}).find("buffer device addresses"), std::string::npos);
   faulty().faults = {};
+  faulty().faults.bound_buffers = 8;
+  EXPECT_NE(message({.get = test::faulty_get}).find("binds 8 to a shader: 16 are needed"), std::string::npos);
+  faulty().faults = {};
   EXPECT_NE(message({.index = 99, .get = test::faulty_get}).find("'vulkan:99'"), std::string::npos);
 }
 

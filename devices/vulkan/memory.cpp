@@ -103,6 +103,11 @@ Result<void> Memory::free_empty_slabs() {
   return {};
 }
 
+Result<void> Memory::make_room() {
+  if (auto spared = spare(); !spared) return spared;
+  return free_empty_slabs();
+}
+
 std::uint64_t Memory::empty_bytes() const {
   std::uint64_t bytes = 0;
   for (const auto& slab : slabs_)
@@ -127,7 +132,7 @@ Result<void> Memory::add_slab(VkDeviceSize plane_bytes) {
   };
   auto block = make();
   if (!block) {
-    if (auto freed = free_empty_slabs(); !freed) return freed;
+    if (auto freed = make_room(); !freed) return freed;
     count = 1;
     block = make();
   }
@@ -213,7 +218,7 @@ Result<DrawnImagePtr> Memory::image(int width, int height, VkFormat format, VkIm
   vk.GetImageMemoryRequirements(gpu_->device, made.image, &needs);
   auto memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, false);
   if (!memory) {
-    if (auto freed = free_empty_slabs(); !freed) return failed(freed.error());
+    if (auto freed = make_room(); !freed) return failed(freed.error());
     memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0, false);
   }
   if (!memory) return failed(memory.error());

@@ -50,6 +50,9 @@ class Memory : public std::enable_shared_from_this<Memory> {
 
   /// Called before memory is given back to the driver: must wait until the device uses none.
   std::function<Result<void>()> wait = [] { return Result<void>(); };
+  /// Called where the driver has no more memory: lets go of what can be made anew, and waits until the device uses it
+  /// no longer.
+  std::function<Result<void>()> spare = [] { return Result<void>(); };
 
   /// Room for a plane, uninitialised. What was recorded before may still read what it held: whoever writes it puts a
   /// barrier before. Errors: kDevice.
@@ -85,6 +88,8 @@ class Memory : public std::enable_shared_from_this<Memory> {
   Result<void> add_slab(VkDeviceSize plane_bytes);
   /// Gives slabs without a plane back to the driver.
   Result<void> free_empty_slabs();
+  /// The same where the driver has no more, and what else can be spared.
+  Result<void> make_room();
   std::uint64_t empty_bytes() const;
 
   GpuPtr gpu_;

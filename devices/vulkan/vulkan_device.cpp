@@ -85,7 +85,7 @@ class VulkanDevice final : public Device {
         draws_(settings.capture != VulkanCapture::kRays) {}
 
   ~VulkanDevice() override {
-    memory_->wait = [] { return Result<void>(); };
+    memory_->wait = memory_->spare = [] { return Result<void>(); };
     gpu_->vk.DeviceWaitIdle(gpu_->device);
   }
 
@@ -94,6 +94,11 @@ class VulkanDevice final : public Device {
     if (!commands) return commands.error();
     commands_ = std::move(*commands);
     memory_->wait = [this] { return commands_->finish(); };
+    memory_->spare = [this]() -> Result<void> {
+      if (!target_) return {};
+      target_.reset();
+      return commands_->finish();
+    };
     auto made = Pipelines::make(gpu_, commands_->uniform_buffer(), pipelines);
     if (!made) return made.error();
     pipelines_ = std::move(*made);
@@ -662,6 +667,8 @@ class VulkanDevice final : public Device {
                                    Table table) {
     const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
     if (!pipeline) return pipeline.error();
+    auto seen = memory_->plane(planes.bytes);  // first: it may take the target's memory
+    if (!seen) return DevicePlanePtr();
     if (!target_ || target_->width != info.width || target_->height != info.height) {
       const auto drawing = pipelines_->drawing(true);
       if (!drawing) return drawing.error();
@@ -669,11 +676,6 @@ class VulkanDevice final : public Device {
       const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
       if (!made) return DevicePlanePtr();  // a device that is lost says so to what comes next
       target_ = *made;
-    }
-    auto seen = memory_->plane(planes.bytes);
-    if (!seen) {
-      target_.reset();  // others need the memory
-      return DevicePlanePtr();
     }
     // A triangle takes the longer the larger the picture is.
     const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));

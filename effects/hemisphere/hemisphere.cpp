@@ -291,6 +291,11 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
       for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) c.move[12 * i + 4 * row + column] = move[column][row];
     }
+  // Beyond them as the first is: where there is one alone, a GPU compiles that into its shader.
+  for (int i = c.layer_count; i < kLayersRead; ++i) {
+    c.new_view[i] = 1;
+    c.orthographic[i] = c.orthographic[0];
+  }
 }
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
