@@ -33,6 +33,9 @@ CONST float kLeastSure = 1.5f;      // of kSure: what is fainter is not seen
 CONST float kUpright = 0.14f;       // slope: seven rows to a step
 CONST float kClear = 7.0f;          // half of it
 CONST float kSides = 128.0f;        // more than any level
+CONST int kAround = 6;              // pixels, times the stride, within which a line has
+CONST float kLeastAround = 6.0f;    // pieces, times the stride, or else it is a speck
+CONST float kSpeckPieces = 4.5f;    // what is longer is none
 
 // A piece in row `row`, `rows` after the one before: where it lies beside the first, its slope, and of two that are
 // packed into one, how much of it is clear and its side: kSides times the former and the latter; below 0 for none.
@@ -70,8 +73,30 @@ FN Vec3 hop(int lying, Int px, Int py, int row, int rows, Vec3 from, Real side) 
   return best;
 }
 
-// The piece of line at this pixel as its way on either side shows it.
-FN Real linked(int lying, Int px, Int py, Real piece) {
+// How many of the pixels in row j of those around have pieces.
+FN Real pieces_in(int j, int around) {
+  Real count = Real(0.0f);
+  for (int i = -around; i <= around; ++i) {
+    Bool any = is_piece(near_outline_steep(i, j)) || is_piece(near_outline_flat(i, j));
+    count = select(any, count + 1.0f, count);
+  }
+  return count;
+}
+
+// Whether so few pixels around have pieces that this is a speck. All of a stroke that short is in sight from each of
+// its pieces, so it is there or not as a whole.
+FN Bool speck_around(Bool asked) {
+  int around = kAround * C.stride;
+  Real least = Real(kLeastAround * float(C.stride));
+  Real count = pieces_in(0, around);
+  for (int j = 1; j <= around; ++j)
+    if (some(asked && count < least)) count = count + pieces_in(-j, around) + pieces_in(j, around);
+  return asked && count < least;
+}
+
+// The piece of line at this pixel as its way on either side shows it; of one that is not `unsure` only whether it is a
+// speck.
+FN Real linked(int lying, Int px, Int py, Real piece, Bool unsure) {
   Bool drawn = is_piece(piece);
   Real side = level_of(piece);
   Real place = place_of(piece);
@@ -87,7 +112,7 @@ FN Real linked(int lying, Int px, Int py, Real piece) {
   Real squares = Real(0.0f);
   Bool straight = drawn;
   for (int k = 1; k <= kHops; ++k) {
-    if (!some(up.z >= 0.0f || down.z >= 0.0f)) continue;
+    if (!some((up.z >= 0.0f || down.z >= 0.0f) && (unsure || pieces < kSpeckPieces))) continue;
     int row = 3 + (k - 1) * kHop;
     int rows = k == 1 ? row : kHop;
     up = hop(lying, px, py, -row, -rows, up, side);
@@ -114,6 +139,10 @@ FN Real linked(int lying, Int px, Int py, Real piece) {
   share = select(maybe_speck(piece) && abs(slope) < kDiagonal, share * support, share);
   Real sure = floor(share * kSure + 0.5f);
   Bool keep = drawn && sure > kLeastSure;
+  if (C.stride > 1) {
+    Bool lonely = keep && pieces < kSpeckPieces;
+    if (some(lonely)) keep = keep && !speck_around(lonely);
+  }
   Real found = packed_piece(mean, slope, floor(sides / pieces + 0.5f), sure);
   Real instead = select(abs(side - kMiddle) > kEnds, Real(kOnlyEnds), Real(0.0f));
   return select(keep, select(piece < 0.0f, -found, found), instead);
@@ -128,8 +157,10 @@ FN Bool unsure(Real piece) {
 
 FN Real looked_along(int lying, Int px, Int py, Real piece) {
   Bool look = unsure(piece);
-  if (!some(look)) return piece;
-  return select(look, linked(lying, px, py, select(look, piece, Real(0.0f))), piece);
+  Bool asked = C.stride > 1 ? is_piece(piece) : look;
+  if (!some(asked)) return piece;
+  Real found = linked(lying, px, py, select(asked, piece, Real(0.0f)), look);
+  return select(look || (asked && !is_piece(found)), found, piece);
 }
 
 // All bits of the pieces along this row as far as lines may reach.

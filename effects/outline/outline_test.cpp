@@ -818,6 +818,26 @@ TEST(Outline, RoundEdgesOfNarrowRibsDoNotBreak) {
         }
 }
 
+TEST(Outline, SpecksOfHighPicturesHaveNoLine) {
+  // A small thing is whole or not at all: 18 pixels of line are a speck in a picture 2160 high, and 6 in a low one.
+  for (const int height : {256, 2160})
+    for (const double side_px : {3.2, 4.2, 9.3, 14.3})
+      for (const bool orthographic : {false, true}) {
+        const Lens lens{96, height, orthographic};
+        const double pixel = lens.pixel() * (orthographic ? 1.0 : kFocus);
+        const dvec3 center(kOffX, kOffY, -kFocus);
+        const Scene scene = together(
+            {box(center, dmat3(1.0), 0.5 * side_px * pixel, 0.0, 1), convex_solid({{{0, 0, 1}, -2.0 * kFocus}})});
+        const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+        const long drawn = largest_set(lines), side = long(side_px);
+        const std::string what = fmt::format("{} px, {} high: {} pixels", side_px, height, drawn);
+        if (height == 2160 && side_px < 5.0)
+          EXPECT_EQ(drawn, 0) << what;
+        else
+          EXPECT_GE(drawn, side * side - (side - 3) * (side - 3)) << what;
+      }
+}
+
 TEST(Outline, FoldsHaveALineWithoutConvexEdges) {
   const Lens lens{256, 256, true};
   for (const double wide_px : {3.0, 3.5, 4.5}) {
