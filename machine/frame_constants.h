@@ -9,7 +9,8 @@
 const int kLayersRead = 8;
 // The most planes, inputs and outputs, of one pass.
 const int kMostPlanes = 128;
-// Planes of a pass, the first ones, that a GPU reads as bound buffers; the others it reaches by their addresses.
+// Planes of a pass, the first ones, that a GPU reads as bound buffers; the others it reaches by their addresses. What
+// passes of one layer read is fewer; a device that binds fewer than this cannot be used.
 const int kBoundPlanes = 16;
 
 // What `ao` holds where a pixel is left to be computed: more than any occlusion or light.

@@ -5,10 +5,11 @@
 //   UMBRAGE_MAIN(NAME)
 //
 // A pass reads up to a hundred planes, more than drivers bind at once. The first of those that it reads are bound
-// buffers, which are the fastest storage to sample; the others, and those that it writes, it reaches by their
-// addresses, which stand in the table `planes`. Where in it a plane stands, the device says through the specialization
-// constant NAME_slot. Its number is made of the line that declares the plane, so that nothing is numbered by hand: two
-// planes must not be declared on lines of the same number, which the compiler refuses ("id already used").
+// buffers, which are read fastest; the others, those that it writes, and those that it chooses by their layer's number
+// it reaches by their addresses, which stand in the table `planes`. Where in it a plane stands, the device says through
+// the specialization constant NAME_slot. Its number is made of the line that declares the plane, so that nothing is
+// numbered by hand: two planes must not be declared on lines of the same number, which the compiler refuses ("id
+// already used").
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require

@@ -2,6 +2,7 @@
 // there is. Plain functions have nowhere to keep what they need, hence the one global state.
 #pragma once
 #include <cstring>
+#include <map>
 
 #include "devices/vulkan/loader.h"
 
@@ -25,6 +26,8 @@ struct FaultyVulkan {
   PFN_vkQueueSubmit submit = nullptr;
   PFN_vkWaitForFences wait = nullptr;
   PFN_vkAllocateMemory allocate = nullptr;
+  PFN_vkFreeMemory free = nullptr;
+  std::map<VkDeviceMemory, std::uint64_t> allocated;  ///< bytes
   PFN_vkGetPhysicalDeviceProperties properties = nullptr;
   PFN_vkGetPhysicalDeviceProperties2 properties2 = nullptr;
   PFN_vkGetPhysicalDeviceFeatures2 features = nullptr;
@@ -52,7 +55,17 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_allocate(VkDevice device, const VkM
   std::uint64_t& left = faulty().faults.memory_left;
   if (info->allocationSize > left) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
   left -= info->allocationSize;
-  return faulty().allocate(device, info, how, memory);
+  const VkResult done = faulty().allocate(device, info, how, memory);
+  if (done == VK_SUCCESS) faulty().allocated[*memory] = info->allocationSize;
+  return done;
+}
+inline VKAPI_ATTR void VKAPI_CALL faulty_free(VkDevice device, VkDeviceMemory memory,
+                                              const VkAllocationCallbacks* how) {
+  if (const auto found = faulty().allocated.find(memory); found != faulty().allocated.end()) {
+    faulty().faults.memory_left += found->second;
+    faulty().allocated.erase(found);
+  }
+  faulty().free(device, memory, how);
 }
 inline void put_in_limits(VkPhysicalDeviceLimits& limits) {
   const Faults& faults = faulty().faults;
@@ -102,7 +115,7 @@ inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, 
   FaultyVulkan& f = faulty();
   for (const PFN_vkVoidFunction instead :
        {put_in("vkQueueSubmit", f.submit, faulty_submit), put_in("vkWaitForFences", f.wait, faulty_wait),
-        put_in("vkAllocateMemory", f.allocate, faulty_allocate),
+        put_in("vkAllocateMemory", f.allocate, faulty_allocate), put_in("vkFreeMemory", f.free, faulty_free),
         put_in("vkGetPhysicalDeviceProperties", f.properties, faulty_properties),
         put_in("vkGetPhysicalDeviceProperties2", f.properties2, faulty_properties2),
         put_in("vkGetPhysicalDeviceFeatures2", f.features, faulty_features),

@@ -10,7 +10,7 @@ namespace umbrage {
 namespace {
 
 constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of passes
-constexpr std::uint32_t kTimedPasses = 1024;                 // two times of each
+constexpr std::uint32_t kMostPasses = 1024;                  // of a submission: two times and a descriptor set of each
 constexpr std::size_t kMostTimes = 65536;                    // that are kept for somebody who asks
 constexpr std::size_t kMostKinds = 4096;                     // of work, of which it is known what it takes
 constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -40,13 +40,13 @@ Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_p
   if (on.ns_of_tick > 0.0) {
     VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    queries.queryCount = 2 * kTimedPasses;
+    queries.queryCount = 2 * kMostPasses;
     if (const auto r = on.vk.CreateQueryPool(on.device, &queries, nullptr, &commands->queries_); r != VK_SUCCESS)
       return failed(r);
   }
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kTimedPasses * std::uint32_t(kBoundPlanes)};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kMostPasses * std::uint32_t(kBoundPlanes)};
   VkDescriptorPoolCreateInfo sets{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  sets.maxSets = kTimedPasses;
+  sets.maxSets = kMostPasses;
   sets.poolSizeCount = 1;
   sets.pPoolSizes = &size;
   if (const auto r = on.vk.CreateDescriptorPool(on.device, &sets, nullptr, &commands->sets_); r != VK_SUCCESS)
@@ -78,7 +78,7 @@ Result<VkCommandBuffer> Commands::buffer() {
   if (const auto r = gpu_->vk.BeginCommandBuffer(buffer_, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "was given work");
   recording_ = true;
-  if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kTimedPasses);
+  if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMostPasses);
   return buffer_;
 }
 
@@ -198,7 +198,7 @@ Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   check_less(bytes, kMostUniforms + 1, "bytes of constants");
   if (handed_over_)
     if (auto done = wait_for_it(); !done) return done.error();
-  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kTimedPasses)
+  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMostPasses)
     if (auto done = finish(); !done) return done.error();
   const Uniforms given{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
   const std::size_t step = gpu_->properties.limits.minUniformBufferOffsetAlignment;
@@ -206,7 +206,8 @@ Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   return given;
 }
 
-Result<VkDescriptorSet> Commands::bound(VkDescriptorSetLayout layout, std::span<const VkDescriptorBufferInfo> buffers) {
+Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
+                                                 std::span<const VkDescriptorBufferInfo> buffers) {
   VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
   allocate.descriptorPool = sets_;
   allocate.descriptorSetCount = 1;

@@ -43,9 +43,9 @@ class Commands {
   };
   Result<Uniforms> uniforms(std::size_t bytes);
   VkBuffer uniform_buffer() const { return uniforms_->buffer; }
-  /// A set of storage buffers for the commands noted down next, which it must come before, and after uniforms().
-  /// Errors: kDevice.
-  Result<VkDescriptorSet> bound(VkDescriptorSetLayout layout, std::span<const VkDescriptorBufferInfo> buffers);
+  /// A set of storage buffers for the pass noted down next: one at most, between uniforms() and buffer(). Errors:
+  /// kDevice.
+  Result<VkDescriptorSet> descriptor_set(VkDescriptorSetLayout layout, std::span<const VkDescriptorBufferInfo> buffers);
 
   /// Work that takes about as long each time: a shader, and a number that stands for what it is set to.
   struct Kind {

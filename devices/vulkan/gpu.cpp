@@ -80,6 +80,8 @@ Result<GpuPtr> adopt_gpu(const ForeignGpu& foreign) {
   gpu->queue = foreign.queue;
   gpu->family = foreign.family;
   learn(*gpu);
+  if (const std::string room = lacks_room(gpu->properties.limits); !room.empty())
+    return device_error("the Vulkan device '{}' cannot be used: it lacks {}", gpu->properties.deviceName, room);
   return GpuPtr(std::move(gpu));
 }
 

@@ -31,7 +31,7 @@ using GpuPtr = std::shared_ptr<const Gpu>;
 Result<GpuPtr> open_gpu(InstancePtr instance, const PhysicalGpu& gpu);
 
 /// A device that somebody else opened, with bufferDeviceAddress and scalarBlockLayout enabled. It must live longer than
-/// what is made with it. Errors: kDevice where a function is missing.
+/// what is made with it. Errors: kDevice where a function is missing, or room for 16 storage buffers in a shader.
 struct ForeignGpu {
   PFN_vkGetInstanceProcAddr get = nullptr;
   VkInstance instance = VK_NULL_HANDLE;

@@ -1,9 +1,10 @@
 #include "devices/vulkan/instance.h"
-#include "machine/frame_constants.h"
 
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+
+#include "machine/frame_constants.h"
 
 namespace umbrage {
 namespace {
@@ -30,14 +31,18 @@ std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32
   if (!has.scalarBlockLayout) return "scalar block layout";
   VkPhysicalDeviceProperties properties{};
   instance.vk.GetPhysicalDeviceProperties(gpu, &properties);
-  if (properties.limits.maxPerStageDescriptorStorageBuffers < std::uint32_t(kBoundPlanes))
-    return fmt::format("bound buffers (it binds {} to a shader: {} are needed)",
-                       properties.limits.maxPerStageDescriptorStorageBuffers, kBoundPlanes);
+  if (std::string room = lacks_room(properties.limits); !room.empty()) return room;
   if (queue_family(instance, gpu) < 0) return "a queue that computes";
   return {};
 }
 
 }  // namespace
+
+std::string lacks_room(const VkPhysicalDeviceLimits& limits) {
+  const std::uint32_t binds = limits.maxPerStageDescriptorStorageBuffers;
+  if (binds >= std::uint32_t(kBoundPlanes)) return {};
+  return fmt::format("bound buffers (it binds {} to a shader: {} are needed)", binds, kBoundPlanes);
+}
 
 Instance::~Instance() {
   if (!handle || !owned) return;

@@ -50,6 +50,9 @@ bool may_have_gpu();
 /// All of them, in the loader's order, which `vulkan:N` counts. Errors: kDevice where there is none.
 Result<std::vector<PhysicalGpu>> physical_gpus(const Instance& instance);
 
+/// What effects need of a device and this one does not have, as a noun; empty: nothing. Features are not asked.
+std::string lacks_room(const VkPhysicalDeviceLimits& limits);
+
 /// The queue family that work is handed to, or -1: one that also draws where there is one.
 int queue_family(const Instance& instance, VkPhysicalDevice gpu);
 

@@ -5,7 +5,7 @@
 namespace umbrage {
 namespace {
 
-constexpr VkDeviceSize kAlignment = 256;                      // of planes in a slab
+constexpr VkDeviceSize kAlignment = 256;                      // of planes in a slab: the most that descriptors ask for
 constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;        // few allocations, and little that stays unused
 constexpr VkDeviceSize kMostOfSlab = 16;                      // planes
 constexpr VkDeviceSize kKeptEmpty = VkDeviceSize(256) << 20;  // of slabs of other sizes, while new ones are made

@@ -88,7 +88,7 @@ class Memory : public std::enable_shared_from_this<Memory> {
   Result<void> add_slab(VkDeviceSize plane_bytes);
   /// Gives slabs without a plane back to the driver.
   Result<void> free_empty_slabs();
-  /// The same where the driver has no more, and what else can be spared.
+  /// Where an allocation failed: `spare`, then the empty slabs.
   Result<void> make_room();
   std::uint64_t empty_bytes() const;
 

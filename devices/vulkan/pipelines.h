@@ -26,7 +26,8 @@ struct PickConstants {
 /// What a GPU runs of a pass that has no other way.
 GpuStep plain_step(const Pass& pass);
 
-/// The names of a step's planes, inputs first, each once: the order of their addresses in the table of machine/glsl.h.
+/// The names of a step's planes, each once: inputs of the nearest layer, further inputs, outputs. That is the order of
+/// their addresses in the table of machine/glsl.h, and the first kBoundPlanes are bound.
 std::vector<std::string_view> plane_table(const GpuStep& step);
 
 class Pipelines {

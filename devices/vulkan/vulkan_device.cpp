@@ -95,8 +95,8 @@ class VulkanDevice final : public Device {
     commands_ = std::move(*commands);
     memory_->wait = [this] { return commands_->finish(); };
     memory_->spare = [this]() -> Result<void> {
-      if (!target_) return {};
-      target_.reset();
+      if (!scene_.scene) return {};  // nothing was drawn
+      const RasterTargetPtr spared = std::exchange(target_, nullptr);
       return commands_->finish();
     };
     auto made = Pipelines::make(gpu_, commands_->uniform_buffer(), pipelines);
@@ -353,6 +353,7 @@ class VulkanDevice final : public Device {
         if (const auto out = writable(planes, from[p].name); !out) return out.error();
       const auto staged = memory_->host(planes.bytes * (end - first));
       if (!staged) return staged.error();
+      if (const auto begun = commands_->buffer(); !begun) return begun.error();  // it may let go of what was kept
       commands_->keep(*staged);
       for (std::size_t p = first; p < end; ++p) {
         check_equal(from[p].plane->width, frame.info.width, from[p].name);
@@ -491,11 +492,13 @@ class VulkanDevice final : public Device {
     if (!pipeline) return pipeline.error();
     std::vector<VkDeviceAddress> table;
     for (const DevicePlane* plane : planes) table.push_back(plane ? plane->address : 0);
-    // What no plane stands for is bound to one that does: nobody reads it.
-    const DevicePlane* any = *std::find_if(planes.begin(), planes.end(), [](auto* plane) { return plane != nullptr; });
+    // Where there is no plane another one is bound, and of one that is too large its beginning: nobody reads them, but
+    // a shader must have them.
+    const auto any = std::find_if(planes.begin(), planes.end(), [](auto* plane) { return plane != nullptr; });
+    if (any == planes.end()) fail_check(fmt::format("kernel {} has no planes", step.name));
     std::array<VkDescriptorBufferInfo, kBoundPlanes> bound;
     for (std::size_t k = 0; k < bound.size(); ++k) {
-      const DevicePlane* plane = k < planes.size() && planes[k] ? planes[k] : any;
+      const DevicePlane* plane = k < planes.size() && planes[k] ? planes[k] : *any;
       bound[k] = {plane->buffer, plane->offset, std::min(bytes, most)};
     }
     work.pipeline = *pipeline;
@@ -556,7 +559,7 @@ class VulkanDevice final : public Device {
     if (!uniforms) return uniforms.error();
     VkDescriptorSet sets[] = {pipelines_->constants(), VK_NULL_HANDLE};
     if (!work.bound.empty()) {
-      const auto bound = commands_->bound(pipelines_->bound_layout(), work.bound);
+      const auto bound = commands_->descriptor_set(pipelines_->bound_layout(), work.bound);
       if (!bound) return bound.error();
       sets[1] = *bound;
     }

@@ -158,8 +158,9 @@ int find_reach(const void* constants, int) {
   return std::max(4 * stride + 1, 2 * stride + 8);
 }
 int settle_reach(const void*, int) { return 1; }
-int refine_reach(const void*, int) { return 6; }
-/// 24 rows or columns along a line that leans by 1.5 at most, and in each of four hops 2.1 pixels besides.
+int refine_reach(const void*, int) { return 8; }
+/// 24 rows or columns along a line that leans by 1.5 at most, and in each of four hops 2.1 pixels besides. Specks are
+/// told within six pixels per pixel of stride, 24 at most.
 int link_reach(const void*, int) { return 46; }
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);

@@ -30,6 +30,7 @@ OUT_REAL(outline_below)
 CONST float kLeastSide = 2.0f / 32.0f;  // of what is no crease
 CONST float kDeep = 2.0f;               // a jump within one object is clear from so many times `depth` on
 CONST float kDeeper = 3.0f;             // times a jump, of the next one, that it is part of
+CONST float kLarger = 1.1f;             // times a jump, of one that is not as large but for rounding
 CONST float kStandsOut = 2.0f;          // times the steps beside it, of a jump that stands for a smaller one
 CONST float kSure = 0.9f;               // share of a threshold that tells without rounding that it is not reached
 CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane's slope is not trusted further
@@ -205,13 +206,14 @@ FN Bool falls_soon(int k, int l, int i, int j) {
   return depth1 - depth > deeper || near_depth(k + 2 * i, l + 2 * j) - depth1 > deeper;
 }
 
-// Whether the surface before a jump, that of pixel (k, l), seen from there by steps of (i, j), is a steep side so
-// narrow that it has no room for a line at either end, and came up from there by a jump larger than `drop`.
+// Whether the nearer surface of a jump by `drop`, that of pixel (k, l), has no room for lines at both its ends: seen
+// from there by steps of (i, j) it rises steeply for a few pixels and ends behind a larger jump, which has the line. In
+// a row of such sides each is asked alone, so that of ever smaller ones the first has a line.
 FN Bool fell_before(int k, int l, int i, int j, Real drop) {
   Real depth = near_depth(k, l);
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * depth;
-  Real least = max(drop, pixel * kSteepest);
+  Real least = max(drop * kLarger, pixel * kSteepest);
   Bool on = depth > 0.0f;
   Bool found = on && !on;
   Real before = Real(0.0f);
@@ -337,7 +339,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real outside_b = sqrt(select(after3, square(b4 - b2), square(b2 - b1) * kLast));
   Real steady = (Real(kRound) - (outside_a + outside_b) / max(inside, Real(1e-20f))) * Real(1.0f / (kRound - kBevel));
   // Between a crease and a rim so near is hardly room for two lines: it is drawn where it is clear elsewhere.
-  // The wide bevels of high pictures need as much more as they are wide.
+  // The soft ones of high pictures need the four strides that they are judged by.
   Bool roomy = before3 && after3;
   if (stride > 1) roomy = before4 && after4;
   steady = select(roomy, steady, min(steady, Real(kNarrow)));

@@ -33,9 +33,9 @@ CONST float kLeastSure = 1.5f;      // of kSure: what is fainter is not seen
 CONST float kUpright = 0.14f;       // slope: seven rows to a step
 CONST float kClear = 7.0f;          // half of it
 CONST float kSides = 128.0f;        // more than any level
-CONST int kAround = 6;              // pixels, times the stride, within which a line has
-CONST float kLeastAround = 6.0f;    // pieces, times the stride, or else it is a speck
-CONST float kSpeckPieces = 4.5f;    // what is longer is none
+CONST int kAround = 6;              // in high pictures: pixels, times the stride, within which a line has
+CONST float kLeastAround = 6.0f;    // pieces, times the stride, or else it is a speck;
+CONST float kSpeckPieces = 5.5f;    // which is asked only where fewer pieces than this were found along it
 
 // A piece in row `row`, `rows` after the one before: where it lies beside the first, its slope, and of two that are
 // packed into one, how much of it is clear and its side: kSides times the former and the latter; below 0 for none.
@@ -84,7 +84,7 @@ FN Real pieces_in(int j, int around) {
 }
 
 // Whether so few pixels around have pieces that this is a speck. All of a stroke that short is in sight from each of
-// its pieces, so it is there or not as a whole.
+// its pieces, so where nothing else is near it is there or not as a whole.
 FN Bool speck_around(Bool asked) {
   int around = kAround * C.stride;
   Real least = Real(kLeastAround * float(C.stride));
@@ -94,9 +94,9 @@ FN Bool speck_around(Bool asked) {
   return asked && count < least;
 }
 
-// The piece of line at this pixel as its way on either side shows it; of one that is not `unsure` only whether it is a
-// speck.
-FN Real linked(int lying, Int px, Int py, Real piece, Bool unsure) {
+// The piece of line at this pixel as its way on either side shows it. Of one that needs no `look`, since it is sure,
+// only whether it is a speck.
+FN Real linked(int lying, Int px, Int py, Real piece, Bool look) {
   Bool drawn = is_piece(piece);
   Real side = level_of(piece);
   Real place = place_of(piece);
@@ -112,7 +112,7 @@ FN Real linked(int lying, Int px, Int py, Real piece, Bool unsure) {
   Real squares = Real(0.0f);
   Bool straight = drawn;
   for (int k = 1; k <= kHops; ++k) {
-    if (!some((up.z >= 0.0f || down.z >= 0.0f) && (unsure || pieces < kSpeckPieces))) continue;
+    if (!some((up.z >= 0.0f || down.z >= 0.0f) && (look || pieces < kSpeckPieces))) continue;
     int row = 3 + (k - 1) * kHop;
     int rows = k == 1 ? row : kHop;
     up = hop(lying, px, py, -row, -rows, up, side);
@@ -138,7 +138,7 @@ FN Real linked(int lying, Int px, Int py, Real piece, Bool unsure) {
   Real support = clamp((pieces - 1.0f) * Real(1.0f / (kLeastPieces - 1.0f)), Real(0.0f), Real(1.0f));
   share = select(maybe_speck(piece) && abs(slope) < kDiagonal, share * support, share);
   Real sure = floor(share * kSure + 0.5f);
-  Bool keep = drawn && sure > kLeastSure;
+  Bool keep = drawn && (sure > kLeastSure || !look);
   if (C.stride > 1) {
     Bool lonely = keep && pieces < kSpeckPieces;
     if (some(lonely)) keep = keep && !speck_around(lonely);

@@ -26,6 +26,10 @@ CONST int kShadow = 2;              // and within which it is but that one's sha
 CONST float kPart = 1.25f;          // pixels from something clearer, within which a crossing is a part of that, and
 CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
 CONST float kCovers = 0.5f;         // which is its width less this
+CONST int kBesideHigh = 8;          // pixels looked at in high pictures, where a soft crease
+CONST float kGap = 2.5f;            // with less than this between its line and a clearer one
+CONST float kCrowded = 0.25f;       // is that much as sure
+CONST float kSharp = 6.5f;          // from here on a crease is none that is soft
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
 
@@ -113,17 +117,20 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool beside = v < 0.0f;
   Bool shadow = beside;
   Real least = clear_of(signed_v) + select(crease, Real(-0.5f), Real(0.5f));
-  Real nearest = Real(kPartShort);  // clear crossing of the other sort that it may be a part of, in pixels
+  Real nearest = Real(float(kBesideHigh));  // clear crossing of the other sort that it may be a part of, in pixels
   if (some(v > 0.0f && (crease || least < kClearest))) {
-    for (int k = 1; k <= kBeside; ++k) {
+    int farthest = C.stride > 1 ? kBesideHigh : kBeside;
+    for (int k = 1; k <= farthest; ++k) {
       Real before = lying == 0 ? near_outline_right_settled(-k, 0) : near_outline_below_settled(0, -k);
       Real after = lying == 0 ? near_outline_right_settled(k, 0) : near_outline_below_settled(0, k);
       Real before_off = abs(code_of(before) - kMiddle);
       Real after_off = abs(code_of(after) - kMiddle);
-      beside = beside || (before > 0.0f && (before_off > kOneSided + 1.0f || !rim));
-      beside = beside || (after > 0.0f && (after_off > kOneSided + 1.0f || !rim));
-      if (k > kShadow) continue;
-      shadow = beside;
+      if (k <= kBeside) {
+        beside = beside || (before > 0.0f && (before_off > kOneSided + 1.0f || !rim));
+        beside = beside || (after > 0.0f && (after_off > kOneSided + 1.0f || !rim));
+      }
+      if (k > kShadow && C.stride == 1) continue;
+      if (k <= kShadow) shadow = beside;
       Real before_away = t - place_in(before) + Real(float(k));
       Real after_away = place_in(after) - t + Real(float(k));
       Bool other_before = (crease && before_off > 1.0f) || (!crease && before_off < 1.0f);
@@ -197,9 +204,11 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
   Real part_within = min(select(short_line, Real(kPartShort), Real(kPart)), Real(C.width_px - kCovers));
   Bool part = nearest < part_within;
+  Bool crowded = crease && clear_of(signed_v) < kSharp && nearest < Real(C.width_px + kGap);
   Bool keep = v > 0.0f && !step && !speck && !shadow && !part;
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + 0.5f);
+  if (C.stride > 1) sure = select(crowded, floor(sure * kCrowded), sure);
   Bool short_crease = level + level + 1.0f == Real(kMiddle) && short_line;
   Real piece = packed_piece(place, slope, level, select(short_crease, sure + kSpeck, sure));
   piece = select(ends, -piece, piece);

@@ -15,7 +15,8 @@ namespace umbrage {
 inline namespace v0 {
 #pragma GCC visibility push(default)
 
-/// The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled.
+/// The caller's device: Vulkan 1.2 or later, with the features bufferDeviceAddress and scalarBlockLayout enabled, which
+/// binds 16 storage buffers to a shader (maxPerStageDescriptorStorageBuffers).
 struct VulkanContext {
   PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;
   VkInstance instance = VK_NULL_HANDLE;
