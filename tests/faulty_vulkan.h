@@ -13,6 +13,7 @@ struct Faults {
   VkResult submit = VK_SUCCESS;                          ///< what submissions return instead of being done
   VkResult wait = VK_SUCCESS;                            ///< what waiting for them returns instead
   std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, of all allocations from now on
+  bool reuses_memory = false;                            ///< what is freed can be allocated again
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: what they are
   VkDeviceSize largest_allocation = 0;                   ///< 0: what it is
   std::uint32_t largest_bound = 0, bound_buffers = 0;    ///< of a storage buffer, bytes; and how many: 0: what it is
@@ -62,7 +63,7 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_allocate(VkDevice device, const VkM
 inline VKAPI_ATTR void VKAPI_CALL faulty_free(VkDevice device, VkDeviceMemory memory,
                                               const VkAllocationCallbacks* how) {
   if (const auto found = faulty().allocated.find(memory); found != faulty().allocated.end()) {
-    faulty().faults.memory_left += found->second;
+    if (faulty().faults.reuses_memory) faulty().faults.memory_left += found->second;
     faulty().allocated.erase(found);
   }
   faulty().free(device, memory, how);

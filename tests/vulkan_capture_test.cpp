@@ -367,6 +367,7 @@ TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
   ASSERT_TRUE(before);
   const std::uint64_t held = vulkan_memory(*gpu).device_bytes;
   test::faulty().faults.memory_left = 0;
+  test::faulty().faults.reuses_memory = true;
   // Its planes take less than depth and the triangle's number of each pixel did.
   const auto other = gpu->upload(test::bumpy_gbuffer(80, 60, 5));
   EXPECT_TRUE(other) << other.error().message;
