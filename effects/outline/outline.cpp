@@ -153,15 +153,19 @@ bool is_robust(const ParameterBytes& bytes) { return !is_paper(bytes); }
 // How far the passes read, in rows: see the kernel texts.
 int find_reach(const void* constants, int) {
   const int stride = static_cast<const OutlineConstants*>(constants)->stride;
-  // Normals four strides off; along a fold's side, of kRoom strides and pixels and kFootRoom more, depths three pixels
-  // and normals kTurnWithin beyond its end, which begins one pixel off.
-  return std::max(4 * stride + 1, 2 * stride + 8);
+  // Means of normals from four to five strides off; along a fold's side, of kRoom strides and pixels and kFootRoom
+  // more, depths three pixels and normals kTurnWithin beyond its end, which begins one pixel off.
+  return std::max(5 * stride, 2 * stride + 8);
 }
 int settle_reach(const void*, int) { return 1; }
-int refine_reach(const void*, int) { return 8; }
-/// 24 rows or columns along a line that leans by 1.5 at most, and in each of four hops 2.1 pixels besides. Specks are
-/// told within six pixels per pixel of stride, 24 at most.
-int link_reach(const void*, int) { return 46; }
+int refine_reach(const void*, int) { return 14; }
+/// What is not sure is followed for nine rows or columns, times the stride, and five more, each 1.5 aside by its lean
+/// and 1.1 beside that; two more where it ends. What is sure for 24, and in each of four hops 2.1 aside. Specks are
+/// told within six pixels, times the stride.
+int link_reach(const void* constants, int) {
+  const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
+  return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);
+}
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return std::max(c.reach, c.sight) + 1;

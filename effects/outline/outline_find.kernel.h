@@ -53,6 +53,7 @@ CONST float kAsStrong = 1.03f;  // and where strides are longer than a pixel, wh
 CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
+CONST float kSoftClear = 0.9f;  // how clear one is at most that is not sharp, of which outline_link asks more
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
 CONST int kFootRoom = 2;        // pixels more, within which the crease at its foot is less clear the nearer it is
@@ -298,6 +299,17 @@ FN_RARE Real steep_side(int k, int l, int i, int j, Bool peak, Real clear) {
   return answer;
 }
 
+// The mean normal of `stride` pixels from (k, l) on in steps of (i, j), as far as they are of one surface: in high
+// pictures single ones would tell of a bevel what the pixels happen to hit.
+FN Vec3 mean_normal(int k, int l, int i, int j, int stride) {
+  Vec3 first = near_normal(k, l);
+  if (stride == 1) return first;
+  Vec3 sum = first;
+  for (int m = 1; m < stride; ++m)
+    sum = sum + select(goes_on(k, l, k + m * i, l + m * j, m), near_normal(k + m * i, l + m * j), first);
+  return sum * Real(1.0f / float(stride));
+}
+
 // The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
 FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   // Normals up to four strides before and after, as long as they are of one surface, and squared chords between them,
@@ -308,12 +320,12 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Bool before2 = before1 && goes_on(-si, -sj, -2 * si, -2 * sj, stride);
   Bool after1 = goes_on(i, j, i + si, j + sj, stride);
   Bool after2 = after1 && goes_on(i + si, j + sj, i + 2 * si, j + 2 * sj, stride);
-  Vec3 a0 = near_normal(0, 0);
-  Vec3 b0 = near_normal(i, j);
-  Vec3 a1 = select(before1, near_normal(-si, -sj), a0);
-  Vec3 b1 = select(after1, near_normal(i + si, j + sj), b0);
-  Vec3 a2 = select(before2, near_normal(-2 * si, -2 * sj), a1);
-  Vec3 b2 = select(after2, near_normal(i + 2 * si, j + 2 * sj), b1);
+  Vec3 a0 = mean_normal(0, 0, -i, -j, stride);
+  Vec3 b0 = mean_normal(i, j, i, j, stride);
+  Vec3 a1 = select(before1, mean_normal(-si, -sj, -i, -j, stride), a0);
+  Vec3 b1 = select(after1, mean_normal(i + si, j + sj, i, j, stride), b0);
+  Vec3 a2 = select(before2, mean_normal(-2 * si, -2 * sj, -i, -j, stride), a1);
+  Vec3 b2 = select(after2, mean_normal(i + 2 * si, j + 2 * sj, i, j, stride), b1);
   Real here = square(b0 - a0);
   Real turn = max(max(here, square(b1 - a1)), square(b2 - a2) * kSoft);
   Bool peak = same_object(0, 0, i, j) && turn > Real(C.crease_chord * kFaintTurn);
@@ -321,15 +333,15 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   // The crease is at the peak of the smoothed turn: steps that make a bevel are one.
   Bool before3 = before2 && goes_on(-2 * si, -2 * sj, -3 * si, -3 * sj, stride);
   Bool after3 = after2 && goes_on(i + 2 * si, j + 2 * sj, i + 3 * si, j + 3 * sj, stride);
-  Vec3 a3 = select(before3, near_normal(-3 * si, -3 * sj), a2);
-  Vec3 b3 = select(after3, near_normal(i + 3 * si, j + 3 * sj), b2);
+  Vec3 a3 = select(before3, mean_normal(-3 * si, -3 * sj, -i, -j, stride), a2);
+  Vec3 b3 = select(after3, mean_normal(i + 3 * si, j + 3 * sj, i, j, stride), b2);
   Real strength = smooth_turn(a2, a1, a0, b0, b1, b2) * (stride == 1 ? kTie : kAsStrong);
   peak = peak && strength >= smooth_turn(a3, a2, a1, a0, b0, b1) && strength > smooth_turn(a1, a0, b0, b1, b2, b3);
   if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   Bool before4 = before3 && goes_on(-3 * si, -3 * sj, -4 * si, -4 * sj, stride);
   Bool after4 = after3 && goes_on(i + 3 * si, j + 3 * sj, i + 4 * si, j + 4 * sj, stride);
-  Vec3 a4 = select(before4, near_normal(-4 * si, -4 * sj), a3);
-  Vec3 b4 = select(after4, near_normal(i + 4 * si, j + 4 * sj), b3);
+  Vec3 a4 = select(before4, mean_normal(-4 * si, -4 * sj, -i, -j, stride), a3);
+  Vec3 b4 = select(after4, mean_normal(i + 4 * si, j + 4 * sj, i, j, stride), b3);
   peak = peak && strength >= smooth_turn(a4, a3, a2, a1, a0, b0) && strength > smooth_turn(a0, b0, b1, b2, b3, b4);
   if (!some(peak)) return Vec2(Real(-1.0f), Real(0.5f));
   Bool sharp = max(square(a0 - a1), square(b1 - b0)) < here * kSharp;
@@ -344,6 +356,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   if (stride > 1) roomy = before4 && after4;
   steady = select(roomy, steady, min(steady, Real(kNarrow)));
   steady = select(before2 && after2 && (before3 || after3), steady, Real(0.0f));
+  if (C.stride > 1) steady = min(steady, Real(kSoftClear));
   steady = select(sharp, Real(1.0f), steady);
   Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;
   clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
@@ -382,12 +395,12 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
     t = select(plain, meet, t);
   }
   if (some(!plain && peak)) {
-    Real weight = sqrt(here);
+    Vec3 a = near_normal(0, 0);
+    Vec3 b = near_normal(i, j);
+    Real weight = sqrt(square(b - a));
     Real moment = Real(0.0f);
     Bool before = peak;
     Bool after = peak;
-    Vec3 a = a0;
-    Vec3 b = b0;
     Real most = weight;
     for (int k = 1; k <= 4 * stride; ++k) {
       before = before && goes_on(-(k - 1) * i, -(k - 1) * j, -k * i, -k * j, 1);

@@ -1,9 +1,10 @@
 // Lines seen over a longer way: how sure each piece of line is, and where it passes. A bevel or a fold is clear in some
-// rows and faint in others, as pixels fall on it, so what decides is how much of the line is clear, before and after. A
-// line that fades tapers, as a pen's does, and a row of dashes becomes one thin line or none.
+// rows and faint in others, as pixels fall on it, so what decides is how much of the line is clear, before and after,
+// and how far it goes. A line that fades tapers, as a pen's does, and a row of dashes becomes one thin line or none.
 //
-// From each piece the line is followed in hops, each from where the one before arrived and in the direction that the
-// line has there. A rim that leans little, whose place steps once in many rows, is straightened by the same way.
+// From each piece that is not sure the line is followed row by row, so that the next piece sees nearly the same rows
+// and fades alike; each step goes on from where the one before arrived and in the direction that the line has there. A
+// rim that leans little, whose place steps once in many rows, is straightened by hops of several rows.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them; how sure they are is now 0 for nothing to kSure for what
 // is to be drawn whole. outline_around is what lies along the row as far as lines may reach, before this pass: 0 for no
@@ -15,69 +16,173 @@ OUT_REAL(outline_flat_linked)
 OUT_REAL(outline_around)
 #include "effects/outline/outline_piece.kernel.h"
 
-CONST int kHop = 7;                 // rows: a piece of outline_refine knows three to either side; the first is three
-CONST int kHops = 4;                // to either side
-CONST float kAstray = 1.1f;         // pixels beside where it is expected, at which a piece is another line's
-CONST float kMostTurn = 48.5f;      // of level
-CONST float kMostTurnFaint = 4.5f;  // from a rim to a crease, if either is faint
-CONST float kMostClearing = 12.5f;  // of how sure: what is wholly faint does not go on in what is wholly clear
-CONST float kDiagonal = 0.8f;       // slope from which on a line is made of pieces of both kinds
-CONST float kMiddle = 32.0f;        // level of a crease
-CONST float kLeastPieces = 3.0f;    // of a crease that is drawn whole; with one it is a speck
-CONST float kStraight = 1.05f;      // pixels of bend: what the steps of a straight rim may look like
-CONST float kLeastClear = 0.42f;    // share of a line that is clear, below which it is not drawn,
-CONST float kWholeClear = 0.75f;    // and from which on it is drawn whole
-CONST float kWholeSide = 32.0f;     // from the middle
-CONST float kEnds = 12.5f;          // from the middle: a surface ends there, whether a line is drawn or not
-CONST float kLeastSure = 1.5f;      // of kSure: what is fainter is not seen
-CONST float kUpright = 0.14f;       // slope: seven rows to a step
-CONST float kClear = 7.0f;          // half of it
-CONST float kSides = 128.0f;        // more than any level
-CONST int kAround = 6;              // in high pictures: pixels, times the stride, within which a line has
-CONST float kLeastAround = 6.0f;    // pieces, times the stride, or else it is a speck;
-CONST float kSpeckPieces = 5.5f;    // which is asked only where fewer pieces than this were found along it
+CONST int kRows = 9;                  // times the stride,
+CONST int kMoreRows = 5;              // and these: how far a line is followed that is not sure, to either side,
+CONST float kWholeRows = 9.0f;        // of how many rows it is drawn whole,
+CONST float kLeastRows = 3.0f;        // and of how many not at all;
+CONST float kMeetingRows = 4.5f;      // and for how many an end counts at which it meets another line
+CONST float kMeetingTimes = 3.0f;     // at most so many times the rows but one: a step of another line is none
+CONST float kMostGap = 1.5f;          // more than the stride: from so many rows without a piece on it ends
+CONST int kFirstHop = 3;              // rows: a piece of outline_refine knows three to either side
+CONST int kHop = 7;                   // rows, of the ones after it,
+CONST int kHops = 4;                  // to either side
+CONST float kNearEnough = 0.4f;       // pixels beside, at which no other piece is looked for
+CONST float kAstray = 1.1f;           // pixels beside where it is expected, at which a piece is another line's
+CONST float kMostTurn = 48.5f;        // of level
+CONST float kMostTurnFaint = 4.5f;    // from a rim to a crease, if either is faint
+CONST float kMostClearing = 12.5f;    // of how sure: what is wholly faint does not go on in what is wholly clear
+CONST float kMiddle = 32.0f;          // level of a crease
+CONST float kStraight = 1.05f;        // pixels of bend: what the steps of a straight rim may look like
+CONST float kStraightCrease = 0.35f;  // and a crease, which has none
+CONST float kLeastClear = 0.42f;      // share of a line that is clear, below which it is not drawn,
+CONST float kWholeClear = 0.75f;      // and from which on it is drawn whole
+CONST float kWholeSide = 32.0f;       // from the middle
+CONST float kEnds = 12.5f;            // from the middle: a surface ends there, whether a line is drawn or not
+CONST float kLeastSure = 1.5f;        // of kSure: what is fainter is not seen
+CONST float kUpright = 0.14f;         // slope: seven rows to a step
+CONST float kClear = 7.0f;            // half of it
+CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
+CONST int kTurns = 1;                 // and one that runs across
+CONST int kAround = 6;                // pixels, times the stride, within which a line has
+CONST float kLeastAround = 6.5f;      // pieces, times the stride, or else it is a speck
 
-// A piece in row `row`, `rows` after the one before: where it lies beside the first, its slope, and of two that are
-// packed into one, how much of it is clear and its side: kSides times the former and the latter; below 0 for none.
-FN Vec3 hop(int lying, Int px, Int py, int row, int rows, Vec3 from, Real side) {
-  Real slope = from.y;
-  Real expected = mad(slope, Real(float(rows)), from.x);
+// The way along a line from a piece of it, to one side.
+struct Way {
+  Bool on;            // it goes on
+  Real place, slope;  // of its last piece: beside the first one, and how it leans
+  Real sure, level;   // of that
+  Real row;           // of that, counted from the first
+};
+
+// What was seen along a line.
+struct Line {
+  Way up, down;
+  Real rows, found;                      // that it goes on, and those of them that have pieces, or a hop's piece
+  Real clear, sides;                     // sums of their pieces' sure_of and level_of
+  Real pairs, places, moments, squares;  // of pieces as far up as down, for as long as it is straight
+};
+
+// The way on to row `row`, which is so many `rows` away.
+FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side, Real most_gap) {
+  Way next = from;
+  Real away_rows = Real(float(rows)) - from.row;
+  Real expected = mad(row < 0 ? -from.slope : from.slope, away_rows, from.place);
   Real first = floor(expected);
   Bool crease = side == Real(kMiddle);
-  Bool alive = from.z >= 0.0f;
-  Vec3 best = Vec3(expected, slope, Real(-1.0f));
+  Bool found = from.on && !from.on;
   Real nearest = Real(kAstray);
   Real beside = select(expected - first < 0.5f, Real(-1.0f), Real(1.0f));
-  for (int k = 0; k <= 1; ++k) {
-    Int column = to_int(k == 0 ? first : first + beside);
+  for (int k = 0; k <= 2; ++k) {
+    Int column = to_int(k == 0 ? first : k == 1 ? first + beside : first - beside);
     Int X = lying == 0 ? px + column : px + Int(row);
     Int Y = lying == 0 ? py + Int(row) : py + column;
-    Bool here = alive && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
+    Bool here = from.on && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
+    if (k > 0) here = here && nearest > kNearEnough;
     if (!some(here)) continue;
     Real piece = lying == 0 ? load_outline_steep(X, Y) : load_outline_flat(X, Y);
     here = here && is_piece(piece);
     if (!some(here)) continue;
     Real other = level_of(piece);
-    here = here && abs(other - side) < kMostTurn;
+    Real sure = sure_of(piece);
+    Real turn = abs(other - side);
     Real place = to_real(column) + place_of(piece);
     Real away = abs(place - expected);
     Bool mixed = crease || other == Real(kMiddle);
-    Real before = floor(from.z * Real(1.0f / kSides));
-    Bool clear = sure_of(piece) > kClear && before >= kClear;
-    here = here && (!mixed || clear || abs(other - side) < kMostTurnFaint) && away < nearest;
-    here = here && abs(sure_of(piece) - before) < kMostClearing;
+    Bool clear = sure > kClear && from.sure >= kClear;
+    here = here && turn < kMostTurn && (!mixed || clear || turn < kMostTurnFaint) && away < nearest;
+    here = here && abs(sure - from.sure) < kMostClearing;
     nearest = select(here, away, nearest);
-    best =
-        select(here, Vec3(place, slope_of(piece), mad(sure_of(piece), Real(kSides), select(mixed, side, other))), best);
+    next.place = select(here, place, next.place);
+    next.slope = select(here, slope_of(piece), next.slope);
+    next.sure = select(here, sure, next.sure);
+    next.level = select(here, select(mixed, side, other), next.level);
+    found = found || here;
   }
-  return best;
+  next.on = found || (from.on && away_rows < most_gap);
+  next.row = select(found, Real(float(rows)), next.row);
+  return next;
+}
+
+// The line through a piece: `near` steps of a row, and `hops` hops, the first of them to row `first`. What can no
+// longer become clear enough is not followed to its end.
+FN Line followed(int lying, Int px, Int py, Real piece, Bool asked, int near, int first, int hops) {
+  Real side = level_of(piece);
+  Real place = place_of(piece);
+  Real sure = sure_of(piece);
+  Real none = Real(0.0f);
+  Way way = Way(asked, place, slope_of(piece), sure, side, none);
+  Line line = Line(way, way, Real(1.0f), Real(1.0f), sure, side, none, none, none, none);
+  Bool straight = asked;
+  Real bend = select(side == Real(kMiddle), Real(kStraightCrease), Real(kStraight));
+  int before = 0;
+  for (int k = 0; k < near + hops; ++k) {
+    Bool on = line.up.on || line.down.on;
+    if (k < near) {
+      Real ahead = Real(float(2 * (near - k)));
+      on = on && mad(ahead, Real(kSure * (1.0f - kLeastClear)), line.clear) > line.rows * (kSure * kLeastClear);
+      line.up.on = line.up.on && on;
+      line.down.on = line.down.on && on;
+    }
+    if (!some(on)) continue;
+    int row = k < near ? k + 1 : first + (k - near) * kHop;
+    Real most_gap = Real(k < near ? kMostGap + float(C.stride) : 0.0f);
+    Real up_row = line.up.row;
+    Real down_row = line.down.row;
+    line.up = gone_on(lying, px, py, -row, row, line.up, side, most_gap);
+    line.down = gone_on(lying, px, py, row, row, line.down, side, most_gap);
+    Bool up_found = line.up.row > up_row;
+    Bool down_found = line.down.row > down_row;
+    // A hop's piece stands for those that it passes over; what is not there counts, too.
+    Real stands_for = Real(float(row - before));
+    Real up = select(up_found, stands_for, none);
+    Real down = select(down_found, stands_for, none);
+    line.rows = line.rows + (line.up.row - up_row) + (line.down.row - down_row);
+    line.clear = mad(up, line.up.sure, mad(down, line.down.sure, line.clear));
+    line.found = line.found + up + down;
+    line.sides = mad(up, line.up.level, mad(down, line.down.level, line.sides));
+    straight = straight && line.up.on && line.down.on && abs(line.up.place + line.down.place - place - place) < bend;
+    // Of the first rows outline_refine has the mean.
+    Real counts = select(straight && up_found && down_found, row < kFirstHop ? none : stands_for, none);
+    line.pairs = line.pairs + counts;
+    line.places = mad(counts, line.up.place + line.down.place, line.places);
+    line.moments = mad(counts, (line.down.place - line.up.place) * Real(float(row)), line.moments);
+    line.squares = line.squares + counts * Real(float(2 * row * row));
+    before = row;
+  }
+  return line;
+}
+
+// Whether a line meets another one, or turns and goes on in pieces of the other kind, where it has none of its own in
+// row `row` at `place`. towards: the way along it, -1 or 1.
+FN Bool meets(int lying, Int px, Int py, Bool asked, Int row, int towards, Real place) {
+  Bool found = asked && !asked;
+  if (!some(asked)) return found;
+  Int first = to_int(floor(place));
+  for (int j = -kTurns - 1; j <= kTurns; ++j)
+    for (int i = -kMeets; i <= kMeets + 1; ++i) {
+      Int X = lying == 0 ? px + first + Int(i) : px + row + Int(j);
+      Int Y = lying == 0 ? py + row + Int(j) : py + first + Int(i);
+      Bool here = asked && !found && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
+      if (!some(here)) continue;
+      Bool met = here && !here;
+      if (i >= -kTurns && i <= kTurns + 1) {
+        Real across = lying == 0 ? load_outline_flat(X, Y) : load_outline_steep(X, Y);
+        met = is_piece(across) && sure_of(across) > kClear;
+      }
+      if (j * towards >= 0) {
+        Real along = lying == 0 ? load_outline_steep(X, Y) : load_outline_flat(X, Y);
+        met = met || (is_piece(along) && sure_of(along) > kClear);
+      }
+      found = found || (here && met);
+    }
+  return found;
 }
 
 // How many of the pixels in row j of those around have pieces.
 FN Real pieces_in(int j, int around) {
   Real count = Real(0.0f);
   for (int i = -around; i <= around; ++i) {
-    Bool any = is_piece(near_outline_steep(i, j)) || is_piece(near_outline_flat(i, j));
+    Bool any = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j)));
     count = select(any, count + 1.0f, count);
   }
   return count;
@@ -94,73 +199,82 @@ FN Bool speck_around(Bool asked) {
   return asked && count < least;
 }
 
-// The piece of line at this pixel as its way on either side shows it. Of one that needs no `look`, since it is sure,
-// only whether it is a speck.
-FN Real linked(int lying, Int px, Int py, Real piece, Bool look) {
-  Bool drawn = is_piece(piece);
-  Real side = level_of(piece);
-  Real place = place_of(piece);
-  Vec3 up = Vec3(place, slope_of(piece), select(drawn, mad(sure_of(piece), Real(kSides), side), Real(-1.0f)));
-  Vec3 down = up;
-  Real slope = up.y;
-  Real clear = sure_of(piece);
-  Real sides = side;
-  Real pieces = Real(1.0f);
-  Real pairs = Real(0.0f);
-  Real places = Real(0.0f);
-  Real moments = Real(0.0f);
-  Real squares = Real(0.0f);
-  Bool straight = drawn;
-  for (int k = 1; k <= kHops; ++k) {
-    if (!some((up.z >= 0.0f || down.z >= 0.0f) && (look || pieces < kSpeckPieces))) continue;
-    int row = 3 + (k - 1) * kHop;
-    int rows = k == 1 ? row : kHop;
-    up = hop(lying, px, py, -row, -rows, up, side);
-    down = hop(lying, px, py, row, rows, down, side);
-    Real up_sure = floor(max(up.z, Real(0.0f)) * Real(1.0f / kSides));
-    Real down_sure = floor(max(down.z, Real(0.0f)) * Real(1.0f / kSides));
-    clear = clear + up_sure + down_sure;
-    sides = sides + max(mad(up_sure, Real(-kSides), up.z), Real(0.0f)) +
-            max(mad(down_sure, Real(-kSides), down.z), Real(0.0f));
-    pieces = pieces + select(up.z >= 0.0f, Real(1.0f), Real(0.0f)) + select(down.z >= 0.0f, Real(1.0f), Real(0.0f));
-    straight = straight && up.z >= 0.0f && down.z >= 0.0f && abs(up.x + down.x - place - place) < kStraight;
-    Real counts = select(straight, Real(1.0f), Real(0.0f));
-    pairs = pairs + counts;
-    places = mad(counts, up.x + down.x, places);
-    moments = mad(counts, (down.x - up.x) * Real(float(row)), moments);
-    squares = squares + counts * Real(float(2 * row * row));
-  }
-  Real mean = (places + place) / (pairs + pairs + 1.0f);
+// A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides.
+FN Real straightened(Real piece, Line line, Real sure) {
+  Real mean = (line.places + place_of(piece)) / (line.pairs + line.pairs + 1.0f);
   mean = clamp(mean, Real(-0.5f), Real(1.499f));
-  slope = select(pairs > 0.5f, moments / max(squares, Real(1.0f)), slope);
-  Real share = clear / (pieces * kSure);
-  share = clamp((share - kLeastClear) * Real(1.0f / (kWholeClear - kLeastClear)), Real(0.0f), Real(1.0f));
-  Real support = clamp((pieces - 1.0f) * Real(1.0f / (kLeastPieces - 1.0f)), Real(0.0f), Real(1.0f));
-  share = select(maybe_speck(piece) && abs(slope) < kDiagonal, share * support, share);
-  Real sure = floor(share * kSure + 0.5f);
-  Bool keep = drawn && (sure > kLeastSure || !look);
-  if (C.stride > 1) {
-    Bool lonely = keep && pieces < kSpeckPieces;
-    if (some(lonely)) keep = keep && !speck_around(lonely);
-  }
-  Real found = packed_piece(mean, slope, floor(sides / pieces + 0.5f), sure);
-  Real instead = select(abs(side - kMiddle) > kEnds, Real(kOnlyEnds), Real(0.0f));
-  return select(keep, select(piece < 0.0f, -found, found), instead);
+  Real slope = select(line.pairs > 0.5f, line.moments / max(line.squares, Real(1.0f)), slope_of(piece));
+  Real found = packed_piece(mean, slope, floor(line.sides / line.found + 0.5f), sure);
+  return select(piece < 0.0f, -found, found);
 }
 
-// Whether a piece of line cannot be told from itself: it is a crease, or not wholly clear, or lies partly on either
-// side, or is so nearly upright that its steps are far apart.
+// A piece that is not sure, as its line shows it.
+FN Real weighed(int lying, Int px, Int py, Real piece, Bool asked) {
+  Line line = followed(lying, px, py, piece, asked, kRows * C.stride + kMoreRows, 0, 0);
+  Real share = line.clear / (line.rows * kSure);
+  share = clamp((share - kLeastClear) * Real(1.0f / (kWholeClear - kLeastClear)), Real(0.0f), Real(1.0f));
+  // What is short is less sure, unless it is so between other lines.
+  Real stride = Real(float(C.stride));
+  Real rows = line.found;
+  Bool brief = asked && rows < stride * kWholeRows && share > 0.0f;
+  if (some(brief)) {
+    Bool above =
+        meets(lying, px, py, brief && !line.up.on, -to_int(line.up.row) - Int(1), -1, line.up.place - line.up.slope);
+    Bool below = meets(lying, px, py, brief && !line.down.on, to_int(line.down.row) + Int(1), 1,
+                       line.down.place + line.down.slope);
+    Real more = min(stride * kMeetingRows, (rows - 1.0f) * kMeetingTimes);
+    rows = select(above, rows + more, rows);
+    rows = select(below, rows + more, rows);
+  }
+  rows = (rows - stride * kLeastRows) / (stride * (kWholeRows - kLeastRows));
+  Real sure = floor(share * clamp(rows, Real(0.0f), Real(1.0f)) * kSure + 0.5f);
+  Bool kept = asked && sure > kLeastSure;
+  brief = kept && line.found < stride * kLeastAround;
+  if (some(brief)) kept = kept && !speck_around(brief);
+  return select(kept, straightened(piece, line, sure), Real(0.0f));
+}
+
+// Whether a piece of line cannot be told from itself: it is not wholly clear, or a crease, or, in high pictures, where
+// more rows even it out, it lies partly on either side.
 FN Bool unsure(Real piece) {
-  Bool whole = abs(level_of(piece) - kMiddle) > kWholeSide - 0.5f && bits_at(piece, 23, Uint(31u)) == Real(kSure);
-  return is_piece(piece) && !(whole && abs(slope_of(piece)) >= kUpright);
+  Real off = abs(level_of(piece) - kMiddle);
+  return off < (C.stride > 1 ? kWholeSide - 0.5f : 0.5f) || sure_of(piece) < kSure;
+}
+
+// Whether a piece that is sure has a better place, or side, by those of its line: it is nearly upright, so that its
+// steps are far apart, or lies partly on either side.
+FN Bool uneven(Real piece) {
+  Real off = abs(level_of(piece) - kMiddle);
+  return abs(slope_of(piece)) < kUpright || (off > 0.5f && off < kWholeSide - 0.5f);
+}
+
+// A piece that is sure: evened where that is better. Whether it is part of anything is asked of all in high pictures,
+// and else of what outline_refine found short.
+FN Real confirmed(int lying, Int px, Int py, Real piece, Bool asked) {
+  Bool better = asked && uneven(piece);
+  Bool brief = asked;
+  Bool walked = asked;
+  if (C.stride == 1) {
+    brief = brief && maybe_speck(piece);
+    walked = better;
+  }
+  Line line = followed(lying, px, py, piece, walked, 0, kFirstHop, kHops);
+  piece = select(better, straightened(piece, line, sure_of(piece)), without_mark(piece));
+  brief = brief && line.found < Real(kLeastAround * float(C.stride));
+  if (some(brief)) piece = select(speck_around(brief), Real(0.0f), piece);
+  return piece;
 }
 
 FN Real looked_along(int lying, Int px, Int py, Real piece) {
-  Bool look = unsure(piece);
-  Bool asked = C.stride > 1 ? is_piece(piece) : look;
-  if (!some(asked)) return piece;
-  Real found = linked(lying, px, py, select(asked, piece, Real(0.0f)), look);
-  return select(look || (asked && !is_piece(found)), found, piece);
+  Bool drawn = is_piece(piece);
+  Bool look = drawn && unsure(piece);
+  Real found = piece;
+  if (some(look)) found = select(look, weighed(lying, px, py, piece, look), found);
+  Bool rest = drawn && !look;
+  if (C.stride == 1) rest = rest && (maybe_speck(piece) || uneven(piece));
+  if (some(rest)) found = select(rest, confirmed(lying, px, py, piece, rest), found);
+  Real instead = select(abs(level_of(piece) - kMiddle) > kEnds, Real(kOnlyEnds), Real(0.0f));
+  return select(drawn && !is_piece(found), instead, found);
 }
 
 // All bits of the pieces along this row as far as lines may reach.

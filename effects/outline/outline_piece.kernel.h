@@ -4,7 +4,7 @@
 // 0 is none; kOnlyEnds a place where a surface ends but no line is drawn; beyond is a piece, below 0 where a line ends.
 // Its bits, from the lowest: 8 for t, -1/2 to 3/2 from this pixel to its neighbour; 8 for the slope, in pixels aside
 // per row (column); 7 for the level, 0 to 64: on whose side, as outline_find has it; 5 for how sure, kSure and more for
-// a short crease, which may be a speck. The bit of 2^1 makes it a number that every machine keeps as it is.
+// what is short and may be a speck. The bit of 2^1 makes it a number that every machine keeps as it is.
 
 CONST float kOnlyEnds = 2.0f;  // no bit set
 CONST float kSure = 15.0f;
@@ -23,6 +23,8 @@ FN Real packed_piece(Real t, Real slope, Real level, Real sure) {
   return real_of_bits(bits);
 }
 
+// Whether any of several numbers, of which these are all bits, is a piece.
+FN Bool has_piece(Uint bits) { return !(to_signed(bits & Uint(0x3fffffffu)) == Int(0)); }
 FN Bool is_piece(Real piece) { return abs(piece) > kOnlyEnds; }
 FN Real place_of(Real piece) { return mad(bits_at(piece, 0, Uint(255u)), Real(1.0f / kPlaceSteps), Real(-0.5f)); }
 FN Real slope_of(Real piece) { return (bits_at(piece, 8, Uint(255u)) - 127.0f) * Real(1.0f / kSlopeSteps); }
@@ -32,3 +34,5 @@ FN Real sure_of(Real piece) {
   Real sure = bits_at(piece, 23, Uint(31u));
   return select(sure > kSure, sure - kSpeck, sure);
 }
+// The same piece, whether it may be a speck or not.
+FN Real without_mark(Real piece) { return real_of_bits(bits_of(piece) & Uint(0xf7ffffffu)); }

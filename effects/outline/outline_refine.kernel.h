@@ -19,17 +19,17 @@ CONST int kRows = 3;                // on each side: the place is then known to 
 CONST float kSteepHere = 1.05f;     // from here on the other kind of crossing knows the line better
 CONST float kLeastLength = 2.5f;    // rows that a crease goes on
 CONST float kOneSided = 25.0f;      // from the middle: a surface ends there
-CONST int kAround = 6;              // pixels within which a line has
-CONST float kLeastAround = 6.5f;    // crossings, or else it is a speck; one that ends has kAround + 1 and more
 CONST int kBeside = 4;              // pixels from a clear crossing within which a faint one may run along with it,
 CONST int kShadow = 2;              // and within which it is but that one's shadow
 CONST float kPart = 1.25f;          // pixels from something clearer, within which a crossing is a part of that, and
 CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
 CONST float kCovers = 0.5f;         // which is its width less this
-CONST int kBesideHigh = 8;          // pixels looked at in high pictures, where a soft crease
-CONST float kGap = 2.5f;            // with less than this between its line and a clearer one
-CONST float kCrowded = 0.25f;       // is that much as sure
+CONST int kBesideHigh = 14;         // pixels looked at in high pictures, where a soft crease
+CONST float kGap = 0.8f;            // with less than this, times the stride, between its line and a clearer one
+CONST float kCrowded = 0.25f;       // is that much as sure,
+CONST float kWideGap = 2.0f;        // and with this and more as sure as elsewhere
 CONST float kSharp = 6.5f;          // from here on a crease is none that is soft
+CONST float kBesideRim = 3.0f;      // pixels from a rim, within which a crease does not go on in one
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
 
@@ -53,7 +53,8 @@ FN Bool may_join(Real v, Real side) { return abs(v) >= kStep && abs(floor(code_o
 FN Bool faint_crease(Real v) { return v < 0.0f && floor(code_of(v)) == Real(kMiddle); }
 
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
-// else 0: its code; how far beside. Straight on comes before aside, but no faint crease before a clear one.
+// else 0: its code; how far beside. Straight on comes before aside, and of both sides the clearer one, but no faint
+// crease before a clear one.
 FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool lone) {
   int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
@@ -80,28 +81,10 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   back = back || (none && may_join(before, side));
   on = on || (none && may_join(after, side));
   ahead = ahead || (none && may_join(straight, side));
+  on = on && !(back && clear_of(before) > clear_of(after));
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
-}
-
-// How many of the pixels in row j of those around have crossings.
-FN Real crossings_in(int j) {
-  Real count = Real(0.0f);
-  for (int i = -kAround; i <= kAround; ++i) {
-    Uint any = bits_of(near_outline_right_settled(i, j)) | bits_of(near_outline_below_settled(i, j));
-    count = select(to_signed(any) == Int(0), count, count + 1.0f);
-  }
-  return count;
-}
-
-// Whether this crossing is part of a line and no speck. Rows are counted from the middle on, for as long as that is
-// open.
-FN Bool in_line(Bool crossed) {
-  Real count = crossings_in(0);
-  for (int j = 1; j <= kAround; ++j)
-    if (some(crossed && count < kLeastAround)) count = count + crossings_in(-j) + crossings_in(j);
-  return count > kLeastAround;
 }
 
 FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
@@ -117,7 +100,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool beside = v < 0.0f;
   Bool shadow = beside;
   Real least = clear_of(signed_v) + select(crease, Real(-0.5f), Real(0.5f));
-  Real nearest = Real(float(kBesideHigh));  // clear crossing of the other sort that it may be a part of, in pixels
+  Real nearest = Real(1e30f);  // clear crossing of the other sort that it may be a part of, in pixels
   if (some(v > 0.0f && (crease || least < kClearest))) {
     int farthest = C.stride > 1 ? kBesideHigh : kBeside;
     for (int k = 1; k <= farthest; ++k) {
@@ -141,6 +124,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
       nearest = min(nearest, select(other_after, after_away, nearest));
     }
   }
+  // Where a rim goes on beside it a crease does not go on in one.
+  Bool mixes = clear && !(crease && nearest < kBesideRim);
   Bool lone = clear || (!beside && abs(signed_v) >= kStep);
   shadow = shadow && !clear;
   Bool exact = !(t == Real(0.5f));
@@ -161,8 +146,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool ends = !up_alive;
   for (int k = 1; k <= kRows; ++k) {
     if (!some(up_alive || down_alive)) continue;
-    up = follow(lying, -k, up.y, up_alive, side, clear, lone);
-    down = follow(lying, k, down.y, down_alive, side, clear, lone);
+    up = follow(lying, -k, up.y, up_alive, side, mixes, lone);
+    down = follow(lying, k, down.y, down_alive, side, mixes, lone);
     up_alive = abs(up.x) > 0.0f;
     down_alive = abs(down.x) > 0.0f;
     Real up_code = code_of(up.x);
@@ -187,13 +172,13 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
     moments = moments + select(both, (down_place - up_place) * Real(float(k)), Real(0.0f));
     squares = squares + select(both, Real(float(2 * k * k)), Real(0.0f));
   }
-  // A line that goes on for all rows is no speck; outline_link asks creases.
+  // A line that goes on for all rows is no speck; outline_link asks the others.
   Bool short_line = length < Real(float(2 * kRows));
-  Bool lonely = v > 0.0f && short_line && !crease;
-  if (some(lonely)) lonely = lonely && !in_line(lonely);
-  v = select(lonely, Real(0.0f), v);
   Real mean = (places + t) / (pairs + pairs + 1.0f);
   Real level = floor(((sides + side) / (pairs + pairs + 1.0f) - 1.0f) * 0.5f + 0.5f);
+  // In the middle lie creases alone.
+  level = select(!crease && level + level + 1.0f == Real(kMiddle), select(side < kMiddle, level - 1.0f, level + 1.0f),
+                 level);
   Real slope = select(squares > 0.0f, moments / max(squares, Real(1.0f)), one_sided);
   // A rim passes between the two pixels, also where its neighbours turn around a corner.
   Real place = clamp(mean, select(exact, Real(-0.5f), Real(0.0f)), select(exact, Real(1.499f), Real(1.0f)));
@@ -204,13 +189,15 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
   Real part_within = min(select(short_line, Real(kPartShort), Real(kPart)), Real(C.width_px - kCovers));
   Bool part = nearest < part_within;
-  Bool crowded = crease && clear_of(signed_v) < kSharp && nearest < Real(C.width_px + kGap);
   Bool keep = v > 0.0f && !step && !speck && !shadow && !part;
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + 0.5f);
-  if (C.stride > 1) sure = select(crowded, floor(sure * kCrowded), sure);
-  Bool short_crease = level + level + 1.0f == Real(kMiddle) && short_line;
-  Real piece = packed_piece(place, slope, level, select(short_crease, sure + kSpeck, sure));
+  if (C.stride > 1) {
+    Real room = (nearest - (C.width_px + kGap * float(C.stride))) * Real(1.0f / ((kWideGap - kGap) * float(C.stride)));
+    room = mad(clamp(room, Real(0.0f), Real(1.0f)), Real(1.0f - kCrowded), Real(kCrowded));
+    sure = select(crease && clear_of(signed_v) < kSharp, floor(mad(sure, room, Real(0.5f))), sure);
+  }
+  Real piece = packed_piece(place, slope, level, select(short_line, sure + kSpeck, sure));
   piece = select(ends, -piece, piece);
   return select(known, select(keep, piece, Real(kOnlyEnds)), Real(0.0f));
 }

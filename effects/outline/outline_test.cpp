@@ -818,6 +818,49 @@ TEST(Outline, RoundEdgesOfNarrowRibsDoNotBreak) {
         }
 }
 
+TEST(Outline, EdgesAtTheLimitOfABevelAreWholeOrFaint) {
+  // In high pictures: normals that turn in facets, as meshes have them, over about as many pixels as an edge may be
+  // wide, or less beside the end of the surface. A row of dashes is neither line nor none.
+  for (const double angle : {1.0, 87.5})
+    for (const int facets : {3, 4, 6})
+      for (const double end_px : {9.0, 11.0, 13.0, 60.0})  // from the middle of the turn
+        for (const double wide_px : {7.0, 10.0, 12.0, 13.0, 14.0, 16.0, 19.0}) {
+          if (end_px < 60.0 && wide_px > 11.0) continue;
+          const Lens lens{angle < 45.0 ? 200 : 140, 2160, true};
+          const double a = radians(angle), turns = radians(55.0);
+          const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+          const auto across = [=](const dvec3& p) { return glm::dot(p - middle, up) / lens.pixel(); };
+          const Scene scene = [=](const dvec3& origin, const dvec3& direction) {
+            const double u = across(origin);
+            const bool ended = u > end_px;
+            Hit hit{.object = 0, .material = 0};
+            hit.distance = (kFocus + origin.z + (ended ? 300.0 * lens.pixel() : 0.0)) / -direction.z;
+            const double turned = std::clamp(u / wide_px + 0.5, 0.0, 1.0);
+            hit.normal = ended ? front
+                               : front * std::cos(turns * (std::round(turned * facets) / facets - 0.5)) +
+                                     up * std::sin(turns * (std::round(turned * facets) / facets - 0.5));
+            return hit;
+          };
+          const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+          const bool steep = angle > 45.0;
+          std::vector<double> sums;
+          for (int k = 40; k < (steep ? 2120 : lens.width - 40); ++k) {
+            double sum = 0.0;
+            for (int q = 0; q < (steep ? lens.width : lens.height); ++q) {
+              const int x = steep ? q : k, y = steep ? k : q;
+              const double u =
+                  across({lens.left() + (x + 0.5) * lens.pixel(), lens.top() - (y + 0.5) * lens.pixel(), -kFocus});
+              if (std::fabs(u) < std::min(0.5 * wide_px + 2.0, end_px - 3.5)) sum += lines.at(x, y);
+            }
+            sums.push_back(sum);
+          }
+          const auto [least, most] = std::minmax_element(sums.begin(), sums.end());
+          EXPECT_TRUE(*most < 1.0 || *least > 0.5 * *most)
+              << angle << " degrees, " << facets << " facets, " << wide_px << " wide, ends " << end_px
+              << " away: " << *least << " to " << *most;
+        }
+}
+
 TEST(Outline, SpecksOfHighPicturesHaveNoLine) {
   // A small thing is whole or not at all: less than 18 pixels of line are a speck in a picture 2160 high.
   for (const int height : {256, 2160})
