@@ -53,7 +53,7 @@ CONST float kAsStrong = 1.03f;  // and where strides are longer than a pixel, wh
 CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
-CONST float kSoftClear = 0.9f;  // how clear one is at most that is not sharp, of which outline_link asks more
+CONST float kSoftClear = 0.9f;  // how clear a soft crease is at most in high pictures, where outline_refine asks more
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
 CONST int kFootRoom = 2;        // pixels more, within which the crease at its foot is less clear the nearer it is
@@ -299,7 +299,7 @@ FN_RARE Real steep_side(int k, int l, int i, int j, Bool peak, Real clear) {
   return answer;
 }
 
-// The mean normal of `stride` pixels from (k, l) on in steps of (i, j), as far as they are of one surface: in high
+// The mean normal of `stride` pixels from (k, l) on in steps of (i, j), of those that are of one surface: in high
 // pictures single ones would tell of a bevel what the pixels happen to hit.
 FN Vec3 mean_normal(int k, int l, int i, int j, int stride) {
   Vec3 first = near_normal(k, l);
@@ -312,8 +312,8 @@ FN Vec3 mean_normal(int k, int l, int i, int j, int stride) {
 
 // The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
 FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
-  // Normals up to four strides before and after, as long as they are of one surface, and squared chords between them,
-  // which stand for angles.
+  // Means of normals up to five strides before and after, as long as they are of one surface, and squared chords
+  // between them, which stand for angles.
   int si = stride * i;
   int sj = stride * j;
   Bool before1 = goes_on(0, 0, -si, -sj, stride);

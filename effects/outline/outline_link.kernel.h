@@ -4,7 +4,8 @@
 //
 // From each piece that is not sure the line is followed row by row, so that the next piece sees nearly the same rows
 // and fades alike; each step goes on from where the one before arrived and in the direction that the line has there. A
-// rim that leans little, whose place steps once in many rows, is straightened by hops of several rows.
+// sure rim that leans little, whose place steps once in many rows, or that lies partly on either side is evened by hops
+// of several rows.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them; how sure they are is now 0 for nothing to kSure for what
 // is to be drawn whole. outline_around is what lies along the row as far as lines may reach, before this pass: 0 for no
@@ -17,8 +18,8 @@ OUT_REAL(outline_around)
 #include "effects/outline/outline_piece.kernel.h"
 
 CONST int kRows = 9;                  // times the stride,
-CONST int kMoreRows = 5;              // and these: how far a line is followed that is not sure, to either side,
-CONST float kWholeRows = 9.0f;        // of how many rows it is drawn whole,
+CONST int kMoreRows = 5;              // and these: how far a line is followed that is not sure, to either side
+CONST float kWholeRows = 9.0f;        // times the stride: of how many rows it is drawn whole,
 CONST float kLeastRows = 3.0f;        // and of how many not at all;
 CONST float kMeetingRows = 4.5f;      // and for how many an end counts at which it meets another line
 CONST float kMeetingTimes = 3.0f;     // at most so many times the rows but one: a step of another line is none

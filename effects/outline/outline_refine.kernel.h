@@ -29,7 +29,7 @@ CONST float kGap = 0.8f;            // with less than this, times the stride, be
 CONST float kCrowded = 0.25f;       // is that much as sure,
 CONST float kWideGap = 2.0f;        // and with this and more as sure as elsewhere
 CONST float kSharp = 6.5f;          // from here on a crease is none that is soft
-CONST float kBesideRim = 3.0f;      // pixels from a rim, within which a crease does not go on in one
+CONST float kBesideRim = 3.0f;      // pixels from a rim, within which a crease rather goes on in creases
 CONST float kMostTurn = 97.0f;      // of side, as 1 + 2 level: three quarters of the whole range
 CONST float kMostTurnFaint = 9.0f;  // from a rim to a crease, if either is faint
 
@@ -124,7 +124,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
       nearest = min(nearest, select(other_after, after_away, nearest));
     }
   }
-  // Where a rim goes on beside it a crease does not go on in one.
+  // Where a rim goes on beside it a crease goes on in one only if there is no other crease.
   Bool mixes = clear && !(crease && nearest < kBesideRim);
   Bool lone = clear || (!beside && abs(signed_v) >= kStep);
   shadow = shadow && !clear;
