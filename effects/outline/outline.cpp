@@ -14,6 +14,8 @@ UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_settle)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
 UMBRAGE_DECLARE_KERNEL(outline_link)
+UMBRAGE_DECLARE_KERNEL(outline_join)
+UMBRAGE_DECLARE_KERNEL(outline_gather)
 UMBRAGE_DECLARE_KERNEL(outline)
 UMBRAGE_DECLARE_KERNEL(outline_window)
 UMBRAGE_DECLARE_KERNEL(outline_paper)
@@ -31,6 +33,12 @@ constexpr std::uint32_t kRefineSpirv[] = {
 };
 constexpr std::uint32_t kLinkSpirv[] = {
 #include "spirv/outline_link.inc"
+};
+constexpr std::uint32_t kJoinSpirv[] = {
+#include "spirv/outline_join.inc"
+};
+constexpr std::uint32_t kGatherSpirv[] = {
+#include "spirv/outline_gather.inc"
 };
 constexpr std::uint32_t kOutlineSpirv[] = {
 #include "spirv/outline.inc"
@@ -142,8 +150,11 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr float kStrideHeight = 810.0f;  // of the picture, per pixel of stride: what is an edge is one at any size
   constexpr float kMostStride = 4.0f;
   c.stride = int(std::clamp(std::round(float(info.inner_height()) / kStrideHeight), 1.0f, kMostStride));
-  constexpr float kMostStretch = 1.45f;  // of a distance along a row: the steepest slope is kSteepHere
+  constexpr float kMostStretch = 1.45f;      // of a distance along a row: the steepest slope is kSteepHere
+  constexpr int kJoin = 2, kJoinStride = 8;  // pixels between ends that are joined, and more per pixel of stride
+  c.join = kJoin + kJoinStride * c.stride;
   c.sight = int((c.width_px + kAntialiasing) * kMostStretch) + 1;
+  c.around = std::max(c.sight, c.join / 2 + 1);
 }
 
 bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mode == kOutlinePaper; }
@@ -166,9 +177,10 @@ int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);
 }
+int join_reach(const void* constants, int) { return 2 * static_cast<const OutlineConstants*>(constants)->join + 8; }
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
-  return std::max(c.reach, c.sight) + 1;
+  return std::max(c.reach, c.around) + 1;
 }
 int paper_reach(const void*, int) { return 1; }
 
@@ -212,15 +224,31 @@ const Effect& effect_outline() {
                   .reach = refine_reach},
                  {.name = "outline_link",
                   .inputs = {"outline_steep", "outline_flat"},
-                  .outputs = {"outline_steep_linked", "outline_flat_linked", "outline_around"},
+                  .outputs = {"outline_steep_linked", "outline_flat_linked"},
                   .scalar = run_scalar_outline_link,
                   .lanes = run_lanes_outline_link,
                   .spirv = kLinkSpirv,
                   .needed = is_robust,
                   .reach = link_reach},
+                 {.name = "outline_join",
+                  .inputs = {"depth", "object_id", "outline_steep_linked", "outline_flat_linked"},
+                  .outputs = {"outline_join"},
+                  .scalar = run_scalar_outline_join,
+                  .lanes = run_lanes_outline_join,
+                  .spirv = kJoinSpirv,
+                  .needed = is_robust,
+                  .reach = join_reach},
+                 {.name = "outline_gather",
+                  .inputs = {"outline_join"},
+                  .outputs = {"outline_around"},
+                  .scalar = run_scalar_outline_gather,
+                  .lanes = run_lanes_outline_gather,
+                  .spirv = kGatherSpirv,
+                  .needed = is_robust,
+                  .reach = own_row},
                  {.name = "outline",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep_linked", "outline_flat_linked",
-                             "outline_around", "lit.r", "lit.g", "lit.b"},
+                             "outline_join", "outline_around", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,

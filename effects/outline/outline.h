@@ -25,12 +25,15 @@ const float kOutlineWidest = 16.0f;  // pixels
 // OutlineConstants::sight of lines of the initial width. Loops of that many steps are written out, which makes them
 // twice as fast.
 const int kOutlineUsualSight = 4;
+const int kOutlineUsualAround = 6;
 
 struct OutlineConstants {
   int mode;
   float width_px;
-  int reach;  // pixels from a line's end to the farthest pixel that it touches
-  int sight;  // pixels in a row or column that a pixel looks for lines, to either side
+  int reach;   // pixels from a line's end to the farthest pixel that it touches
+  int sight;   // pixels in a row or column that a pixel looks for lines, to either side
+  int join;    // pixels between two ends of lines that are joined
+  int around;  // pixels in a row or column that a pixel looks for any of these
   float r, g, b, opacity;
   int stride;  // pixels between the normals that creases are told by
   float depth;

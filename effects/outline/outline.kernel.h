@@ -8,10 +8,12 @@ IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(outline_steep_linked)
 IN_REAL(outline_flat_linked)
+IN_REAL(outline_join)
 IN_REAL(outline_around)
 INOUT_COLOR(lit)
 OUT_REAL(outline)
 #include "effects/outline/outline_piece.kernel.h"
+#include "effects/outline/outline_stroke.kernel.h"
 
 CONST float kLeastFacing = 0.01f;  // as in outline_find
 CONST float kFar = 1e4f;           // pixels: no line
@@ -21,12 +23,6 @@ CONST float kFading = 3.0f;        // a line less sure than a third fades, too
 CONST float kSideEnds = 0.4f;      // a surface ends at a crossing that lies more than this on one side
 
 FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
-
-// On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
-FN Real side_of(Real piece) { return mad(level_of(piece), Real(1.0f / 32.0f), Real(-1.0f)); }
-
-// How sure a piece is, 0 to 1: outline_link leaves no speck.
-FN Real linked_of(Real piece) { return bits_at(piece, 23, Uint(31u)) * Real(1.0f / kSure); }
 
 // The cosine of a line's lean.
 FN Real cosine_of(Real slope) { return rsqrt(mad(slope, slope, Real(1.0f))); }
@@ -197,10 +193,37 @@ FN Real between_lines(Real covered, Bool between, Bool ends, Int px, Int py, int
   return ends_or(unit_clamp(select(between, less, covered)), spare, ends, px, py);
 }
 
-FN Real robust_cover(Int px, Int py, int sight) {
-  Uint any = Uint(0u);
-  for (int j = -sight; j <= sight; ++j) any = any | bits_of(near_outline_around(0, j));
-  if (!some(!(to_signed(any) == Int(0)))) return Real(0.0f);
+// What the strokes cover that join ends of lines in row j to others. Each is drawn from both ends, lest one be too far.
+FN Real joins_cover(int j) {
+  Real covered = Real(0.0f);
+  for (int i = -C.around; i <= C.around; ++i) {
+    Real join = near_outline_join(i, j);
+    Bool here = has_join(bits_of(join));
+    if (some(here)) here = here && near_inside(i, j);
+    if (!some(here)) continue;
+    Bool steep = joined_steep(join);
+    Real piece = select(steep, near_outline_steep_linked(i, j), near_outline_flat_linked(i, j));
+    Vec2 from = middle_of(piece, steep, C.width_px) + Vec2(Real(float(i)), Real(float(j)));
+    Vec2 apart = joined_apart(join);
+    Real share = unit_clamp(-dot(from, apart) / max(dot(apart, apart), Real(1e-6f)));
+    Real sure = mad(joined_sure(join) - linked_of(piece), share, linked_of(piece));
+    Vec2 off = from + apart * share;
+    Real cover = unit_clamp(mad(sure, Real(0.5f * C.width_px), Real(0.5f)) - sqrt(dot(off, off)));
+    covered = select(here, max(covered, cover * unit_clamp(sure * kFading)), covered);
+  }
+  return covered;
+}
+
+// `covered`, or what joins of lines cover. joins: whether any are around.
+FN Real joins_or(Real covered, Bool joins) {
+  if (!some(joins && covered < 1.0f)) return covered;
+  for (int j = -C.around; j <= C.around; ++j)
+    if (some(has_join(bits_of(near_outline_around(0, j))) && covered < 1.0f)) covered = max(covered, joins_cover(j));
+  return covered;
+}
+
+// What lines cover of a pixel with such bits around.
+FN Real lines_cover(Uint any, Int px, Int py, int sight) {
   Bool ends = to_signed(any) < Int(0);
   Real left = Real(0.0f);
   Real right = Real(0.0f);
@@ -217,9 +240,17 @@ FN Real robust_cover(Int px, Int py, int sight) {
   return between_lines(covered, across || along, ends, px, py, sight);
 }
 
+FN Real robust_cover(Int px, Int py, int sight, int around) {
+  Uint any = Uint(0u);
+  for (int j = -around; j <= around; ++j) any = any | bits_of(near_outline_around(0, j));
+  if (!some(!(to_signed(any) == Int(0)))) return Real(0.0f);
+  return joins_or(lines_cover(any, px, py, sight), has_join(any));
+}
+
 FN void outline_pixel(Int px, Int py) {
-  Real covered =
-      C.sight == kOutlineUsualSight ? robust_cover(px, py, kOutlineUsualSight) : robust_cover(px, py, C.sight);
+  Real covered = C.sight == kOutlineUsualSight && C.around == kOutlineUsualAround
+                     ? robust_cover(px, py, kOutlineUsualSight, kOutlineUsualAround)
+                     : robust_cover(px, py, C.sight, C.around);
   covered = covered * C.opacity;
   store_outline(covered);
   Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));

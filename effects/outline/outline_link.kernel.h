@@ -8,13 +8,11 @@
 // of several rows.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them; how sure they are is now 0 for nothing to kSure for what
-// is to be drawn whole. outline_around is what lies along the row as far as lines may reach, before this pass: 0 for no
-// line, below 0 where one ends.
+// is to be drawn whole.
 IN_REAL(outline_steep)
 IN_REAL(outline_flat)
 OUT_REAL(outline_steep_linked)
 OUT_REAL(outline_flat_linked)
-OUT_REAL(outline_around)
 #include "effects/outline/outline_piece.kernel.h"
 
 CONST int kRows = 9;                  // times the stride,
@@ -141,9 +139,11 @@ FN Line followed(int lying, Int px, Int py, Real piece, Bool asked, int near, in
     line.clear = mad(up, line.up.sure, mad(down, line.down.sure, line.clear));
     line.found = line.found + up + down;
     line.sides = mad(up, line.up.level, mad(down, line.down.level, line.sides));
-    straight = straight && line.up.on && line.down.on && abs(line.up.place + line.down.place - place - place) < bend;
+    Bool both = up_found && down_found;
+    Bool bent = both && !(abs(line.up.place + line.down.place - place - place) < bend);
+    straight = straight && line.up.on && line.down.on && !bent;
     // Of the first rows outline_refine has the mean.
-    Real counts = select(straight && up_found && down_found, row < kFirstHop ? none : stands_for, none);
+    Real counts = select(straight && both, row < kFirstHop ? none : stands_for, none);
     line.pairs = line.pairs + counts;
     line.places = mad(counts, line.up.place + line.down.place, line.places);
     line.moments = mad(counts, (line.down.place - line.up.place) * Real(float(row)), line.moments);
@@ -160,7 +160,7 @@ FN Bool meets(int lying, Int px, Int py, Bool asked, Int row, int towards, Real 
   if (!some(asked)) return found;
   Int first = to_int(floor(place));
   for (int j = -kTurns - 1; j <= kTurns; ++j)
-    for (int i = -kMeets; i <= kMeets + 1; ++i) {
+    for (int i = -kMeets; i <= kMeets; ++i) {
       Int X = lying == 0 ? px + first + Int(i) : px + row + Int(j);
       Int Y = lying == 0 ? py + row + Int(j) : py + first + Int(i);
       Bool here = asked && !found && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
@@ -170,7 +170,7 @@ FN Bool meets(int lying, Int px, Int py, Bool asked, Int row, int towards, Real 
         Real across = lying == 0 ? load_outline_flat(X, Y) : load_outline_steep(X, Y);
         met = is_piece(across) && sure_of(across) > kClear;
       }
-      if (j * towards >= 0) {
+      if (j * towards >= 0 && j * towards <= kTurns) {
         Real along = lying == 0 ? load_outline_steep(X, Y) : load_outline_flat(X, Y);
         met = met || (is_piece(along) && sure_of(along) > kClear);
       }
@@ -278,18 +278,9 @@ FN Real looked_along(int lying, Int px, Int py, Real piece) {
   return select(drawn && !is_piece(found), instead, found);
 }
 
-// All bits of the pieces along this row as far as lines may reach.
-FN Real pieces_around(int sight) {
-  Uint any = Uint(0u);
-  for (int i = -sight; i <= sight; ++i)
-    any = any | bits_of(near_outline_steep(i, 0)) | bits_of(near_outline_flat(i, 0));
-  return real_of_bits(any);
-}
-
 FN void outline_link_pixel(Int px, Int py) {
   Real steep = near_outline_steep(0, 0);
   Real lower = near_outline_flat(0, 0);
-  store_outline_around(C.sight == kOutlineUsualSight ? pieces_around(kOutlineUsualSight) : pieces_around(C.sight));
   if (some(is_piece(steep))) steep = looked_along(0, px, py, steep);
   if (some(is_piece(lower))) lower = looked_along(1, px, py, lower);
   store_outline_steep_linked(steep);

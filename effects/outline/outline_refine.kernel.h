@@ -55,7 +55,7 @@ FN Bool faint_crease(Real v) { return v < 0.0f && floor(code_of(v)) == Real(kMid
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
 // else 0: its code; how far beside. Straight on comes before aside, and of both sides the clearer one, but no faint
 // crease before a clear one.
-FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool lone) {
+FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool mixes, Bool lone) {
   int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
   Real after = Real(0.0f);
@@ -71,9 +71,9 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
                     before);
   }
   alive = alive && (lying == 0 ? near_inside(0, row) : near_inside(row, 0));
-  Bool back = same_line(before, side, clear);
-  Bool on = same_line(after, side, clear);
-  Bool ahead = same_line(straight, side, clear);
+  Bool back = same_line(before, side, mixes);
+  Bool on = same_line(after, side, mixes);
+  Bool ahead = same_line(straight, side, mixes);
   Bool clear_back = clear && back && before > 0.0f;
   on = on && !(clear_back && faint_crease(after));
   ahead = ahead && !((clear_back || (clear && on && after > 0.0f)) && faint_crease(straight));
@@ -146,8 +146,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool ends = !up_alive;
   for (int k = 1; k <= kRows; ++k) {
     if (!some(up_alive || down_alive)) continue;
-    up = follow(lying, -k, up.y, up_alive, side, mixes, lone);
-    down = follow(lying, k, down.y, down_alive, side, mixes, lone);
+    up = follow(lying, -k, up.y, up_alive, side, clear, mixes, lone);
+    down = follow(lying, k, down.y, down_alive, side, clear, mixes, lone);
     up_alive = abs(up.x) > 0.0f;
     down_alive = abs(down.x) > 0.0f;
     Real up_code = code_of(up.x);

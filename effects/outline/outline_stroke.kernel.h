@@ -1,0 +1,45 @@
+// What outline_join and outline know of a piece of outline_link: the stroke that is drawn along it, and the stroke that
+// joins its end to another line's.
+//
+// outline_join is 0 where there is no piece and kOnlyEnds where there is one, below 0 where a line ends; of an end that
+// is joined it has these bits, from the lowest: 9 and 9 for how far the middle of the other end is to the right and
+// down, in eighths of a pixel, from -32; 4 for how sure the other end is; 1 for whether it is the steep piece that ends
+// here; 1, which tells that it is joined.
+
+CONST int kSteepBit = 22;
+CONST int kJoinedBit = 23;
+CONST float kApart = 256.0f;     // of no distance
+CONST float kApartSteps = 8.0f;  // per pixel
+
+// On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
+FN Real side_of(Real piece) { return mad(level_of(piece), Real(1.0f / 32.0f), Real(-1.0f)); }
+
+// How sure a piece is, 0 to 1: outline_link leaves no speck.
+FN Real linked_of(Real piece) { return bits_at(piece, 23, Uint(31u)) * Real(1.0f / kSure); }
+
+// The middle of a piece's stroke where it crosses its row (column), from the pixel's centre.
+FN Vec2 middle_of(Real piece, Bool steep, float width) {
+  Real slope = slope_of(piece);
+  Real shrink = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
+  Real aside = side_of(piece) * linked_of(piece) * (-0.5f * width) * shrink;
+  Real across = place_of(piece) + aside;
+  Real along = -slope * aside;
+  return Vec2(select(steep, across, along), select(steep, along, across));
+}
+
+FN Real packed_join(Vec2 apart, Real sure, Bool steep) {
+  Uint right = to_uint(to_int(floor(mad(apart.x, Real(kApartSteps), Real(kApart + 0.5f)))));
+  Uint down = to_uint(to_int(floor(mad(apart.y, Real(kApartSteps), Real(kApart + 0.5f)))));
+  Uint kind = to_uint(select(steep, Int(3), Int(2)));
+  Uint bits = right | (down << 9) | (to_uint(to_int(sure * kSure + 0.5f)) << 18) | (kind << kSteepBit);
+  return real_of_bits(bits | Uint(0x40000000u));
+}
+
+// Whether any of several numbers, of which these are all bits, is that of a joined end.
+FN Bool has_join(Uint bits) { return !(to_signed((bits >> kJoinedBit) & Uint(1u)) == Int(0)); }
+FN Bool joined_steep(Real join) { return !(to_signed((bits_of(join) >> kSteepBit) & Uint(1u)) == Int(0)); }
+FN Vec2 joined_apart(Real join) {
+  return Vec2((bits_at(join, 0, Uint(511u)) - kApart) * Real(1.0f / kApartSteps),
+              (bits_at(join, 9, Uint(511u)) - kApart) * Real(1.0f / kApartSteps));
+}
+FN Real joined_sure(Real join) { return bits_at(join, 18, Uint(15u)) * Real(1.0f / kSure); }
