@@ -15,13 +15,23 @@ OUT_REAL(outline_join)
 #include "effects/outline/outline_stroke.kernel.h"
 
 CONST float kLeastSeen = 4.5f;    // sure_of from which on a piece counts
-CONST int kFree = 2;              // pixels ahead of an end and beside it in which there is no other line
-CONST float kFacing = 0.7f;       // least cosine between the way of an end and where the other one is
+CONST int kFree = 3;              // pixels around an end in which no line is
+CONST float kAhead = 0.8f;        // from so many pixels ahead
+CONST float kNear = 2.2f;         // to so many,
+CONST float kAside = 2.0f;        // and, not ahead, so many beside its way
+CONST float kShallow = 16.0f;     // pixel sizes, per pixel of stride, that an end's jump may be
+CONST int kBefore = 4;            // rows (columns) before an end that tell its way,
+CONST float kAstray = 1.6f;       // pixels from one to the next: more is another line
+CONST float kLeastOnward = 0.6f;  // of an end's way, along its rows (columns): others lean too much
+CONST int kBeside = 2;            // per pixel of stride: see beside()
+CONST float kFacing = 1.0f;       // least pixels ahead per pixel aside
 CONST float kAlike = 0.5f;        // and between the ways of both
 CONST float kBends = 2.0f;        // pixels farther that an end may be that is ahead, per pixel of detour
 CONST float kBlocks = 1.0f;       // pixels beside the way ahead, within which another line blocks it,
 CONST float kBlocksMore = 0.2f;   // and more per pixel
-CONST float kOneSurface = 10.0f;  // pixel sizes per pixel that a surface may be deeper at the other end
+CONST float kDeep = 3.0f;         // pixel sizes that a surface may be before or behind the line between two ends,
+CONST float kDeeper = 1.0f;       // and more per pixel between them
+CONST int kSamples = 5;           // of it
 CONST float kHasSide = 0.05f;     // of nearer surfaces
 CONST float kNever = 1e6f;        // the cost of what is not joined
 
@@ -42,64 +52,144 @@ FN Real piece_at(Bool steep, Int X, Int Y) {
   Real piece = select(steep, load_outline_steep_linked(X, Y), load_outline_flat_linked(X, Y));
   return select(inside, piece, Real(0.0f));
 }
+
+// The steep piece (lying 0), or the flat one (1), so far from pixel (X, Y).
+FN Real piece_near(int lying, Int X, Int Y, int i, int j) {
+  Int x = X + Int(i);
+  Int y = Y + Int(j);
+  Bool inside = x >= Int(0) && x < Int(F.width) && y >= Int(0) && y < Int(F.height);
+  return select(inside, lying == 0 ? load_outline_steep_linked(x, y) : load_outline_flat_linked(x, y), Real(0.0f));
+}
+
 FN Bool seen(Real piece) { return is_piece(piece) && linked_of(piece) * kSure > kLeastSeen; }
 
-// Whether a line goes on in its next row (column), or there is another one near its end.
+// How far the middle of a piece's stroke is from a point of this pixel, so many pixels from that one.
+FN Vec2 apart_of(Real piece, int lying, int i, int j, Vec2 at) {
+  Bool yes = is_piece(piece) || !is_piece(piece);
+  if (lying == 1) yes = !yes;
+  return middle_of(piece, yes, C.width_px) + Vec2(Real(float(i)) - at.x, Real(float(j)) - at.y);
+}
+
+FN Real cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+
+// Whether a line has a piece in its next row (column), or goes on there in one of the other kind.
 FN Bool goes_on(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) {
   Real expected = mad(slope_of(piece), towards, place_of(piece));
-  Int across = to_int(floor(expected));
+  Int first = to_int(floor(expected));
+  Int nearest = to_int(floor(expected + 0.5f));
   Int along = to_int(towards);
   Bool found = asked && !asked;
   for (int k = -1; k <= 1; ++k) {
-    Int aside = across + Int(k);
-    Real next = piece_at(steep, X + select(steep, aside, along), Y + select(steep, along, aside));
-    found = found || (asked && seen(next));
+    Int aside = first + Int(k);
+    found = found || (asked && seen(piece_at(steep, X + select(steep, aside, along), Y + select(steep, along, aside))));
   }
-  for (int j = 0; j <= kFree; ++j)
-    for (int k = -kFree; k <= kFree; ++k) {
-      Bool look = asked && !found;
-      if (!some(look)) continue;
-      Int aside = across + Int(k);
-      Int on = along * Int(j);
-      Int x = X + select(steep, aside, on);
-      Int y = Y + select(steep, on, aside);
-      Bool other = seen(piece_at(!steep, x, y));
-      if (j > 0) other = other || seen(piece_at(steep, x, y));
-      found = found || (look && other);
-    }
+  for (int k = -1; k <= 0; ++k) {
+    Bool look = asked && !found;
+    if (!some(look)) continue;
+    Int on = along + Int(k);
+    found = found || (look && seen(piece_at(!steep, X + select(steep, nearest, on), Y + select(steep, on, nearest))));
+  }
   return found;
 }
 
-// Whether a line ends here, and is there on the other side.
-FN Bool ends_at(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) {
-  Bool ends = asked;
-  if (some(ends)) ends = ends && !goes_on(ends, X, Y, piece, steep, towards);
-  if (some(ends)) ends = ends && goes_on(ends, X, Y, piece, steep, -towards);
-  return ends;
+// Whether the two surfaces of a piece are not far from each other: a line that ends on a surface ends where its jump is
+// little, and others end behind something.
+FN Bool is_shallow(Int X, Int Y, Real piece, Bool steep) {
+  Real depth1 = load_depth(X, Y);
+  Real depth2 = load_depth(X + select(steep, Int(1), Int(0)), Y + select(steep, Int(0), Int(1)));
+  Real pixel = Real(F.ray_scale_x * kShallow * float(C.stride));
+  if (F.orthographic == 0) pixel = pixel * min(depth1, depth2);
+  return abs(depth1 - depth2) < pixel;
 }
 
-FN End end_of(Bool on, Int X, Int Y, Real piece, Bool steep, Real towards) {
+// The way of a line at its end `at`, outward: from the mean of its strokes' middles in the few rows (columns) before
+// it, since the end's own piece knows that from too few. 0 where there are none.
+FN Vec2 way_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards, Vec2 at) {
+  Vec2 sum = Vec2(Real(0.0f), Real(0.0f));
+  Real count = Real(0.0f);
+  Real place = place_of(piece);
+  for (int k = 1; k <= kBefore; ++k) {
+    Int along = to_int(-towards * float(k));
+    Real from = place;
+    Real nearest = Real(kAstray);
+    // Three pieces of its kind in this row (column), and two of the other kind in which it may cross that.
+    for (int i = 0; i < 5; ++i) {
+      Bool kind = i < 3 ? steep : !steep;
+      Int across = to_int(floor(i < 3 ? from : from + 0.5f)) + Int(i < 3 ? i - 1 : 0);
+      Int on = along - Int(i == 4 ? 1 : 0);
+      Int i_x = select(steep, across, on);
+      Int i_y = select(steep, on, across);
+      Real other = piece_at(kind, X + i_x, Y + i_y);
+      Bool here = asked && seen(other);
+      if (!some(here)) continue;
+      Vec2 middle = middle_of(other, kind, C.width_px) + Vec2(to_real(i_x), to_real(i_y));
+      Real crossed = i < 3 ? to_real(across) + place_of(other) : select(steep, middle.x, middle.y);
+      here = here && abs(crossed - from) < nearest;
+      nearest = select(here, abs(crossed - from), nearest);
+      place = select(here, crossed, place);
+      sum = Vec2(select(here, sum.x + middle.x, sum.x), select(here, sum.y + middle.y, sum.y));
+      count = select(here, count + 1.0f, count);
+    }
+  }
+  Vec2 way = at - sum * (Real(1.0f) / max(count, Real(1.0f)));
+  Real length = sqrt(max(dot(way, way), Real(1e-6f)));
+  return way * (select(count > 0.0f, Real(1.0f), Real(0.0f)) / length);
+}
+
+// Whether any line is near an end, but before it.
+FN Bool is_near(Bool asked, Int X, Int Y, Vec2 way, Vec2 at) {
+  Bool found = asked && !asked;
+  for (int j = -kFree; j <= kFree; ++j)
+    for (int i = -kFree; i <= kFree; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        if (!some(asked && !found)) continue;
+        Real piece = piece_near(lying, X, Y, i, j);
+        Bool here = asked && !found && seen(piece);
+        if (!some(here)) continue;
+        Vec2 apart = apart_of(piece, lying, i, j, at);
+        Real ahead = dot(way, apart);
+        Bool on = ahead > kAhead && ahead < kNear;
+        found = found || (here && (on || (ahead < kAhead && abs(cross(way, apart)) > kAside)));
+      }
+  return found;
+}
+
+// The end of a line at a piece, if it is asked for and there is one.
+FN End end_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) {
   Real slope = slope_of(piece);
-  Real shrink = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
-  Vec2 way = Vec2(select(steep, slope, Real(1.0f)), select(steep, Real(1.0f), slope)) * (shrink * towards);
-  Real side = side_of(piece) * shrink;
+  Real side = side_of(piece) / sqrt(mad(slope, slope, Real(1.0f)));
   Vec2 nearer = Vec2(select(steep, -side, slope * side), select(steep, slope * side, -side));
   Vec2 at = middle_of(piece, steep, C.width_px);
-  at = Vec2(at.x + to_real(X), at.y + to_real(Y));
-  return End(on, X, Y, steep, towards, at, way, nearer);
+  Vec2 way = Vec2(Real(0.0f), Real(0.0f));
+  Bool on = asked;
+  if (some(on)) on = on && is_shallow(X, Y, piece, steep);
+  if (some(on)) on = on && !goes_on(on, X, Y, piece, steep, towards);
+  if (some(on)) {
+    way = way_of(on, X, Y, piece, steep, towards, at);
+    on = on && dot(way, way) > 0.5f;
+  }
+  if (some(on)) on = on && !is_near(on, X, Y, way, at);
+  return End(on, X, Y, steep, towards, at + Vec2(to_real(X), to_real(Y)), way, nearer);
+}
+
+// Pixels beside its way, within which another end need not be ahead.
+FN int beside() { return kBeside * C.stride + 1; }
+
+// Whether an end at so much from another one, with such a way, faces it: ahead, or, if it is near, just not behind.
+FN Bool faces(Vec2 way, Vec2 apart) {
+  Real along = dot(way, apart);
+  Real aside = abs(cross(way, apart));
+  return along > aside * kFacing || (along > 0.0f && aside < Real(float(beside())));
 }
 
 // What it costs to join two ends; kNever if they are none of one line.
 FN Real cost_of(End a, End b) {
   Vec2 apart = b.at - a.at;
-  Real squared = dot(apart, apart);
-  Real distance = sqrt(squared);
-  Real along_a = dot(a.way, apart);
-  Real along_b = -dot(b.way, apart);
-  Bool fits = min(along_a, along_b) > distance * kFacing && dot(a.way, b.way) < -kAlike &&
-              distance < Real(float(C.join) + 0.5f) && dot(a.nearer, b.nearer) > -kHasSide;
-  Real cost = mad(distance * 2.0f - along_a - along_b, Real(kBends), distance);
-  return select(a.on && b.on && fits, cost, Real(kNever));
+  Real distance = sqrt(dot(apart, apart));
+  Bool fits = distance < Real(float(C.join) + 0.5f) && faces(a.way, apart) && faces(b.way, a.at - b.at) &&
+              dot(a.way, b.way) < -kAlike && dot(a.nearer, b.nearer) > -kHasSide;
+  Real detour = distance * 2.0f - dot(a.way, apart) + dot(b.way, apart);
+  return select(a.on && b.on && fits, mad(detour, Real(kBends), distance), Real(kNever));
 }
 
 // Depth and object of the nearer surface at an end.
@@ -112,22 +202,40 @@ FN Vec2 surface_of(End a) {
   return Vec2(load_depth(x, y), load_object_id(x, y));
 }
 
+// Whether the surface is one from an end to another: of one object, and on the way not far from the line between them.
+FN Bool one_surface(Bool asked, End a, End b) {
+  Vec2 here = surface_of(a);
+  Vec2 there = surface_of(b);
+  Vec2 apart = b.at - a.at;
+  Real pixel = Real(F.ray_scale_x);
+  if (F.orthographic == 0) pixel = pixel * min(here.x, there.x);
+  Real bound = pixel * mad(abs(apart.x) + abs(apart.y), Real(kDeeper), Real(kDeep));
+  Bool one = asked && here.y == there.y && abs(here.x - there.x) < bound;
+  for (int k = 1; k <= kSamples; ++k) {
+    if (!some(one)) continue;
+    Real share = Real(float(k) / float(kSamples + 1));
+    Int x = to_int(floor(mad(apart.x, share, a.at.x + 0.5f)));
+    Int y = to_int(floor(mad(apart.y, share, a.at.y + 0.5f)));
+    Real between = mad(there.x - here.x, share, here.x);
+    one = one && abs(load_depth(x, y) - between) < bound && load_object_id(x, y) == here.y;
+  }
+  return one;
+}
+
 // The end that is best to be joined to an end.
 FN_RARE End best_for(End a) {
   End best = a;
   best.on = a.on && !a.on;
   Real least = Real(kNever);
   Bool on = a.on;
-  Vec2 surface = surface_of(a);
-  Real pixel = Real(F.ray_scale_x * kOneSurface);
-  if (F.orthographic == 0) pixel = pixel * surface.x;
   Int along = to_int(a.towards);
-  Real piece = piece_at(a.steep, a.x, a.y);
-  for (int j = 0; j <= C.join; ++j) {
-    int wide = 2 + (j * 4) / 5;
+  Real place = place_of(piece_at(a.steep, a.x, a.y));
+  Real lean = select(a.steep, a.way.x, a.way.y) / max(abs(select(a.steep, a.way.y, a.way.x)), Real(kLeastOnward));
+  for (int j = -beside(); j <= C.join; ++j) {
+    int wide = beside() + 1 + (j > 0 ? j / 2 : 0);
     Bool open = on && least > Real(float(j));
     if (!some(open)) continue;
-    Int across = to_int(floor(mad(slope_of(piece), a.towards * float(j), place_of(piece))));
+    Int across = to_int(floor(mad(lean, Real(float(j)), place)));
     Bool blocked = on && !on;
     for (int k = -wide; k <= wide; ++k) {
       Int aside = across + Int(k);
@@ -138,25 +246,18 @@ FN_RARE End best_for(End a) {
         Bool steep = kind == 0 ? a.steep : !a.steep;
         Real other = piece_at(steep, x, y);
         Bool here = open && seen(other);
-        if (j == 0 && kind == 0) here = here && !here;
         if (!some(here)) continue;
-        End b = end_of(here, x, y, other, steep, Real(1.0f));
-        Vec2 apart = b.at - a.at;
-        Bool away = dot(b.way, apart) > 0.0f;
-        b.towards = select(away, Real(-1.0f), b.towards);
-        b.way = Vec2(select(away, -b.way.x, b.way.x), select(away, -b.way.y, b.way.y));
-        Real cost = cost_of(a, b);
-        Bool fits = here && cost < kNever;
-        if (some(fits)) fits = fits && ends_at(fits, x, y, other, steep, b.towards);
-        if (some(fits)) {
-          Vec2 there = surface_of(b);
-          fits =
-              fits && there.y == surface.y && abs(there.x - surface.x) < pixel * (abs(apart.x) + abs(apart.y) + 1.0f);
-        }
-        Real off = abs(a.way.x * apart.y - a.way.y * apart.x);
+        Vec2 apart = middle_of(other, steep, C.width_px) + Vec2(to_real(x), to_real(y)) - a.at;
         Real straight = dot(a.way, apart);
-        blocked =
-            blocked || (here && !fits && straight > 1.0f && off < mad(straight, Real(kBlocksMore), Real(kBlocks)));
+        Bool fits = here && faces(a.way, apart);
+        Real towards = select(select(steep, a.way.y, a.way.x) > 0.0f, Real(-1.0f), Real(1.0f));
+        End b = end_of(fits, x, y, other, steep, towards);
+        Real cost = cost_of(a, b);
+        fits = fits && cost < kNever;
+        if (some(fits)) fits = fits && one_surface(fits, a, b);
+        Real off = abs(cross(a.way, apart));
+        Bool blocks = here && !fits && straight > 1.0f && off < mad(straight, Real(kBlocksMore), Real(kBlocks));
+        blocked = blocked || blocks;
         Bool better = fits && cost < least;
         least = select(better, cost, least);
         best.on = best.on || better;
@@ -173,10 +274,14 @@ FN_RARE End best_for(End a) {
 }
 
 // `coded`, or what outline_join tells of the end of a piece, if it is joined.
-FN Real joined(Int px, Int py, Real piece, Bool steep, Real towards, Real coded) {
-  Bool look = ends_at(seen(piece), px, py, piece, steep, towards);
+FN Real joined(Int px, Int py, int lying, Real piece, int side, Real coded) {
+  Bool look = seen(piece);
   if (!some(look)) return coded;
+  Bool steep = look || !look;
+  if (lying == 1) steep = !steep;
+  Real towards = Real(float(side));
   End a = end_of(look, px, py, piece, steep, towards);
+  if (!some(a.on)) return coded;
   End b = best_for(a);
   if (!some(b.on)) return coded;
   End back = best_for(b);
@@ -192,11 +297,10 @@ FN void outline_join_pixel(Int px, Int py) {
   Bool any = is_piece(steep) || is_piece(lower);
   Real coded = Real(0.0f);
   if (some(any)) {
-    Bool yes = any || !any;
     coded = select(any, Real(kOnlyEnds), coded);
     for (int towards = -1; towards <= 1; towards += 2) {
-      if (some(is_piece(steep))) coded = joined(px, py, steep, yes, Real(float(towards)), coded);
-      if (some(is_piece(lower))) coded = joined(px, py, lower, !yes, Real(float(towards)), coded);
+      coded = joined(px, py, 0, steep, towards, coded);
+      coded = joined(px, py, 1, lower, towards, coded);
     }
     coded = select(steep < 0.0f || lower < 0.0f, -coded, coded);
   }

@@ -678,6 +678,60 @@ TEST(Outline, SeamsOfRoundThingsAreOneLine) {
   EXPECT_EQ(drawn, 2 * 4 * 3 * 4 * 4);
 }
 
+/// The second of two lines that end facing each other.
+struct Facing {
+  double gap_px, aside_px;   ///< from the first, along it and to its nearer side
+  bool turned_over = false;  ///< its nearer side is the other one
+  bool other_object = false;
+};
+
+/// Two ramps that rise from a plane and end in a jump each, which are lines. They are as far apart as is asked where
+/// the jumps are deep enough to be sure. As in coarse meshes normals tell nothing of this.
+Scene facing_ends(double angle_deg, const Facing& second, const Lens& lens) {
+  constexpr double kJumpPx = 5.0;  // with a ramp that rises a pixel size per pixel
+  const double a = radians(angle_deg), pixel = lens.pixel() * (lens.orthographic ? 1.0 : kFocus);
+  const dvec3 middle(kOffX, kOffY, -kFocus), along(std::cos(a), std::sin(a), 0.0), up(-std::sin(a), std::cos(a), 0.0),
+      front(0, 0, 1);
+  const auto ramp = [&](double sign, const dvec3& nearer, double aside_px, int object) {
+    const dvec3 top = glm::normalize(front + along * sign);
+    const double foot_px = kJumpPx - 0.5 * second.gap_px;
+    return convex_solid({{top, glm::dot(top, middle + along * (sign * foot_px * pixel))},
+                         {-nearer, glm::dot(-nearer, middle + up * (aside_px * pixel))}},
+                        object);
+  };
+  const Scene scene = together({convex_solid({{front, glm::dot(front, middle)}}), ramp(1.0, up, 0.0, 0),
+                                ramp(-1.0, second.turned_over ? -up : up, second.aside_px, second.other_object)});
+  return [=](const dvec3& origin, const dvec3& direction) {
+    Hit hit = scene(origin, direction);
+    hit.normal = front;
+    return hit;
+  };
+}
+
+TEST(Outline, EndsThatFaceEachOtherAreJoined) {
+  const auto is_whole = [](const Lens& lens, double angle, const Facing& second) {
+    const Plane lines = lines_of(seen(lens, facing_ends(angle, second, lens)), {{"ids", "none"}});
+    EXPECT_GT(count(lines), 100);
+    return largest_set(lines) == count(lines);
+  };
+  for (const int height : {256, 1400, 2160})
+    for (const bool orthographic : {false, true})
+      for (const double angle : {3.0, 20.0, 40.0, 52.0, 70.0, 88.0}) {
+        if (height > 256 && orthographic != (angle > 45.0)) continue;
+        const double stride = std::clamp(std::round(height / 810.0), 1.0, 4.0);
+        const Lens lens{120, height, orthographic};
+        const std::string where = fmt::format("{} high, {} degrees{}", height, angle, orthographic ? ", flat" : "");
+        for (const double gap : {7.0, 9.0})
+          for (const double aside : {-2.0, 0.0, 1.5})
+            EXPECT_TRUE(is_whole(lens, angle, {.gap_px = gap * stride, .aside_px = aside * stride}))
+                << where << ", gap " << gap << ", aside " << aside;
+        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 25.0 * stride, .aside_px = 0.0})) << where << ", far";
+        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 11.0, .aside_px = 9.0 * stride})) << where << ", aside";
+        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 9.0 * stride, .aside_px = -1.5, .turned_over = true})) << where;
+        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 9.0 * stride, .aside_px = 0.0, .other_object = true})) << where;
+      }
+}
+
 /// A jump of so many pixel sizes that is a steep surface, `wide_px` wide in the picture.
 Scene steep_step(double angle_deg, double wide_px, double depth_px, const Lens& lens) {
   const double a = radians(angle_deg);
@@ -995,6 +1049,7 @@ TEST(Outline, LinesOfTheInitialWidthAreTheFastOnes) {
   outline.constants(initial_parameters(outline.parameters, outline.params_size), test::empty_gbuffer(64, 64).info,
                     &constants);
   EXPECT_EQ(constants.sight, kOutlineUsualSight);
+  EXPECT_EQ(constants.around, kOutlineUsualAround);
 }
 
 TEST(Outline, NormalsThatAreNoneHaveADefinedResult) {
