@@ -25,7 +25,6 @@ const float kOutlineWidest = 16.0f;  // pixels
 // OutlineConstants::sight of lines of the initial width. Loops of that many steps are written out, which makes them
 // twice as fast.
 const int kOutlineUsualSight = 4;
-const int kOutlineUsualAround = 6;
 
 struct OutlineConstants {
   int mode;

@@ -227,7 +227,7 @@ FN Real lines_cover(Uint any, Int px, Int py, int sight) {
   Bool ends = to_signed(any) < Int(0);
   Real left = Real(0.0f);
   Real right = Real(0.0f);
-  if (some(!(to_signed(bits_of(near_outline_around(0, 0))) == Int(0)))) {
+  if (some(has_line(bits_of(near_outline_around(0, 0))))) {
     left = seen_cover(0, -1, sight);
     right = seen_cover(0, 1, sight);
   }
@@ -240,17 +240,21 @@ FN Real lines_cover(Uint any, Int px, Int py, int sight) {
   return between_lines(covered, across || along, ends, px, py, sight);
 }
 
-FN Real robust_cover(Int px, Int py, int sight, int around) {
+FN Real robust_cover(Int px, Int py, int sight) {
   Uint any = Uint(0u);
-  for (int j = -around; j <= around; ++j) any = any | bits_of(near_outline_around(0, j));
-  if (!some(!(to_signed(any) == Int(0)))) return Real(0.0f);
-  return joins_or(lines_cover(any, px, py, sight), has_join(any));
+  for (int j = -sight; j <= sight; ++j) any = any | bits_of(near_outline_around(0, j));
+  Uint far = any;
+  for (int j = sight + 1; j <= C.around; ++j)
+    far = far | bits_of(near_outline_around(0, -j)) | bits_of(near_outline_around(0, j));
+  if (!some(!(to_signed(far) == Int(0)))) return Real(0.0f);
+  Real covered = Real(0.0f);
+  if (some(has_line(any))) covered = lines_cover(any, px, py, sight);
+  return joins_or(covered, has_join(far));
 }
 
 FN void outline_pixel(Int px, Int py) {
-  Real covered = C.sight == kOutlineUsualSight && C.around == kOutlineUsualAround
-                     ? robust_cover(px, py, kOutlineUsualSight, kOutlineUsualAround)
-                     : robust_cover(px, py, C.sight, C.around);
+  Real covered =
+      C.sight == kOutlineUsualSight ? robust_cover(px, py, kOutlineUsualSight) : robust_cover(px, py, C.sight);
   covered = covered * C.opacity;
   store_outline(covered);
   Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));

@@ -1,14 +1,19 @@
-// What lies along each pixel's row as far as lines and joined strokes may reach: all bits of outline_join, so that
-// `outline` passes over the rest.
+// What lies along each pixel's row as far as lines and what joins them may reach, so that `outline` passes over the
+// rest: all bits of outline_join as far as lines reach, and from there on whether there is a joined end.
 IN_REAL(outline_join)
 OUT_REAL(outline_around)
+#include "effects/outline/outline_piece.kernel.h"
+#include "effects/outline/outline_stroke.kernel.h"
 
-FN Real bits_around(int around) {
+FN Real bits_around(int sight) {
   Uint any = Uint(0u);
-  for (int i = -around; i <= around; ++i) any = any | bits_of(near_outline_join(i, 0));
-  return real_of_bits(any);
+  for (int i = -sight; i <= sight; ++i) any = any | bits_of(near_outline_join(i, 0));
+  Uint far = Uint(0u);
+  for (int i = sight + 1; i <= C.around; ++i)
+    far = far | bits_of(near_outline_join(-i, 0)) | bits_of(near_outline_join(i, 0));
+  return real_of_bits(any | (far & (Uint(1u) << kJoinedBit)));
 }
 
 FN void outline_gather_pixel(Int px, Int py) {
-  store_outline_around(C.around == kOutlineUsualAround ? bits_around(kOutlineUsualAround) : bits_around(C.around));
+  store_outline_around(C.sight == kOutlineUsualSight ? bits_around(kOutlineUsualSight) : bits_around(C.sight));
 }

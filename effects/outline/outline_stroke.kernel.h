@@ -3,13 +3,14 @@
 //
 // outline_join is 0 where there is no piece and kOnlyEnds where there is one, below 0 where a line ends; of an end that
 // is joined it has these bits, from the lowest: 9 and 9 for how far the middle of the other end is to the right and
-// down, in eighths of a pixel, from -32; 4 for how sure the other end is; 1 for whether it is the steep piece that ends
+// down, in sevenths of a pixel; 4 for how sure the other end is; 1 for whether it is the steep piece that ends
 // here; 1, which tells that it is joined.
 
 CONST int kSteepBit = 22;
 CONST int kJoinedBit = 23;
+CONST int kLineBit = 30;         // of kOnlyEnds
 CONST float kApart = 256.0f;     // of no distance
-CONST float kApartSteps = 8.0f;  // per pixel
+CONST float kApartSteps = 7.0f;  // per pixel: 34.5 of them fit
 
 // On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
 FN Real side_of(Real piece) { return mad(level_of(piece), Real(1.0f / 32.0f), Real(-1.0f)); }
@@ -32,10 +33,11 @@ FN Real packed_join(Vec2 apart, Real sure, Bool steep) {
   Uint down = to_uint(to_int(floor(mad(apart.y, Real(kApartSteps), Real(kApart + 0.5f)))));
   Uint kind = to_uint(select(steep, Int(3), Int(2)));
   Uint bits = right | (down << 9) | (to_uint(to_int(sure * kSure + 0.5f)) << 18) | (kind << kSteepBit);
-  return real_of_bits(bits | Uint(0x40000000u));
+  return real_of_bits(bits | (Uint(1u) << kLineBit));
 }
 
-// Whether any of several numbers, of which these are all bits, is that of a joined end.
+// Whether any of several numbers, of which these are all bits, is that of a piece, or of a joined end.
+FN Bool has_line(Uint bits) { return !(to_signed((bits >> kLineBit) & Uint(1u)) == Int(0)); }
 FN Bool has_join(Uint bits) { return !(to_signed((bits >> kJoinedBit) & Uint(1u)) == Int(0)); }
 FN Bool joined_steep(Real join) { return !(to_signed((bits_of(join) >> kSteepBit) & Uint(1u)) == Int(0)); }
 FN Vec2 joined_apart(Real join) {

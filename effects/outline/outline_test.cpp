@@ -1049,7 +1049,6 @@ TEST(Outline, LinesOfTheInitialWidthAreTheFastOnes) {
   outline.constants(initial_parameters(outline.parameters, outline.params_size), test::empty_gbuffer(64, 64).info,
                     &constants);
   EXPECT_EQ(constants.sight, kOutlineUsualSight);
-  EXPECT_EQ(constants.around, kOutlineUsualAround);
 }
 
 TEST(Outline, NormalsThatAreNoneHaveADefinedResult) {
