@@ -154,7 +154,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr int kJoin = 2, kJoinStride = 8;  // pixels between ends that are joined, and more per pixel of stride
   c.join = kJoin + kJoinStride * c.stride;
   c.sight = int((c.width_px + kAntialiasing) * kMostStretch) + 1;
-  c.around = std::max(c.sight, c.join / 2 + 1);
+  // Each of two joined ends draws more than half of what joins them.
+  c.around = std::max(c.sight, c.join / 2 + 1 + int(std::ceil(0.5f * c.width_px)));
 }
 
 bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mode == kOutlinePaper; }
@@ -177,7 +178,9 @@ int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);
 }
-int join_reach(const void* constants, int) { return 2 * static_cast<const OutlineConstants*>(constants)->join + 8; }
+/// One end is looked for from another, and from that one back; the rows before it drift 1.6 aside in each of four. What
+/// lies between ends is asked from the middle of the one's stroke to the other's.
+int join_reach(const void* constants, int) { return 2 * static_cast<const OutlineConstants*>(constants)->join + 12; }
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return std::max(c.reach, c.around) + 1;
@@ -231,8 +234,7 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = link_reach},
                  {.name = "outline_join",
-                  .inputs = {"depth", "object_id", "outline_steep", "outline_flat", "outline_steep_linked",
-                             "outline_flat_linked"},
+                  .inputs = {"depth", "object_id", "outline_steep_linked", "outline_flat_linked"},
                   .outputs = {"outline_join"},
                   .scalar = run_scalar_outline_join,
                   .lanes = run_lanes_outline_join,

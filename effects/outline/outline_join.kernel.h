@@ -25,7 +25,7 @@ CONST float kAstray = 1.6f;       // pixels from one to the next: more is anothe
 CONST float kLeastOnward = 0.6f;  // of an end's way, along its rows (columns): others lean too much
 CONST int kBeside = 2;            // per pixel of stride: see beside()
 CONST float kFacing = 1.0f;       // least pixels ahead per pixel aside
-CONST float kAlike = 0.5f;        // and between the ways of both
+CONST float kAlike = 0.5f;        // and between their ways, if one is turned round
 CONST float kBends = 2.0f;        // pixels farther that an end may be that is ahead, per pixel of detour
 CONST float kBlocks = 1.0f;       // pixels beside the way ahead, within which another line blocks it,
 CONST float kBlocksMore = 0.2f;   // and more per pixel
@@ -112,31 +112,34 @@ FN Vec2 way_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards, V
     Int along = to_int(-towards * float(k));
     Real from = place;
     Real nearest = Real(kAstray);
+    Vec2 middle = at;
     // Three pieces of its kind in this row (column), and two of the other kind in which it may cross that.
     for (int i = 0; i < 5; ++i) {
       Bool kind = i < 3 ? steep : !steep;
       Int across = to_int(floor(i < 3 ? from : from + 0.5f)) + Int(i < 3 ? i - 1 : 0);
       Int on = along - Int(i == 4 ? 1 : 0);
-      Int i_x = select(steep, across, on);
-      Int i_y = select(steep, on, across);
-      Real other = piece_at(kind, X + i_x, Y + i_y);
+      Int x = select(steep, across, on);
+      Int y = select(steep, on, across);
+      Real other = piece_at(kind, X + x, Y + y);
       Bool here = asked && seen(other);
       if (!some(here)) continue;
-      Vec2 middle = middle_of(other, kind, C.width_px) + Vec2(to_real(i_x), to_real(i_y));
-      Real crossed = i < 3 ? to_real(across) + place_of(other) : select(steep, middle.x, middle.y);
+      Real crossed = i < 3 ? to_real(across) + place_of(other) : to_real(across);
       here = here && abs(crossed - from) < nearest;
+      Vec2 stroke = middle_of(other, kind, C.width_px) + Vec2(to_real(x), to_real(y));
       nearest = select(here, abs(crossed - from), nearest);
       place = select(here, crossed, place);
-      sum = Vec2(select(here, sum.x + middle.x, sum.x), select(here, sum.y + middle.y, sum.y));
-      count = select(here, count + 1.0f, count);
+      middle = Vec2(select(here, stroke.x, middle.x), select(here, stroke.y, middle.y));
     }
+    Bool found = nearest < kAstray;
+    sum = Vec2(select(found, sum.x + middle.x, sum.x), select(found, sum.y + middle.y, sum.y));
+    count = select(found, count + 1.0f, count);
   }
   Vec2 way = at - sum * (Real(1.0f) / max(count, Real(1.0f)));
   Real length = sqrt(max(dot(way, way), Real(1e-6f)));
   return way * (select(count > 0.0f, Real(1.0f), Real(0.0f)) / length);
 }
 
-// Whether any line is near an end, but before it.
+// Whether any line is near an end, other than its own before it.
 FN Bool is_near(Bool asked, Int X, Int Y, Vec2 way, Vec2 at) {
   Bool found = asked && !asked;
   for (int j = -kFree; j <= kFree; ++j)
@@ -245,7 +248,7 @@ FN_RARE End best_for(End a) {
       for (int kind = 0; kind < 2; ++kind) {
         Bool steep = kind == 0 ? a.steep : !a.steep;
         Real other = piece_at(steep, x, y);
-        Bool here = open && seen(other);
+        Bool here = open && seen(other) && aside <= Int(C.join) && aside >= Int(-C.join);
         if (!some(here)) continue;
         Vec2 apart = middle_of(other, steep, C.width_px) + Vec2(to_real(x), to_real(y)) - a.at;
         Real straight = dot(a.way, apart);
@@ -273,7 +276,7 @@ FN_RARE End best_for(End a) {
   return end_of(best.on, best.x, best.y, found, best.steep, best.towards);
 }
 
-// `coded`, or what outline_join tells of the end of a piece, if it is joined.
+// `coded`, or what outline_join tells of the end of a piece, if it is joined: one in a pixel, the last.
 FN Real joined(Int px, Int py, int lying, Real piece, int side, Real coded) {
   Bool look = seen(piece);
   if (!some(look)) return coded;

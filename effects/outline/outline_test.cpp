@@ -709,25 +709,29 @@ Scene facing_ends(double angle_deg, const Facing& second, const Lens& lens) {
 }
 
 TEST(Outline, EndsThatFaceEachOtherAreJoined) {
-  const auto is_whole = [](const Lens& lens, double angle, const Facing& second) {
-    const Plane lines = lines_of(seen(lens, facing_ends(angle, second, lens)), {{"ids", "none"}});
+  const auto is_whole = [](const Lens& lens, double angle, const Facing& second, const char* width = "2") {
+    const Plane lines = lines_of(seen(lens, facing_ends(angle, second, lens)), {{"ids", "none"}, {"width", width}});
     EXPECT_GT(count(lines), 100);
     return largest_set(lines) == count(lines);
   };
-  for (const int height : {256, 1400, 2160})
+  for (const int height : {256, 1400, 2160, 2900})
     for (const bool orthographic : {false, true})
       for (const double angle : {3.0, 20.0, 40.0, 52.0, 70.0, 88.0}) {
         if (height > 256 && orthographic != (angle > 45.0)) continue;
         const double stride = std::clamp(std::round(height / 810.0), 1.0, 4.0);
-        const Lens lens{120, height, orthographic};
+        const Lens lens{height > 2500 ? 240 : 120, height, orthographic};
         const std::string where = fmt::format("{} high, {} degrees{}", height, angle, orthographic ? ", flat" : "");
-        for (const double gap : {7.0, 9.0})
+        for (const double gap : {7.0, 8.0})
           for (const double aside : {-2.0, 0.0, 1.5})
             EXPECT_TRUE(is_whole(lens, angle, {.gap_px = gap * stride, .aside_px = aside * stride}))
                 << where << ", gap " << gap << ", aside " << aside;
+        // The farthest that are joined, and with lines of another width.
+        EXPECT_TRUE(is_whole(lens, angle, {.gap_px = 8.0 * stride + 2.0, .aside_px = 0.0})) << where << ", farthest";
+        EXPECT_TRUE(is_whole(lens, angle, {.gap_px = 8.0 * stride, .aside_px = 1.0}, "5")) << where << ", wide";
         EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 25.0 * stride, .aside_px = 0.0})) << where << ", far";
-        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 11.0, .aside_px = 9.0 * stride})) << where << ", aside";
-        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 9.0 * stride, .aside_px = -1.5, .turned_over = true})) << where;
+        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 11.0 * stride, .aside_px = 11.0 * stride})) << where << ", aside";
+        EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 9.0 * stride, .aside_px = -1.5 * stride, .turned_over = true}))
+            << where;
         EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 9.0 * stride, .aside_px = 0.0, .other_object = true})) << where;
       }
 }
