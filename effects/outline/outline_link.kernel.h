@@ -274,7 +274,9 @@ FN Real looked_along(int lying, Int px, Int py, Real piece) {
   Bool rest = drawn && !look;
   if (C.stride == 1) rest = rest && (maybe_speck(piece) || uneven(piece));
   if (some(rest)) found = select(rest, confirmed(lying, px, py, piece, rest), found);
-  Real instead = select(abs(level_of(piece) - kMiddle) > kEnds, Real(kOnlyEnds), Real(0.0f));
+  // What is faint is not the end of a surface: it would cut wide lines.
+  Bool ends = abs(level_of(piece) - kMiddle) > kEnds && sure_of(piece) > kClear;
+  Real instead = select(ends, Real(kOnlyEnds), Real(0.0f));
   return select(drawn && !is_piece(found), instead, found);
 }
 

@@ -921,6 +921,35 @@ TEST(Outline, EdgesAtTheLimitOfABevelAreWholeOrFaint) {
         }
 }
 
+TEST(Outline, FaintSpecksDoNotCutWideLines) {
+  // A bump hardly higher than what is none, one pixel wide, below the line of a rim.
+  for (const bool orthographic : {false, true})
+    for (const double angle : {0.0, 20.0, 70.0, 90.0})
+      for (const double height_px : {3.3, 4.0, 5.0}) {
+        const Lens lens{128, 128, orthographic};
+        const double a = radians(angle), pixel = lens.pixel() * (orthographic ? 1.0 : kFocus);
+        const dvec3 middle(kOffX, kOffY, -kFocus), along(std::cos(a), std::sin(a), 0.0),
+            up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+        const auto flat = [&](double depth, double half_px, double from_px, double to_px) {
+          return convex_solid({{front, glm::dot(front, middle) + depth},
+                               {up, glm::dot(up, middle) + to_px * pixel},
+                               {-up, glm::dot(-up, middle) - from_px * pixel},
+                               {along, glm::dot(along, middle) + half_px * pixel},
+                               {-along, glm::dot(-along, middle) + half_px * pixel}});
+        };
+        const Scene plain = flat(0.0, 1e4, -1e4, 0.0);
+        const Scene bumpy = together({plain, flat(height_px * pixel, 0.7, -4.7, -3.3)});
+        const Plane lines = lines_of(seen(lens, plain), {{"width", "8"}});
+        const Plane same = lines_of(seen(lens, bumpy), {{"width", "8"}});
+        double worst = 0.0;
+        for (int y = 0; y < lens.height; ++y)
+          for (int x = 0; x < lens.width; ++x)
+            worst = std::max(worst, std::fabs(double(lines.at(x, y)) - same.at(x, y)));
+        EXPECT_GT(count(lines), 800);
+        EXPECT_LE(worst, 0.05) << angle << " degrees, " << height_px << " high" << (orthographic ? ", flat" : "");
+      }
+}
+
 TEST(Outline, SpecksOfHighPicturesHaveNoLine) {
   // A small thing is whole or not at all: less than 20 pixels of line are a speck in a picture 2160 high.
   for (const int height : {256, 2160})
