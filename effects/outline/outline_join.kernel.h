@@ -46,29 +46,30 @@ struct End {
   Vec2 nearer;   // unit vector to its nearer surface, shorter if it lies partly on either side
 };
 
+FN Vec2 chosen(Bool first, Vec2 a, Vec2 b) { return Vec2(select(first, a.x, b.x), select(first, a.y, b.y)); }
+FN Bool chosen(Bool first, Bool a, Bool b) { return (first && a) || (!first && b); }
+FN End chosen(Bool first, End a, End b) {
+  return End(chosen(first, a.on, b.on), select(first, a.x, b.x), select(first, a.y, b.y),
+             chosen(first, a.steep, b.steep), select(first, a.towards, b.towards), chosen(first, a.at, b.at),
+             chosen(first, a.way, b.way), chosen(first, a.nearer, b.nearer));
+}
+
+// Whether pieces are steep, of one kind for all pixels: steep (lying 0) or flat (1).
+FN Bool steep_of(int lying) { return Real(float(lying)) < 0.5f; }
+
 // The piece of a kind at a pixel; none outside the picture.
-FN Real piece_at(Bool steep, Int X, Int Y) {
-  Bool inside = X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
-  Real piece = select(steep, load_outline_steep_linked(X, Y), load_outline_flat_linked(X, Y));
-  return select(inside, piece, Real(0.0f));
+FN Real piece_at(Bool steep, Int x, Int y) {
+  Real piece = select(steep, load_outline_steep_linked(x, y), load_outline_flat_linked(x, y));
+  return select(in_picture(x, y), piece, Real(0.0f));
 }
 
-// The steep piece (lying 0), or the flat one (1), so far from pixel (X, Y).
-FN Real piece_near(int lying, Int X, Int Y, int i, int j) {
-  Int x = X + Int(i);
-  Int y = Y + Int(j);
-  Bool inside = x >= Int(0) && x < Int(F.width) && y >= Int(0) && y < Int(F.height);
-  return select(inside, lying == 0 ? load_outline_steep_linked(x, y) : load_outline_flat_linked(x, y), Real(0.0f));
+// The same of one kind for all pixels.
+FN Real piece_at(int lying, Int x, Int y) {
+  Real piece = lying == 0 ? load_outline_steep_linked(x, y) : load_outline_flat_linked(x, y);
+  return select(in_picture(x, y), piece, Real(0.0f));
 }
 
-FN Bool seen(Real piece) { return is_piece(piece) && linked_of(piece) * kSure > kLeastSeen; }
-
-// How far the middle of a piece's stroke is from a point of this pixel, so many pixels from that one.
-FN Vec2 apart_of(Real piece, int lying, int i, int j, Vec2 at) {
-  Bool yes = is_piece(piece) || !is_piece(piece);
-  if (lying == 1) yes = !yes;
-  return middle_of(piece, yes, C.width_px) + Vec2(Real(float(i)) - at.x, Real(float(j)) - at.y);
-}
+FN Bool seen(Real piece) { return is_piece(piece) && sure_of(piece) > kLeastSeen; }
 
 FN Real cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 
@@ -94,7 +95,7 @@ FN Bool goes_on(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) 
 
 // Whether the two surfaces of a piece are not far from each other: a line that ends on a surface ends where its jump is
 // little, and others end behind something.
-FN Bool is_shallow(Int X, Int Y, Real piece, Bool steep) {
+FN Bool is_shallow(Int X, Int Y, Bool steep) {
   Real depth1 = load_depth(X, Y);
   Real depth2 = load_depth(X + select(steep, Int(1), Int(0)), Y + select(steep, Int(0), Int(1)));
   Real pixel = Real(F.ray_scale_x * kShallow * float(C.stride));
@@ -128,10 +129,10 @@ FN Vec2 way_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards, V
       Vec2 stroke = middle_of(other, kind, C.width_px) + Vec2(to_real(x), to_real(y));
       nearest = select(here, abs(crossed - from), nearest);
       place = select(here, crossed, place);
-      middle = Vec2(select(here, stroke.x, middle.x), select(here, stroke.y, middle.y));
+      middle = chosen(here, stroke, middle);
     }
     Bool found = nearest < kAstray;
-    sum = Vec2(select(found, sum.x + middle.x, sum.x), select(found, sum.y + middle.y, sum.y));
+    sum = chosen(found, sum + middle, sum);
     count = select(found, count + 1.0f, count);
   }
   Vec2 way = at - sum * (Real(1.0f) / max(count, Real(1.0f)));
@@ -146,10 +147,10 @@ FN Bool is_near(Bool asked, Int X, Int Y, Vec2 way, Vec2 at) {
     for (int i = -kFree; i <= kFree; ++i)
       for (int lying = 0; lying < 2; ++lying) {
         if (!some(asked && !found)) continue;
-        Real piece = piece_near(lying, X, Y, i, j);
+        Real piece = piece_at(lying, X + Int(i), Y + Int(j));
         Bool here = asked && !found && seen(piece);
         if (!some(here)) continue;
-        Vec2 apart = apart_of(piece, lying, i, j, at);
+        Vec2 apart = middle_of(piece, steep_of(lying), C.width_px) + Vec2(Real(float(i)), Real(float(j))) - at;
         Real ahead = dot(way, apart);
         Bool on = ahead > kAhead && ahead < kNear;
         found = found || (here && (on || (ahead < kAhead && abs(cross(way, apart)) > kAside)));
@@ -165,7 +166,7 @@ FN End end_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) {
   Vec2 at = middle_of(piece, steep, C.width_px);
   Vec2 way = Vec2(Real(0.0f), Real(0.0f));
   Bool on = asked;
-  if (some(on)) on = on && is_shallow(X, Y, piece, steep);
+  if (some(on)) on = on && is_shallow(X, Y, steep);
   if (some(on)) on = on && !goes_on(on, X, Y, piece, steep, towards);
   if (some(on)) {
     way = way_of(on, X, Y, piece, steep, towards, at);
@@ -263,25 +264,19 @@ FN_RARE End best_for(End a) {
         blocked = blocked || blocks;
         Bool better = fits && cost < least;
         least = select(better, cost, least);
-        best.on = best.on || better;
-        best.x = select(better, b.x, best.x);
-        best.y = select(better, b.y, best.y);
-        best.steep = (better && b.steep) || (!better && best.steep);
-        best.towards = select(better, b.towards, best.towards);
+        best = chosen(better, b, best);
       }
     }
     on = on && !blocked;
   }
-  Real found = piece_at(best.steep, best.x, best.y);
-  return end_of(best.on, best.x, best.y, found, best.steep, best.towards);
+  return best;
 }
 
 // `coded`, or what outline_join tells of the end of a piece, if it is joined: one in a pixel, the last.
 FN Real joined(Int px, Int py, int lying, Real piece, int side, Real coded) {
   Bool look = seen(piece);
   if (!some(look)) return coded;
-  Bool steep = look || !look;
-  if (lying == 1) steep = !steep;
+  Bool steep = steep_of(lying);
   Real towards = Real(float(side));
   End a = end_of(look, px, py, piece, steep, towards);
   if (!some(a.on)) return coded;

@@ -75,7 +75,7 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
     Int column = to_int(k == 0 ? first : k == 1 ? first + beside : first - beside);
     Int X = lying == 0 ? px + column : px + Int(row);
     Int Y = lying == 0 ? py + Int(row) : py + column;
-    Bool here = from.on && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
+    Bool here = from.on && in_picture(X, Y);
     if (k > 0) here = here && nearest > kNearEnough;
     if (!some(here)) continue;
     Real piece = lying == 0 ? load_outline_steep(X, Y) : load_outline_flat(X, Y);
@@ -163,7 +163,7 @@ FN Bool meets(int lying, Int px, Int py, Bool asked, Int row, int towards, Real 
     for (int i = -kMeets; i <= kMeets; ++i) {
       Int X = lying == 0 ? px + first + Int(i) : px + row + Int(j);
       Int Y = lying == 0 ? py + row + Int(j) : py + first + Int(i);
-      Bool here = asked && !found && X >= Int(0) && X < Int(F.width) && Y >= Int(0) && Y < Int(F.height);
+      Bool here = asked && !found && in_picture(X, Y);
       if (!some(here)) continue;
       Bool met = here && !here;
       if (i >= -kTurns && i <= kTurns + 1) {

@@ -36,3 +36,6 @@ FN Real sure_of(Real piece) {
 }
 // The same piece, whether it may be a speck or not.
 FN Real without_mark(Real piece) { return real_of_bits(bits_of(piece) & Uint(0xf7ffffffu)); }
+
+// Whether a pixel is in the picture.
+FN Bool in_picture(Int x, Int y) { return x >= Int(0) && x < Int(F.width) && y >= Int(0) && y < Int(F.height); }
