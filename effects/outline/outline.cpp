@@ -14,6 +14,8 @@ UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_settle)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
 UMBRAGE_DECLARE_KERNEL(outline_link)
+UMBRAGE_DECLARE_KERNEL(outline_tails)
+UMBRAGE_DECLARE_KERNEL(outline_trim)
 UMBRAGE_DECLARE_KERNEL(outline_join)
 UMBRAGE_DECLARE_KERNEL(outline_gather)
 UMBRAGE_DECLARE_KERNEL(outline)
@@ -33,6 +35,12 @@ constexpr std::uint32_t kRefineSpirv[] = {
 };
 constexpr std::uint32_t kLinkSpirv[] = {
 #include "spirv/outline_link.inc"
+};
+constexpr std::uint32_t kTailsSpirv[] = {
+#include "spirv/outline_tails.inc"
+};
+constexpr std::uint32_t kTrimSpirv[] = {
+#include "spirv/outline_trim.inc"
 };
 constexpr std::uint32_t kJoinSpirv[] = {
 #include "spirv/outline_join.inc"
@@ -154,7 +162,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr int kJoin = 2, kJoinStride = 8;  // pixels between ends that are joined, and more per pixel of stride
   c.join = kJoin + kJoinStride * c.stride;
   c.sight = int((c.width_px + kAntialiasing) * kMostStretch) + 1;
-  // Each of two joined ends draws more than half of what joins them.
+  // Each of two joined ends draws more than half of what joins them, and an end all that leads to a line ahead: up to
+  // three pixels per pixel of stride and two.
   c.around = std::max(c.sight, c.join / 2 + 1 + int(std::ceil(0.5f * c.width_px)));
 }
 
@@ -178,9 +187,17 @@ int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);
 }
-/// One end is looked for from another, and from that one back; the rows before it drift 1.6 aside in each of four. What
+/// A line is followed as `link_reach` has it: for up to eight rows from one beside an end, for four before each end of
+/// a few rows.
+int tails_reach(const void* constants, int) { return 28 + 2 * static_cast<const OutlineConstants*>(constants)->stride; }
+/// What is faint is followed for 16 rows, times the stride.
+int trim_reach(const void* constants, int) {
+  const int stride = static_cast<const OutlineConstants*>(constants)->stride;
+  return int(std::ceil(2.6f * 16.0f * float(stride))) + stride + 4;
+}
+/// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What
 /// lies between ends is asked from the middle of the one's stroke to the other's.
-int join_reach(const void* constants, int) { return 2 * static_cast<const OutlineConstants*>(constants)->join + 12; }
+int join_reach(const void* constants, int) { return 2 * static_cast<const OutlineConstants*>(constants)->join + 16; }
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return std::max(c.reach, c.around) + 1;
@@ -233,8 +250,24 @@ const Effect& effect_outline() {
                   .spirv = kLinkSpirv,
                   .needed = is_robust,
                   .reach = link_reach},
+                 {.name = "outline_tails",
+                  .inputs = {"depth", "outline_steep_linked", "outline_flat_linked"},
+                  .outputs = {"outline_tails"},
+                  .scalar = run_scalar_outline_tails,
+                  .lanes = run_lanes_outline_tails,
+                  .spirv = kTailsSpirv,
+                  .needed = is_robust,
+                  .reach = tails_reach},
+                 {.name = "outline_trim",
+                  .inputs = {"outline_steep_linked", "outline_flat_linked", "outline_tails"},
+                  .outputs = {"outline_steep_trimmed", "outline_flat_trimmed"},
+                  .scalar = run_scalar_outline_trim,
+                  .lanes = run_lanes_outline_trim,
+                  .spirv = kTrimSpirv,
+                  .needed = is_robust,
+                  .reach = trim_reach},
                  {.name = "outline_join",
-                  .inputs = {"depth", "object_id", "outline_steep_linked", "outline_flat_linked"},
+                  .inputs = {"depth", "object_id", "outline_steep_trimmed", "outline_flat_trimmed"},
                   .outputs = {"outline_join"},
                   .scalar = run_scalar_outline_join,
                   .lanes = run_lanes_outline_join,
@@ -250,8 +283,8 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = own_row},
                  {.name = "outline",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep_linked", "outline_flat_linked",
-                             "outline_join", "outline_around", "lit.r", "lit.g", "lit.b"},
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep_trimmed",
+                             "outline_flat_trimmed", "outline_join", "outline_around", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,

@@ -6,8 +6,8 @@
 // line never reaches around a corner onto what lies behind. Where lines end they are round, so that corners close.
 IN_REAL(depth)
 IN_VECTOR(normal)
-IN_REAL(outline_steep_linked)
-IN_REAL(outline_flat_linked)
+IN_REAL(outline_steep_trimmed)
+IN_REAL(outline_flat_trimmed)
 IN_REAL(outline_join)
 IN_REAL(outline_around)
 INOUT_COLOR(lit)
@@ -47,7 +47,7 @@ FN Real seen_cover(int lying, int towards, int sight) {
   Real open = Real(1.0f);
   for (int k = 0; k < sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
-    Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
+    Real v = abs(lying == 0 ? near_outline_steep_trimmed(i, 0) : near_outline_flat_trimmed(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
     Vec3 line = met(v, i);
@@ -67,7 +67,7 @@ FN Vec3 seen(int lying, int towards, int sight) {
   Real open = Real(1.0f);
   for (int k = 0; k < sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
-    Real v = abs(lying == 0 ? near_outline_steep_linked(i, 0) : near_outline_flat_linked(0, i));
+    Real v = abs(lying == 0 ? near_outline_steep_trimmed(i, 0) : near_outline_flat_trimmed(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
     Vec3 line = met(v, i);
@@ -155,14 +155,14 @@ FN Real ends_cover(int j, Vec3 own) {
   for (int i = -C.reach; i <= C.reach; ++i) {
     Real fi = Real(float(i));
     // What lies beyond the picture's border reads as its last column.
-    Real v = -near_outline_steep_linked(i, j);
+    Real v = -near_outline_steep_trimmed(i, j);
     if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.y, fi + place_of(v), own.z * fj);
       Real cover = end_cover(v, fi, fj, near_depth(i, j), near_depth(i + 1, j), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
-    v = -near_outline_flat_linked(i, j);
+    v = -near_outline_flat_trimmed(i, j);
     if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.z, fj + place_of(v), own.y * fi);
@@ -193,7 +193,8 @@ FN Real between_lines(Real covered, Bool between, Bool ends, Int px, Int py, int
   return ends_or(unit_clamp(select(between, less, covered)), spare, ends, px, py);
 }
 
-// What the strokes cover that join ends of lines in row j to others. Each is drawn from both ends, lest one be too far.
+// What the strokes cover that join ends of lines in row j to others. Those between two ends are drawn from both, lest
+// one be too far.
 FN Real joins_cover(int j) {
   Real covered = Real(0.0f);
   for (int i = -C.around; i <= C.around; ++i) {
@@ -202,7 +203,7 @@ FN Real joins_cover(int j) {
     if (some(here)) here = here && near_inside(i, j);
     if (!some(here)) continue;
     Bool steep = joined_steep(join);
-    Real piece = select(steep, near_outline_steep_linked(i, j), near_outline_flat_linked(i, j));
+    Real piece = select(steep, near_outline_steep_trimmed(i, j), near_outline_flat_trimmed(i, j));
     Vec2 from = middle_of(piece, steep, C.width_px) + Vec2(Real(float(i)), Real(float(j)));
     Vec2 apart = joined_apart(join);
     Real share = unit_clamp(-dot(from, apart) / max(dot(apart, apart), Real(1e-6f)));

@@ -3,25 +3,24 @@
 // row of them. Where an edge is just none for a few rows, a line would have a gap.
 //
 // Two ends are joined by a straight stroke if they face each other, no other line is near them or between, their nearer
-// surfaces are on the same side, of one object and about as deep, and if each is the best for the other.
+// surfaces are on the same side, of one object and about as deep, and if each is the best for the other. An end that is
+// joined to none goes on to a line a few pixels ahead that it points to.
 //
 // outline_join: as outline_stroke.kernel.h has it.
 IN_REAL(depth)
 IN_REAL(object_id)
-IN_REAL(outline_steep_linked)
-IN_REAL(outline_flat_linked)
+IN_REAL(outline_steep_trimmed)
+IN_REAL(outline_flat_trimmed)
 OUT_REAL(outline_join)
-#include "effects/outline/outline_piece.kernel.h"
-#include "effects/outline/outline_stroke.kernel.h"
+FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
+FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
+#include "effects/outline/outline_end.kernel.h"
+#include "effects/outline/outline_shallow.kernel.h"
 
-CONST float kLeastSeen = 4.5f;    // sure_of from which on a piece counts
 CONST int kFree = 3;              // pixels around an end in which no line is
 CONST float kAhead = 0.8f;        // from so many pixels ahead
 CONST float kNear = 2.2f;         // to so many,
 CONST float kAside = 2.0f;        // and, not ahead, so many beside its way
-CONST float kShallow = 16.0f;     // pixel sizes, per pixel of stride, that an end's jump may be
-CONST int kBefore = 4;            // rows (columns) before an end that tell its way,
-CONST float kAstray = 1.6f;       // pixels from one to the next: more is another line
 CONST float kLeastOnward = 0.6f;  // of an end's way, along its rows (columns): others lean too much
 CONST int kBeside = 2;            // per pixel of stride: see beside()
 CONST float kFacing = 1.0f;       // least pixels ahead per pixel aside
@@ -29,9 +28,15 @@ CONST float kAlike = 0.5f;        // and between their ways, if one is turned ro
 CONST float kBends = 2.0f;        // pixels farther that an end may be that is ahead, per pixel of detour
 CONST float kBlocks = 1.0f;       // pixels beside the way ahead, within which another line blocks it,
 CONST float kBlocksMore = 0.2f;   // and more per pixel
-CONST float kDeep = 3.0f;         // pixel sizes that a surface may be before or behind the line between two ends,
+CONST float kDeep = 3.0f;         // pixel sizes that a surface may be before or behind both ends,
 CONST float kDeeper = 1.0f;       // and more per pixel between them
 CONST int kSamples = 5;           // of it
+CONST int kShort = 3;             // pixels, per pixel of stride,
+CONST int kShortMore = 2;         // and more, of a line that it points to
+CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be
+CONST float kFirm = 0.7f;         // share of sure, of both
+CONST float kNearly = 0.8f;       // share of the way to it on which its surface is asked
+CONST float kTilted = 3.0f;       // pixel sizes per pixel that its surface may be tilted
 CONST float kHasSide = 0.05f;     // of nearer surfaces
 CONST float kNever = 1e6f;        // the cost of what is not joined
 
@@ -46,32 +51,12 @@ struct End {
   Vec2 nearer;   // unit vector to its nearer surface, shorter if it lies partly on either side
 };
 
-FN Vec2 chosen(Bool first, Vec2 a, Vec2 b) { return Vec2(select(first, a.x, b.x), select(first, a.y, b.y)); }
 FN Bool chosen(Bool first, Bool a, Bool b) { return (first && a) || (!first && b); }
 FN End chosen(Bool first, End a, End b) {
   return End(chosen(first, a.on, b.on), select(first, a.x, b.x), select(first, a.y, b.y),
              chosen(first, a.steep, b.steep), select(first, a.towards, b.towards), chosen(first, a.at, b.at),
              chosen(first, a.way, b.way), chosen(first, a.nearer, b.nearer));
 }
-
-// Whether pieces are steep, of one kind for all pixels: steep (lying 0) or flat (1).
-FN Bool steep_of(int lying) { return Real(float(lying)) < 0.5f; }
-
-// The piece of a kind at a pixel; none outside the picture.
-FN Real piece_at(Bool steep, Int x, Int y) {
-  Real piece = select(steep, load_outline_steep_linked(x, y), load_outline_flat_linked(x, y));
-  return select(in_picture(x, y), piece, Real(0.0f));
-}
-
-// The same of one kind for all pixels.
-FN Real piece_at(int lying, Int x, Int y) {
-  Real piece = lying == 0 ? load_outline_steep_linked(x, y) : load_outline_flat_linked(x, y);
-  return select(in_picture(x, y), piece, Real(0.0f));
-}
-
-FN Bool seen(Real piece) { return is_piece(piece) && sure_of(piece) > kLeastSeen; }
-
-FN Real cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 
 // Whether a line has a piece in its next row (column), or goes on there in one of the other kind.
 FN Bool goes_on(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) {
@@ -91,53 +76,6 @@ FN Bool goes_on(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) 
     found = found || (look && seen(piece_at(!steep, X + select(steep, nearest, on), Y + select(steep, on, nearest))));
   }
   return found;
-}
-
-// Whether the two surfaces of a piece are not far from each other: a line that ends on a surface ends where its jump is
-// little, and others end behind something.
-FN Bool is_shallow(Int X, Int Y, Bool steep) {
-  Real depth1 = load_depth(X, Y);
-  Real depth2 = load_depth(X + select(steep, Int(1), Int(0)), Y + select(steep, Int(0), Int(1)));
-  Real pixel = Real(F.ray_scale_x * kShallow * float(C.stride));
-  if (F.orthographic == 0) pixel = pixel * min(depth1, depth2);
-  return abs(depth1 - depth2) < pixel;
-}
-
-// The way of a line at its end `at`, outward: from the mean of its strokes' middles in the few rows (columns) before
-// it, since the end's own piece knows that from too few. 0 where there are none.
-FN Vec2 way_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards, Vec2 at) {
-  Vec2 sum = Vec2(Real(0.0f), Real(0.0f));
-  Real count = Real(0.0f);
-  Real place = place_of(piece);
-  for (int k = 1; k <= kBefore; ++k) {
-    Int along = to_int(-towards * float(k));
-    Real from = place;
-    Real nearest = Real(kAstray);
-    Vec2 middle = at;
-    // Three pieces of its kind in this row (column), and two of the other kind in which it may cross that.
-    for (int i = 0; i < 5; ++i) {
-      Bool kind = i < 3 ? steep : !steep;
-      Int across = to_int(floor(i < 3 ? from : from + 0.5f)) + Int(i < 3 ? i - 1 : 0);
-      Int on = along - Int(i == 4 ? 1 : 0);
-      Int x = select(steep, across, on);
-      Int y = select(steep, on, across);
-      Real other = piece_at(kind, X + x, Y + y);
-      Bool here = asked && seen(other);
-      if (!some(here)) continue;
-      Real crossed = i < 3 ? to_real(across) + place_of(other) : to_real(across);
-      here = here && abs(crossed - from) < nearest;
-      Vec2 stroke = middle_of(other, kind, C.width_px) + Vec2(to_real(x), to_real(y));
-      nearest = select(here, abs(crossed - from), nearest);
-      place = select(here, crossed, place);
-      middle = chosen(here, stroke, middle);
-    }
-    Bool found = nearest < kAstray;
-    sum = chosen(found, sum + middle, sum);
-    count = select(found, count + 1.0f, count);
-  }
-  Vec2 way = at - sum * (Real(1.0f) / max(count, Real(1.0f)));
-  Real length = sqrt(max(dot(way, way), Real(1e-6f)));
-  return way * (select(count > 0.0f, Real(1.0f), Real(0.0f)) / length);
 }
 
 // Whether any line is near an end, other than its own before it.
@@ -160,16 +98,14 @@ FN Bool is_near(Bool asked, Int X, Int Y, Vec2 way, Vec2 at) {
 
 // The end of a line at a piece, if it is asked for and there is one.
 FN End end_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) {
-  Real slope = slope_of(piece);
-  Real side = side_of(piece) / sqrt(mad(slope, slope, Real(1.0f)));
-  Vec2 nearer = Vec2(select(steep, -side, slope * side), select(steep, slope * side, -side));
+  Vec2 nearer = nearer_of(piece, steep);
   Vec2 at = middle_of(piece, steep, C.width_px);
   Vec2 way = Vec2(Real(0.0f), Real(0.0f));
   Bool on = asked;
   if (some(on)) on = on && is_shallow(X, Y, steep);
   if (some(on)) on = on && !goes_on(on, X, Y, piece, steep, towards);
   if (some(on)) {
-    way = way_of(on, X, Y, piece, steep, towards, at);
+    way = way_of(on, X, Y, piece, steep, towards, at, C.width_px);
     on = on && dot(way, way) > 0.5f;
   }
   if (some(on)) on = on && !is_near(on, X, Y, way, at);
@@ -206,22 +142,25 @@ FN Vec2 surface_of(End a) {
   return Vec2(load_depth(x, y), load_object_id(x, y));
 }
 
-// Whether the surface is one from an end to another: of one object, and on the way not far from the line between them.
+// Whether the surface is one from an end to another: of one object, not much deeper at one of them, and on the way not
+// before or behind both.
 FN Bool one_surface(Bool asked, End a, End b) {
   Vec2 here = surface_of(a);
   Vec2 there = surface_of(b);
   Vec2 apart = b.at - a.at;
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * min(here.x, there.x);
+  Bool one = asked && here.y == there.y && abs(here.x - there.x) < pixel * (kShallow * float(C.stride));
   Real bound = pixel * mad(abs(apart.x) + abs(apart.y), Real(kDeeper), Real(kDeep));
-  Bool one = asked && here.y == there.y && abs(here.x - there.x) < bound;
+  Real nearest = min(here.x, there.x) - bound;
+  Real farthest = max(here.x, there.x) + bound;
   for (int k = 1; k <= kSamples; ++k) {
     if (!some(one)) continue;
     Real share = Real(float(k) / float(kSamples + 1));
     Int x = to_int(floor(mad(apart.x, share, a.at.x + 0.5f)));
     Int y = to_int(floor(mad(apart.y, share, a.at.y + 0.5f)));
-    Real between = mad(there.x - here.x, share, here.x);
-    one = one && abs(load_depth(x, y) - between) < bound && load_object_id(x, y) == here.y;
+    Real depth = load_depth(x, y);
+    one = one && depth > nearest && depth < farthest && load_object_id(x, y) == here.y;
   }
   return one;
 }
@@ -272,33 +211,94 @@ FN_RARE End best_for(End a) {
   return best;
 }
 
-// `coded`, or what outline_join tells of the end of a piece, if it is joined: one in a pixel, the last.
-FN Real joined(Int px, Int py, int lying, Real piece, int side, Real coded) {
+// What an end points to that is a few pixels short of another line.
+struct Target {
+  Bool on;
+  Vec2 apart;  // from the end's middle to that of the line's stroke
+  Real sure;   // of that
+};
+
+// The line that an end points to, if its surface goes on to there.
+FN_RARE Target target_of(Bool asked, End a) {
+  Vec2 at = a.at - Vec2(to_real(a.x), to_real(a.y));
+  Real nearest = Real(float(kShort * C.stride + kShortMore));
+  Target target = Target(asked && !asked, at, Real(0.0f));
+  int wide = kShort * C.stride + kShortMore + 1;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        if (!some(asked)) continue;
+        Real piece = piece_at(lying, a.x + Int(i), a.y + Int(j));
+        Bool here = asked && is_piece(piece) && linked_of(piece) > kFirm;
+        if (!some(here)) continue;
+        Vec2 apart = middle_of(piece, steep_of(lying), C.width_px) + Vec2(Real(float(i)), Real(float(j))) - at;
+        Real along = dot(a.way, apart);
+        here = here && along > kAhead && along < nearest &&
+               abs(cross(a.way, apart)) < mad(along, Real(kPoints), Real(0.5f));
+        nearest = select(here, along, nearest);
+        target.on = target.on || here;
+        target.apart = chosen(here, apart, target.apart);
+        target.sure = select(here, linked_of(piece), target.sure);
+      }
+  if (!some(target.on)) return target;
+  Vec2 surface = surface_of(a);
+  Real pixel = Real(F.ray_scale_x);
+  if (F.orthographic == 0) pixel = pixel * surface.x;
+  for (int k = 1; k <= kSamples; ++k) {
+    if (!some(target.on)) continue;
+    Real share = Real(kNearly * float(k) / float(kSamples));
+    Int x = to_int(floor(mad(target.apart.x, share, a.at.x + 0.5f)));
+    Int y = to_int(floor(mad(target.apart.y, share, a.at.y + 0.5f)));
+    Real bound = pixel * mad(nearest * share, Real(kTilted), Real(kDeep));
+    target.on = target.on && abs(load_depth(x, y) - surface.x) < bound && load_object_id(x, y) == surface.y;
+  }
+  return target;
+}
+
+// What is known of a pixel's ends.
+struct Ends {
+  Real coded;  // what outline_join tells of one that is joined to another: the last
+  End alone;   // one that is sure and joined to none: the last
+};
+
+// The same with the end of a piece to one side.
+FN Ends joined(Int px, Int py, int lying, Real piece, int side, Ends ends) {
   Bool look = seen(piece);
-  if (!some(look)) return coded;
+  if (!some(look)) return ends;
   Bool steep = steep_of(lying);
   Real towards = Real(float(side));
   End a = end_of(look, px, py, piece, steep, towards);
-  if (!some(a.on)) return coded;
+  if (!some(a.on)) return ends;
   End b = best_for(a);
-  if (!some(b.on)) return coded;
-  End back = best_for(b);
-  Bool both = b.on && back.on && back.x == px && back.y == py && ((back.steep && steep) || (!back.steep && !steep)) &&
-              back.towards == towards;
-  Real other = piece_at(b.steep, b.x, b.y);
-  return select(both, packed_join(b.at - a.at, linked_of(other), steep), coded);
+  Bool both = b.on;
+  if (some(both)) {
+    End back = best_for(b);
+    both = both && back.on && back.x == px && back.y == py && same(back.steep, steep) && back.towards == towards;
+    Real other = piece_at(b.steep, b.x, b.y);
+    ends.coded = select(both, packed_join(b.at - a.at, linked_of(other), steep), ends.coded);
+  }
+  ends.alone = chosen(a.on && !both && linked_of(piece) > kFirm, a, ends.alone);
+  return ends;
 }
 
 FN void outline_join_pixel(Int px, Int py) {
-  Real steep = near_outline_steep_linked(0, 0);
-  Real lower = near_outline_flat_linked(0, 0);
+  Real steep = near_outline_steep_trimmed(0, 0);
+  Real lower = near_outline_flat_trimmed(0, 0);
   Bool any = is_piece(steep) || is_piece(lower);
   Real coded = Real(0.0f);
   if (some(any)) {
-    coded = select(any, Real(kOnlyEnds), coded);
+    Vec2 nowhere = Vec2(Real(0.0f), Real(0.0f));
+    Ends ends =
+        Ends(select(any, Real(kOnlyEnds), coded), End(any && !any, px, py, any, Real(0.0f), nowhere, nowhere, nowhere));
     for (int towards = -1; towards <= 1; towards += 2) {
-      coded = joined(px, py, 0, steep, towards, coded);
-      coded = joined(px, py, 1, lower, towards, coded);
+      ends = joined(px, py, 0, steep, towards, ends);
+      ends = joined(px, py, 1, lower, towards, ends);
+    }
+    coded = ends.coded;
+    Bool alone = ends.alone.on && !has_join(bits_of(coded));
+    if (some(alone)) {
+      Target target = target_of(alone, ends.alone);
+      coded = select(target.on, packed_join(target.apart, target.sure, ends.alone.steep), coded);
     }
     coded = select(steep < 0.0f || lower < 0.0f, -coded, coded);
   }

@@ -1,9 +1,9 @@
-// What outline_join and outline know of a piece of outline_link: the stroke that is drawn along it, and the stroke that
-// joins its end to another line's.
+// What outline_join and outline know of a piece: the stroke that is drawn along it, and the stroke that joins its end
+// to another line's, or to a line that it points to.
 //
 // outline_join is 0 where there is no piece and kOnlyEnds where there is one, below 0 where a line ends; of an end that
-// is joined it has these bits, from the lowest: 9 and 9 for how far the middle of the other end is to the right and
-// down, in sevenths of a pixel; 4 for how sure the other end is; 1 for whether it is the steep piece that ends
+// is joined it has these bits, from the lowest: 9 and 9 for how far the middle of the other end, or of that line, is to
+// the right and down, in sevenths of a pixel; 4 for how sure that is; 1 for whether it is the steep piece that ends
 // here; 1, which tells that it is joined.
 
 CONST int kSteepBit = 22;

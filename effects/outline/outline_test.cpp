@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -733,6 +734,126 @@ TEST(Outline, EndsThatFaceEachOtherAreJoined) {
         EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 9.0 * stride, .aside_px = -1.5 * stride, .turned_over = true}))
             << where;
         EXPECT_FALSE(is_whole(lens, angle, {.gap_px = 9.0 * stride, .aside_px = 0.0, .other_object = true})) << where;
+      }
+}
+
+/// A relief above a plane, seen straight on: its height at (u, v), all in pixels. u is along a line at an angle, v to
+/// its nearer side. As in coarse meshes normals tell nothing of it.
+Scene relief(double angle_deg, const Lens& lens, const std::function<double(double, double)>& height_px) {
+  const double a = radians(angle_deg), pixel = lens.pixel();
+  return [=](const dvec3& origin, const dvec3& direction) {
+    const double x = (origin.x - kOffX) / pixel, y = (origin.y - kOffY) / pixel;
+    const double height = height_px(x * std::cos(a) + y * std::sin(a), y * std::cos(a) - x * std::sin(a));
+    Hit hit;
+    hit.distance = (kFocus + origin.z - height * pixel) / -direction.z;
+    hit.normal = {0, 0, 1};
+    return hit;
+  };
+}
+
+/// (u, v) of a pixel's centre, as `relief` has them.
+dvec2 on_relief(double angle_deg, const Lens& lens, int x, int y) {
+  const double a = radians(angle_deg);
+  const dvec2 p = dvec2(x + 0.5, y + 0.5) - lens.place({kOffX, kOffY, -kFocus});
+  return {p.x * std::cos(a) - p.y * std::sin(a), -p.y * std::cos(a) - p.x * std::sin(a)};
+}
+
+/// Near 45 degrees, where pieces of both kinds tell of a line, a part of what is dropped can stay.
+constexpr double kReliefAngles[] = {3.0, 20.0, 33.0, 58.0, 70.0, 88.0, 110.0, 200.0, 310.0};
+
+TEST(Outline, LinesThatOverlapAreOneLine) {
+  // Two steps, one behind the other, of which either becomes less deep where the other one becomes deeper.
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles) {
+      const double stride = height > 256 ? 3.0 : 1.0, half_px = 1.5 * stride, aside_px = 2.0 + 0.5 * stride;
+      const Lens lens{120, height, true};
+      const Scene scene = relief(angle, lens, [=](double u, double v) {
+        const double outer = std::clamp(half_px + 5.0 + u, 0.0, 12.0), inner = std::clamp(half_px + 5.0 - u, 0.0, 12.0);
+        return (v > 0.0 ? outer : 0.0) + (v > aside_px ? inner : 0.0);
+      });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+      const std::string where = fmt::format("{} high, {} degrees", height, angle);
+      EXPECT_EQ(largest_set(lines), count(lines)) << where;
+      // What the lines cover of each pixel's length of their way.
+      std::map<int, double> wide;
+      for (int y = 0; y < lines.height; ++y)
+        for (int x = 0; x < lines.width; ++x) {
+          const dvec2 p = on_relief(angle, lens, x, y);
+          if (std::fabs(p.y) < 20.0 && std::fabs(p.x) < 28.0)
+            wide[int(std::floor((p.x + 4.0) / 8.0))] += lines.at(x, y) / 8.0;
+        }
+      for (const auto& [u, px] : wide) {
+        EXPECT_GT(px, 1.2) << where << ", at " << 8 * u;
+        EXPECT_LT(px, 3.3) << where << ", at " << 8 * u;
+      }
+    }
+}
+
+TEST(Outline, FaintPartsBetweenOthersAreAsWide) {
+  // A step that is but just one for a few pixels; where it is for many, the line fades.
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const bool brief : {true, false}) {
+        const double stride = height > 256 ? 3.0 : 1.0, half_px = (brief ? 6.0 : 24.0) * stride;
+        const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          return v > 0.0 ? std::clamp(4.6 + 4.0 * (std::fabs(u) - half_px), 4.6, 12.0) : 0.0;
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        std::map<int, double> wide;
+        for (int y = 0; y < lines.height; ++y)
+          for (int x = 0; x < lines.width; ++x) {
+            const dvec2 p = on_relief(angle, lens, x, y);
+            if (std::fabs(p.y) < 6.0 && std::fabs(p.x) < half_px)
+              wide[int(std::floor(p.x / 3.0))] += lines.at(x, y) / 3.0;
+          }
+        double least = 1e9;
+        for (const auto& [u, px] : wide) least = std::min(least, px);
+        if (brief)
+          EXPECT_GT(least, 1.4) << height << " high, " << angle << " degrees";
+        else
+          EXPECT_LT(least, 1.0) << height << " high, " << angle << " degrees";
+      }
+}
+
+TEST(Outline, ForksHaveNoBarbs) {
+  // A rim turns away, and straight on a step goes on for a few pixels that becomes less and less deep.
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles) {
+      const double stride = height > 256 ? 3.0 : 1.0, long_px = 6.0 + 3.0 * (stride - 1.0);
+      const Lens lens{120, height, true};
+      const Scene scene = relief(angle, lens, [=](double u, double v) {
+        const double rim = u > 0.0 ? -0.45 * u : 0.0, deep = std::clamp(long_px + 3.0 - u, 0.0, long_px + 3.0);
+        return (v > rim ? 30.0 : 0.0) + (v > 0.0 ? deep : 0.0);
+      });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+      long rim = 0, barb = 0;
+      for (int y = 0; y < lines.height; ++y)
+        for (int x = 0; x < lines.width; ++x) {
+          const dvec2 p = on_relief(angle, lens, x, y);
+          if (p.x < 4.0 || p.x > 30.0 || std::fabs(p.y) > 20.0 || lines.at(x, y) < 0.5) continue;
+          (p.y > -0.45 * p.x + 3.8 ? barb : rim) += 1;
+        }
+      EXPECT_GT(rim, 40) << height << " high, " << angle << " degrees";
+      EXPECT_EQ(barb, 0) << height << " high, " << angle << " degrees";
+    }
+}
+
+TEST(Outline, EndsReachTheLineThatTheyPointTo) {
+  // A step becomes ever less deep a few pixels before the rim that it points to.
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const double short_px : {2.8, 3.3, 12.0}) {
+        const double stride = height > 256 ? 3.0 : 1.0, from_px = short_px * stride - (stride > 1.0 ? 3.0 : 1.5);
+        const Lens lens{120, height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          const double deep = v > 0.0 ? std::clamp(-u - from_px, 0.0, 12.0) : 0.0;
+          return u > 0.0 ? -200.0 : deep;
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        EXPECT_GT(count(lines, [&](int x, int y) { return on_relief(angle, lens, x, y).x < -from_px - 10.0; }), 20);
+        EXPECT_EQ(largest_set(lines) == count(lines), short_px < 10.0)
+            << height << " high, " << angle << " degrees, " << short_px;
       }
 }
 

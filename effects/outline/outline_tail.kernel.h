@@ -1,0 +1,30 @@
+// What outline_tails and outline_trim know of tails: see outline_tails. Places are those of crossings, so that what is
+// a tail does not depend on the line's width.
+FN Real steep_at(Int x, Int y) { return load_outline_steep_linked(x, y); }
+FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
+#include "effects/outline/outline_end.kernel.h"
+
+CONST int kTail = 6;                // rows, per pixel of stride, of a tail,
+CONST int kMostTail = 16;           // and at most
+CONST float kSpurRows = 1.5f;       // rows, per pixel of stride, between the ends of a spur
+CONST float kWhole = 12.5f;         // sure_of from which on a line is not faint
+CONST float kAlongside = 2.0f;      // pixels beside a line, per pixel of stride,
+CONST float kAlongsideMore = 1.4f;  // and more, up to which another one runs along
+CONST float kOther = 0.9f;          // and from which on, or else it is the same
+CONST float kHasSide = 0.05f;       // of nearer surfaces
+
+// outline_tails: 0, or the sum of these, of ends of this pixel's steep piece; times kOfFlat of its flat one.
+CONST float kPassedBefore = 1.0f;  // the line ends above (to the left), and is a tail
+CONST float kPassedAfter = 2.0f;   // below (to the right)
+CONST float kSpur = 4.0f;          // all of it is to be dropped
+CONST float kOfFlat = 8.0f;
+
+FN float alongside() { return kAlongside * float(C.stride) + kAlongsideMore; }
+FN int tail_rows() { return C.stride * kTail < kMostTail ? C.stride * kTail : kMostTail; }
+FN int spur_rows() { return int(kSpurRows * float(C.stride)); }
+
+// The way on from the last place along a line that began in a piece of a kind: 1 if it would go on in the next row
+// (column) of its last piece's kind, -1 in the one before.
+FN Real towards_at(Along last, Bool steep, Real towards) {
+  return select(same(last.steep, steep), towards, select(last.slope * towards < 0.0f, Real(-1.0f), Real(1.0f)));
+}

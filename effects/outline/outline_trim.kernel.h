@@ -1,0 +1,168 @@
+// Tails and spurs dropped, as outline_tails tells them, and what is faint between two lines made as sure as they: a
+// fold between two rims of a mesh's triangles is a crease, clear in some rows and faint in others. What is left of two
+// lines that overlapped outline_join joins.
+//
+// Planes: pieces of line as outline_piece.kernel.h has them.
+IN_REAL(outline_steep_linked)
+IN_REAL(outline_flat_linked)
+IN_REAL(outline_tails)
+OUT_REAL(outline_steep_trimmed)
+OUT_REAL(outline_flat_trimmed)
+#include "effects/outline/outline_tail.kernel.h"
+
+CONST int kBetween = 16;      // rows, per pixel of stride, of what is faint between two lines
+CONST float kAbreast = 1.5f;  // pixels before or after a piece, at which that has another line beside
+CONST int kMeets = 2;         // pixels, and the stride, from an end at which what is faint meets a line,
+CONST float kBehind = 1.0f;   // so many behind it
+CONST float kAsideOf = 2.0f;  // and so many aside
+
+// The same piece, as sure as can be.
+FN Real whole(Real piece) {
+  Real sure = real_of_bits((bits_of(abs(piece)) & Uint(0xf07fffffu)) | Uint(0x07800000u));
+  return select(piece < 0.0f, -sure, sure);
+}
+
+// Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
+FN Bool end_around() {
+  int rows = tail_rows();
+  Uint any = Uint(0u);
+  for (int j = -rows; j <= rows; ++j)
+    for (int i = -rows; i <= rows; ++i) any = any | bits_of(near_outline_tails(i, j));
+  return !(to_signed(any) == Int(0));
+}
+
+// Whether another line is beside this pixel's piece.
+FN_RARE Bool has_beside(Bool asked, Real piece, int lying) {
+  Bool steep = steep_of(lying);
+  Real slope = slope_of(piece);
+  Vec2 way = Vec2(select(steep, slope, Real(1.0f)), select(steep, Real(1.0f), slope));
+  way = way * (Real(1.0f) / sqrt(dot(way, way)));
+  Vec2 at = middle_of(piece, steep, 0.0f);
+  Vec2 nearer = nearer_of(piece, steep);
+  Bool found = asked && !asked;
+  int wide = int(alongside()) + 3;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int kind = 0; kind < 2; ++kind) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Real other = kind == 0 ? near_outline_steep_linked(i, j) : near_outline_flat_linked(i, j);
+        Bool here = look && seen(other) && near_inside(i, j);
+        if (!some(here)) continue;
+        Vec2 apart = middle_of(other, steep_of(kind), 0.0f) + Vec2(Real(float(i)), Real(float(j))) - at;
+        Real off = abs(cross(way, apart));
+        here = here && dot(nearer_of(other, steep_of(kind)), nearer) > -kHasSide;
+        found = found || (here && abs(dot(way, apart)) < kAbreast && off > kOther && off < alongside());
+      }
+  return found;
+}
+
+// This pixel's piece, or nothing if it leads, to one side of it, to an end that outline_tails tells of, and is of a
+// spur or has the other line beside it; of what is left of a tail, marked as an end: it is one where the rest is
+// dropped.
+FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int side) {
+  Bool steep = steep_of(lying);
+  Real towards = Real(float(side));
+  Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
+  Bool ends = asked && !asked;
+  Int rows = Int(0);
+  for (int k = 1; k <= tail_rows() + 1; ++k) {
+    if (!some(last.on)) continue;
+    Along next = next_along(last, px, py, steep, Int(k * side), towards);
+    ends = ends || (last.on && !next.on);
+    last = next;
+    rows = select(last.on, Int(k), rows);
+  }
+  if (!some(ends)) return piece;
+  Real told = select(ends, load_outline_tails(last.x, last.y), Real(0.0f));
+  told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));
+  Bool spur = told >= kSpur && rows <= Int(spur_rows());
+  told = select(told >= kSpur, told - kSpur, told);
+  Bool back = towards_at(last, steep, towards) < 0.0f;
+  Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
+  Bool tail = (back && before) || (!back && told >= kPassedAfter);
+  Bool dropped = spur;
+  Bool ask = tail && !spur;
+  if (some(ask)) dropped = dropped || has_beside(ask, piece, lying);
+  return select(dropped, Real(0.0f), select(tail, -abs(piece), piece));
+}
+
+// Whether a line that is sure is at pixel (X, Y) or near it, not behind what leads there.
+FN_RARE Bool meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
+  Bool found = asked && !asked;
+  int wide = C.stride + kMeets;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, X + Int(i), Y + Int(j));
+        Bool here = look && is_piece(piece) && sure_of(piece) > kWhole;
+        if (!some(here)) continue;
+        Vec2 apart = middle_of(piece, steep_of(lying), 0.0f) + Vec2(Real(float(i)), Real(float(j))) - at;
+        found = found || (here && dot(way, apart) > -kBehind && abs(cross(way, apart)) < kAsideOf);
+      }
+  return found;
+}
+
+// Where a line leads that is faint, to one side of it.
+struct Led {
+  Bool on;   // to a line that is sure,
+  Int rows;  // so many rows away
+};
+
+FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) {
+  Bool steep = steep_of(lying);
+  Real towards = Real(float(side));
+  Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
+  Bool found = asked && !asked;
+  Bool ends = found;
+  Int rows = Int(0);
+  for (int k = 1; k <= kBetween * C.stride; ++k) {
+    if (!some(last.on)) continue;
+    Along next = next_along(last, px, py, steep, Int(k * side), towards);
+    ends = ends || (last.on && !next.on);
+    last = next;
+    found = found || (last.on && sure_of(last.piece) > kWhole);
+    last.on = last.on && !found;
+    rows = select(last.on, Int(k), rows);
+  }
+  if (some(ends)) {
+    Vec2 way = Vec2(select(steep, last.slope, Real(1.0f)), select(steep, Real(1.0f), last.slope)) * towards;
+    way = way * (Real(1.0f) / sqrt(dot(way, way)));
+    found = found || meets(ends, last.x, last.y, middle_of(last.piece, last.steep, 0.0f), way);
+  }
+  return Led(found, rows);
+}
+
+FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
+  Bool on = is_piece(piece);
+  Bool between = on && sure_of(piece) < kWhole;
+  if (some(between)) {
+    Led up = led_to(between, px, py, piece, lying, -1);
+    between = between && up.on;
+    if (some(between)) {
+      Led down = led_to(between, px, py, piece, lying, 1);
+      between = between && down.on && up.rows + down.rows < Int(kBetween * C.stride);
+    }
+  }
+  piece = select(between, whole(piece), piece);
+  for (int side = -1; side <= 1; side += 2) {
+    Bool look = near_end && is_piece(piece);
+    if (some(look)) piece = select(look, without_tail(look, px, py, piece, lying, side), piece);
+  }
+  return piece;
+}
+
+FN void outline_trim_pixel(Int px, Int py) {
+  Real steep = near_outline_steep_linked(0, 0);
+  Real lower = near_outline_flat_linked(0, 0);
+  Bool any = is_piece(steep) || is_piece(lower);
+  if (some(any)) {
+    Bool near_end = any && end_around();
+    if (some(is_piece(steep))) steep = trimmed(px, py, steep, 0, near_end);
+    if (some(is_piece(lower))) lower = trimmed(px, py, lower, 1, near_end);
+  }
+  store_outline_steep_trimmed(steep);
+  store_outline_flat_trimmed(lower);
+}
