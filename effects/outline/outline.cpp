@@ -251,7 +251,7 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = link_reach},
                  {.name = "outline_tails",
-                  .inputs = {"depth", "outline_steep_linked", "outline_flat_linked"},
+                  .inputs = {"depth", "object_id", "outline_steep_linked", "outline_flat_linked"},
                   .outputs = {"outline_tails"},
                   .scalar = run_scalar_outline_tails,
                   .lanes = run_lanes_outline_tails,

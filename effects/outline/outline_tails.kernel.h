@@ -2,11 +2,13 @@
 // ends, its rim and what goes on from it part at a low angle, and where one triangle of a mesh hides another their rims
 // overlap for a few pixels: lines would have barbs, and run double.
 //
-// A tail goes, in a few rows, to an end that touches nothing and has nothing ahead, while another line beside it goes
-// on past that. A spur is but a few pieces, near another line, that lead nowhere.
+// A tail goes, in a few rows, to an end that touches nothing and has nothing ahead, while another line of its object,
+// the nearer surface not on the other side, runs beside it and on past that. A spur is but a few pieces, near another
+// line, that lead nowhere.
 //
 // outline_tails: as outline_tail.kernel.h has it.
 IN_REAL(depth)
+IN_REAL(object_id)
 IN_REAL(outline_steep_linked)
 IN_REAL(outline_flat_linked)
 OUT_REAL(outline_tails)
@@ -32,8 +34,15 @@ struct Tip {
   Int x, y;     // pixel of its piece
   Vec2 at;      // where it crosses, from that pixel
   Vec2 way;     // unit vector, outward
-  Vec2 nearer;  // to its nearer surface
+  Vec2 nearer;  // to its nearer surface,
+  Real object;  // and that one's object
 };
+
+// The object of a piece's nearer surface.
+FN Real object_of(Int x, Int y, Real piece, Bool steep) {
+  Bool other = side_of(piece) < -kHasSide;
+  return load_object_id(x + select(steep && other, Int(1), Int(0)), y + select(!steep && other, Int(1), Int(0)));
+}
 
 // The end at a place along a line that began in a piece of one kind, from which it does not go on.
 FN Tip tip_of(Bool asked, Along last, Bool steep, Real towards) {
@@ -41,7 +50,8 @@ FN Tip tip_of(Bool asked, Along last, Bool steep, Real towards) {
   Vec2 lean = Vec2(select(steep, last.slope, Real(1.0f)), select(steep, Real(1.0f), last.slope)) * towards;
   Vec2 way = way_of(asked, last.x, last.y, last.piece, last.steep, towards_at(last, steep, towards), at, 0.0f);
   way = chosen(dot(way, way) > 0.5f, way, lean * (Real(1.0f) / sqrt(dot(lean, lean))));
-  return Tip(last.x, last.y, at, way, nearer_of(last.piece, last.steep));
+  return Tip(last.x, last.y, at, way, nearer_of(last.piece, last.steep),
+             object_of(last.x, last.y, last.piece, last.steep));
 }
 
 // Where the piece at pixel (i, j) from that of an end crosses, from where the end does.
@@ -95,6 +105,8 @@ FN_RARE Bool is_passed(Bool asked, Tip end) {
         Real side = cross(end.way, apart);
         Bool beside = here && along > kFirst && along < kLast && abs(side) > kOther && abs(side) < nearest;
         beside = beside && dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide;
+        if (some(beside))
+          beside = beside && object_of(end.x + Int(i), end.y + Int(j), piece, steep_of(lying)) == end.object;
         nearest = select(beside, abs(side), nearest);
         aside = select(beside, side, aside);
         first = select(beside, piece, first);
