@@ -7,8 +7,10 @@ CONST float kLeastSeen = 4.5f;   // sure_of from which on a piece counts
 CONST int kBefore = 4;           // rows (columns) before an end that tell its way,
 CONST float kNearEnough = 0.4f;  // pixels beside where the next is expected, at which no other is looked for
 CONST float kAstray = 1.1f;      // pixels from where the next is expected: more is another line
+CONST float kHasSide = 0.05f;    // of nearer surfaces
 
 FN Vec2 chosen(Bool first, Vec2 a, Vec2 b) { return Vec2(select(first, a.x, b.x), select(first, a.y, b.y)); }
+FN Bool chosen(Bool first, Bool a, Bool b) { return (first && a) || (!first && b); }
 
 // Whether pieces are steep, of one kind for all pixels: steep (lying 0) or flat (1).
 FN Bool steep_of(int lying) { return Real(float(lying)) < 0.5f; }
@@ -30,6 +32,11 @@ FN Real piece_at(int lying, Int x, Int y) {
 FN Bool seen(Real piece) { return is_piece(piece) && sure_of(piece) > kLeastSeen; }
 
 FN Bool same(Bool a, Bool b) { return (a && b) || (!a && !b); }
+
+// Where the middle of a piece's stroke is from a place `at`, counted from a pixel so many before the piece's.
+FN Vec2 apart_from(Vec2 at, Real piece, int lying, Int i, Int j, float width) {
+  return middle_of(piece, steep_of(lying), width) + Vec2(to_real(i), to_real(j)) - at;
+}
 
 FN Real cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 
@@ -84,7 +91,7 @@ FN Along next_along(Along from, Int X, Int Y, Bool steep, Int row, Real towards)
     next.place = select(here, crossed, next.place);
     next.x = select(here, x, next.x);
     next.y = select(here, y, next.y);
-    next.steep = (here && kind) || (!here && next.steep);
+    next.steep = chosen(here, kind, next.steep);
     next.piece = select(here, other, next.piece);
   }
   next.on = from.on && nearest < kAstray;

@@ -37,7 +37,6 @@ CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half 
 CONST float kFirm = 0.7f;         // share of sure, of both
 CONST float kNearly = 0.8f;       // share of the way to it on which its surface is asked
 CONST float kTilted = 3.0f;       // pixel sizes per pixel that its surface may be tilted
-CONST float kHasSide = 0.05f;     // of nearer surfaces
 CONST float kNever = 1e6f;        // the cost of what is not joined
 
 // An end of a line.
@@ -51,7 +50,6 @@ struct End {
   Vec2 nearer;   // unit vector to its nearer surface, shorter if it lies partly on either side
 };
 
-FN Bool chosen(Bool first, Bool a, Bool b) { return (first && a) || (!first && b); }
 FN End chosen(Bool first, End a, End b) {
   return End(chosen(first, a.on, b.on), select(first, a.x, b.x), select(first, a.y, b.y),
              chosen(first, a.steep, b.steep), select(first, a.towards, b.towards), chosen(first, a.at, b.at),
@@ -88,7 +86,7 @@ FN Bool is_near(Bool asked, Int X, Int Y, Vec2 way, Vec2 at) {
         Real piece = piece_at(lying, X + Int(i), Y + Int(j));
         Bool here = asked && !found && seen(piece);
         if (!some(here)) continue;
-        Vec2 apart = middle_of(piece, steep_of(lying), C.width_px) + Vec2(Real(float(i)), Real(float(j))) - at;
+        Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
         Real ahead = dot(way, apart);
         Bool on = ahead > kAhead && ahead < kNear;
         found = found || (here && (on || (ahead < kAhead && abs(cross(way, apart)) > kAside)));
@@ -231,7 +229,7 @@ FN_RARE Target target_of(Bool asked, End a) {
         Real piece = piece_at(lying, a.x + Int(i), a.y + Int(j));
         Bool here = asked && is_piece(piece) && linked_of(piece) > kFirm;
         if (!some(here)) continue;
-        Vec2 apart = middle_of(piece, steep_of(lying), C.width_px) + Vec2(Real(float(i)), Real(float(j))) - at;
+        Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
         Real along = dot(a.way, apart);
         here = here && along > kAhead && along < nearest &&
                abs(cross(a.way, apart)) < mad(along, Real(kPoints), Real(0.5f));

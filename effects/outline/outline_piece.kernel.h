@@ -37,5 +37,8 @@ FN Real sure_of(Real piece) {
 // The same piece, whether it may be a speck or not.
 FN Real without_mark(Real piece) { return real_of_bits(bits_of(piece) & Uint(0xf7ffffffu)); }
 
+// The same piece, as sure as can be.
+FN Real without_doubt(Real piece) { return real_of_bits((bits_of(piece) & Uint(0xf07fffffu)) | Uint(0x07800000u)); }
+
 // Whether a pixel is in the picture.
 FN Bool in_picture(Int x, Int y) { return x >= Int(0) && x < Int(F.width) && y >= Int(0) && y < Int(F.height); }

@@ -11,7 +11,6 @@ CONST float kWhole = 12.5f;         // sure_of from which on a line is not faint
 CONST float kAlongside = 2.0f;      // pixels beside a line, per pixel of stride,
 CONST float kAlongsideMore = 1.4f;  // and more, up to which another one runs along
 CONST float kOther = 0.9f;          // and from which on, or else it is the same
-CONST float kHasSide = 0.05f;       // of nearer surfaces
 
 // outline_tails: 0, or the sum of these, of ends of this pixel's steep piece; times kOfFlat of its flat one.
 CONST float kPassedBefore = 1.0f;  // the line ends above (to the left), and is a tail
@@ -27,4 +26,10 @@ FN int spur_rows() { return int(kSpurRows * float(C.stride)); }
 // (column) of its last piece's kind, -1 in the one before.
 FN Real towards_at(Along last, Bool steep, Real towards) {
   return select(same(last.steep, steep), towards, select(last.slope * towards < 0.0f, Real(-1.0f), Real(1.0f)));
+}
+
+// The unit vector along a line that began in a piece of a kind and leans so, to one side.
+FN Vec2 lean_of(Real slope, Bool steep, Real towards) {
+  Vec2 lean = Vec2(select(steep, slope, Real(1.0f)), select(steep, Real(1.0f), slope)) * towards;
+  return lean * (Real(1.0f) / sqrt(dot(lean, lean)));
 }

@@ -47,16 +47,10 @@ FN Real object_of(Int x, Int y, Real piece, Bool steep) {
 // The end at a place along a line that began in a piece of one kind, from which it does not go on.
 FN Tip tip_of(Bool asked, Along last, Bool steep, Real towards) {
   Vec2 at = middle_of(last.piece, last.steep, 0.0f);
-  Vec2 lean = Vec2(select(steep, last.slope, Real(1.0f)), select(steep, Real(1.0f), last.slope)) * towards;
   Vec2 way = way_of(asked, last.x, last.y, last.piece, last.steep, towards_at(last, steep, towards), at, 0.0f);
-  way = chosen(dot(way, way) > 0.5f, way, lean * (Real(1.0f) / sqrt(dot(lean, lean))));
+  way = chosen(dot(way, way) > 0.5f, way, lean_of(last.slope, steep, towards));
   return Tip(last.x, last.y, at, way, nearer_of(last.piece, last.steep),
              object_of(last.x, last.y, last.piece, last.steep));
-}
-
-// Where the piece at pixel (i, j) from that of an end crosses, from where the end does.
-FN Vec2 apart_from(Vec2 at, Real piece, int lying, Int i, Int j) {
-  return middle_of(piece, steep_of(lying), 0.0f) + Vec2(to_real(i), to_real(j)) - at;
 }
 
 // Whether an end touches nothing and nothing is ahead of it.
@@ -74,7 +68,7 @@ FN_RARE Bool is_free(Bool asked, Tip end) {
           Real piece = piece_at(lying, end.x + x + Int(i), end.y + y + Int(j));
           Bool here = free && seen(piece);
           if (!some(here)) continue;
-          Vec2 apart = apart_from(end.at, piece, lying, x + Int(i), y + Int(j));
+          Vec2 apart = apart_from(end.at, piece, lying, x + Int(i), y + Int(j), 0.0f);
           Real along = dot(end.way, apart);
           Real off = abs(cross(end.way, apart));
           Bool own = off < kSame && along < kSame;
@@ -100,7 +94,7 @@ FN_RARE Bool is_passed(Bool asked, Tip end) {
         Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
         Bool here = asked && seen(piece);
         if (!some(here)) continue;
-        Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j));
+        Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
         Real along = dot(end.way, apart);
         Real side = cross(end.way, apart);
         Bool beside = here && along > kFirst && along < kLast && abs(side) > kOther && abs(side) < nearest;
@@ -112,7 +106,7 @@ FN_RARE Bool is_passed(Bool asked, Tip end) {
         first = select(beside, piece, first);
         x = select(beside, end.x + Int(i), x);
         y = select(beside, end.y + Int(j), y);
-        steep = (beside && steep_of(lying)) || (!beside && steep);
+        steep = chosen(beside, steep_of(lying), steep);
       }
   Bool on = asked && is_piece(first);
   Real towards = select(select(steep, end.way.y, end.way.x) < 0.0f, Real(-1.0f), Real(1.0f));
@@ -159,7 +153,7 @@ FN_RARE Bool is_spur(Bool asked, Tip up, Tip down) {
         Real piece = piece_at(lying, up.x + x + Int(i), up.y + y + Int(j));
         Bool here = look && seen(piece);
         if (!some(here)) continue;
-        Vec2 apart = apart_from(middle, piece, lying, x + Int(i), y + Int(j));
+        Vec2 apart = apart_from(middle, piece, lying, x + Int(i), y + Int(j), 0.0f);
         Vec2 off = apart - arm * clamp(dot(arm, apart) / extent, Real(-1.0f), Real(1.0f));
         here = here && dot(off, off) > kOther * kOther;
         near = near || (here && dot(off, off) < alongside() * alongside());

@@ -16,12 +16,6 @@ CONST int kMeets = 2;         // pixels, and the stride, from an end at which wh
 CONST float kBehind = 1.0f;   // so many behind it
 CONST float kAsideOf = 2.0f;  // and so many aside
 
-// The same piece, as sure as can be.
-FN Real whole(Real piece) {
-  Real sure = real_of_bits((bits_of(abs(piece)) & Uint(0xf07fffffu)) | Uint(0x07800000u));
-  return select(piece < 0.0f, -sure, sure);
-}
-
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
 FN Bool end_around() {
   int rows = tail_rows();
@@ -34,9 +28,7 @@ FN Bool end_around() {
 // Whether another line is beside this pixel's piece.
 FN_RARE Bool has_beside(Bool asked, Real piece, int lying) {
   Bool steep = steep_of(lying);
-  Real slope = slope_of(piece);
-  Vec2 way = Vec2(select(steep, slope, Real(1.0f)), select(steep, Real(1.0f), slope));
-  way = way * (Real(1.0f) / sqrt(dot(way, way)));
+  Vec2 way = lean_of(slope_of(piece), steep, Real(1.0f));
   Vec2 at = middle_of(piece, steep, 0.0f);
   Vec2 nearer = nearer_of(piece, steep);
   Bool found = asked && !asked;
@@ -49,7 +41,7 @@ FN_RARE Bool has_beside(Bool asked, Real piece, int lying) {
         Real other = kind == 0 ? near_outline_steep_linked(i, j) : near_outline_flat_linked(i, j);
         Bool here = look && seen(other) && near_inside(i, j);
         if (!some(here)) continue;
-        Vec2 apart = middle_of(other, steep_of(kind), 0.0f) + Vec2(Real(float(i)), Real(float(j))) - at;
+        Vec2 apart = apart_from(at, other, kind, Int(i), Int(j), 0.0f);
         Real off = abs(cross(way, apart));
         here = here && dot(nearer_of(other, steep_of(kind)), nearer) > -kHasSide;
         found = found || (here && abs(dot(way, apart)) < kAbreast && off > kOther && off < alongside());
@@ -99,7 +91,7 @@ FN_RARE Bool meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
         Real piece = piece_at(lying, X + Int(i), Y + Int(j));
         Bool here = look && is_piece(piece) && sure_of(piece) > kWhole;
         if (!some(here)) continue;
-        Vec2 apart = middle_of(piece, steep_of(lying), 0.0f) + Vec2(Real(float(i)), Real(float(j))) - at;
+        Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), 0.0f);
         found = found || (here && dot(way, apart) > -kBehind && abs(cross(way, apart)) < kAsideOf);
       }
   return found;
@@ -128,8 +120,7 @@ FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) 
     rows = select(last.on, Int(k), rows);
   }
   if (some(ends)) {
-    Vec2 way = Vec2(select(steep, last.slope, Real(1.0f)), select(steep, Real(1.0f), last.slope)) * towards;
-    way = way * (Real(1.0f) / sqrt(dot(way, way)));
+    Vec2 way = lean_of(last.slope, steep, towards);
     found = found || meets(ends, last.x, last.y, middle_of(last.piece, last.steep, 0.0f), way);
   }
   return Led(found, rows);
@@ -146,7 +137,7 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
       between = between && down.on && up.rows + down.rows < Int(kBetween * C.stride);
     }
   }
-  piece = select(between, whole(piece), piece);
+  piece = select(between, without_doubt(piece), piece);
   for (int side = -1; side <= 1; side += 2) {
     Bool look = near_end && is_piece(piece);
     if (some(look)) piece = select(look, without_tail(look, px, py, piece, lying, side), piece);
