@@ -758,6 +758,19 @@ dvec2 on_relief(double angle_deg, const Lens& lens, int x, int y) {
   return {p.x * std::cos(a) - p.y * std::sin(a), -p.y * std::cos(a) - p.x * std::sin(a)};
 }
 
+/// What lines cover of each pixel's length of their way, by stretches so long along u, of which one begins at `from`.
+std::map<int, double> widths_along(const Plane& lines, double angle_deg, const Lens& lens, double stretch_px,
+                                   double from_px, double half_u_px, double half_v_px) {
+  std::map<int, double> widths;
+  for (int y = 0; y < lines.height; ++y)
+    for (int x = 0; x < lines.width; ++x) {
+      const dvec2 p = on_relief(angle_deg, lens, x, y);
+      if (std::fabs(p.y) < half_v_px && std::fabs(p.x) < half_u_px)
+        widths[int(std::floor((p.x - from_px) / stretch_px))] += lines.at(x, y) / stretch_px;
+    }
+  return widths;
+}
+
 /// Near 45 degrees, where pieces of both kinds tell of a line, a part of what is dropped can stay.
 constexpr double kReliefAngles[] = {3.0, 20.0, 33.0, 58.0, 70.0, 88.0, 110.0, 200.0, 310.0};
 
@@ -774,15 +787,7 @@ TEST(Outline, LinesThatOverlapAreOneLine) {
       const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
       const std::string where = fmt::format("{} high, {} degrees", height, angle);
       EXPECT_EQ(largest_set(lines), count(lines)) << where;
-      // What the lines cover of each pixel's length of their way.
-      std::map<int, double> wide;
-      for (int y = 0; y < lines.height; ++y)
-        for (int x = 0; x < lines.width; ++x) {
-          const dvec2 p = on_relief(angle, lens, x, y);
-          if (std::fabs(p.y) < 20.0 && std::fabs(p.x) < 28.0)
-            wide[int(std::floor((p.x + 4.0) / 8.0))] += lines.at(x, y) / 8.0;
-        }
-      for (const auto& [u, px] : wide) {
+      for (const auto& [u, px] : widths_along(lines, angle, lens, 8.0, -4.0, 28.0, 20.0)) {
         EXPECT_GT(px, 1.2) << where << ", at " << 8 * u;
         EXPECT_LT(px, 3.3) << where << ", at " << 8 * u;
       }
@@ -800,15 +805,9 @@ TEST(Outline, FaintPartsBetweenOthersAreAsWide) {
           return v > 0.0 ? std::clamp(4.6 + 4.0 * (std::fabs(u) - half_px), 4.6, 12.0) : 0.0;
         });
         const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
-        std::map<int, double> wide;
-        for (int y = 0; y < lines.height; ++y)
-          for (int x = 0; x < lines.width; ++x) {
-            const dvec2 p = on_relief(angle, lens, x, y);
-            if (std::fabs(p.y) < 6.0 && std::fabs(p.x) < half_px)
-              wide[int(std::floor(p.x / 3.0))] += lines.at(x, y) / 3.0;
-          }
         double least = 1e9;
-        for (const auto& [u, px] : wide) least = std::min(least, px);
+        for (const auto& [u, px] : widths_along(lines, angle, lens, 3.0, 0.0, half_px, 6.0))
+          least = std::min(least, px);
         if (brief)
           EXPECT_GT(least, 1.4) << height << " high, " << angle << " degrees";
         else
