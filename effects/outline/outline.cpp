@@ -283,7 +283,7 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = own_row},
                  {.name = "outline",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_steep_trimmed",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_trimmed",
                              "outline_flat_trimmed", "outline_join", "outline_around", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,

@@ -6,6 +6,7 @@
 // line never reaches around a corner onto what lies behind. Where lines end they are round, so that corners close.
 IN_REAL(depth)
 IN_VECTOR(normal)
+IN_REAL(object_id)
 IN_REAL(outline_steep_trimmed)
 IN_REAL(outline_flat_trimmed)
 IN_REAL(outline_join)
@@ -102,8 +103,10 @@ FN Real cover_of(Vec3 direction, Real spare) {
 
 // What the round end of a line covers. (across, along): where the crossing's first pixel lies, from this one, across
 // the line's main direction and along it. v: the piece. depth1, depth2: of the two pixels
-// that it lies between. predicted: this pixel's plane's nearness at the crossing.
-FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Real predicted) {
+// that it lies between; object1, object2: theirs. predicted: this pixel's plane's nearness at the crossing. A line does
+// not reach onto another object, also where that touches its own and so lies hardly behind.
+FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Real object1, Real object2,
+                  Real predicted) {
   Real side = side_of(v);
   across = across + place_of(v);
   Real slope = slope_of(v);
@@ -116,6 +119,7 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   past = max(past - Real(0.5f) / max(shrink, Real(0.1f)), Real(0.0f));
   off = select(side < 0.0f, -off, off);
   Real nearer = select(side < 0.0f, depth2, depth1);
+  Bool other = !(near_object_id(0, 0) == select(side < 0.0f, object2, object1));
   side = abs(side);
   Real distance = sqrt(mad(off, off, past * past));
   Real wide = mad(side, width * 0.5f, width * 0.5f);  // onto the nearer side
@@ -126,6 +130,7 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
   Real cover = select(off > 0.0f, inner, outer) * unit_clamp(sure * kFading);
+  behind = behind || (other && Int(C.objects) > Int(0));
   return select(behind && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
 }
 
@@ -159,14 +164,16 @@ FN Real ends_cover(int j, Vec3 own) {
     if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.y, fi + place_of(v), own.z * fj);
-      Real cover = end_cover(v, fi, fj, near_depth(i, j), near_depth(i + 1, j), predicted);
+      Real cover = end_cover(v, fi, fj, near_depth(i, j), near_depth(i + 1, j), near_object_id(i, j),
+                             near_object_id(i + 1, j), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
     v = -near_outline_flat_trimmed(i, j);
     if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.z, fj + place_of(v), own.y * fi);
-      Real cover = end_cover(v, fj, fi, near_depth(i, j), near_depth(i, j + 1), predicted);
+      Real cover = end_cover(v, fj, fi, near_depth(i, j), near_depth(i, j + 1), near_object_id(i, j),
+                             near_object_id(i, j + 1), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
   }

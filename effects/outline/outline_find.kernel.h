@@ -53,6 +53,7 @@ CONST float kAsStrong = 1.03f;  // and where strides are longer than a pixel, wh
 CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
+CONST float kHidden = 0.45f;    // and one of which another object hides a part
 CONST float kSoftClear = 0.9f;  // how clear a soft crease is at most in high pictures, where outline_refine asks more
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
@@ -187,6 +188,16 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   first = abs(step0) >= abs(down) * kFirstStep;
   gap = select(two && !first && abs(ramp) > abs(gap), ramp, gap);
   return gap / max(pixel, Real(1e-30f));
+}
+
+// Whether another object hides what would follow on pixel (k, l), steps of (i, j) of so many pixels on: one that stands
+// on it, or lies in front.
+FN Bool hidden_from(int k, int l, int i, int j, int pixels) {
+  Real depth = near_depth(k, l);
+  Real other = near_depth(k + i, l + j);
+  Real bound = Real(F.ray_scale_x * kSteepest * float(pixels));
+  if (F.orthographic == 0) bound = bound * depth;
+  return other - depth < bound && !(near_object_id(k + i, l + j) == near_object_id(k, l));
 }
 
 // Whether the surface of pixel (k, l) is at most two pixels wide, seen from there by steps of (i, j), and what follows
@@ -349,13 +360,25 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   // A side that ends after three steps is judged by the last of them: before a rim it turns the more the rounder it is.
   Real outside_a = sqrt(select(before3, square(a2 - a4), square(a1 - a2) * kLast));
   Real outside_b = sqrt(select(after3, square(b4 - b2), square(b2 - b1) * kLast));
+  // One that another object hides goes on behind that one: it is as round as the other side.
+  Bool hidden_a = before1 && !before3 && hidden_from(-si, -sj, -si, -sj, stride);
+  Bool hidden_b = after1 && !after3 && hidden_from(i + si, j + sj, si, sj, stride);
+  hidden_a = hidden_a || (before2 && !before3 && hidden_from(-2 * si, -2 * sj, -si, -sj, stride));
+  hidden_b = hidden_b || (after2 && !after3 && hidden_from(i + 2 * si, j + 2 * sj, si, sj, stride));
+  Real outside = select(hidden_a, outside_b, outside_a);
+  outside_b = select(hidden_b, outside_a, outside_b);
+  outside_a = outside;
+  if (stride > 1) {
+    hidden_a = hidden_a || (before3 && hidden_from(-3 * si, -3 * sj, -si, -sj, stride));
+    hidden_b = hidden_b || (after3 && hidden_from(i + 3 * si, j + 3 * sj, si, sj, stride));
+  }
   Real steady = (Real(kRound) - (outside_a + outside_b) / max(inside, Real(1e-20f))) * Real(1.0f / (kRound - kBevel));
   // Between a crease and a rim so near is hardly room for two lines: it is drawn where it is clear elsewhere.
   // The soft ones of high pictures need the four strides that they are judged by.
   Bool roomy = before3 && after3;
   if (stride > 1) roomy = before4 && after4;
-  steady = select(roomy, steady, min(steady, Real(kNarrow)));
-  steady = select(before2 && after2 && (before3 || after3), steady, Real(0.0f));
+  steady = select(roomy, steady, min(steady, select(hidden_a || hidden_b, Real(kHidden), Real(kNarrow))));
+  steady = select((before2 || hidden_a) && (after2 || hidden_b) && (before3 || after3), steady, Real(0.0f));
   if (C.stride > 1) steady = min(steady, Real(kSoftClear));
   steady = select(sharp, Real(1.0f), steady);
   Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;

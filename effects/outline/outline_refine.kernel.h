@@ -21,6 +21,7 @@ CONST float kLeastLength = 2.5f;    // rows that a crease goes on
 CONST float kOneSided = 25.0f;      // from the middle: a surface ends there
 CONST int kBeside = 4;              // pixels from a clear crossing within which a faint one may run along with it,
 CONST int kShadow = 2;              // and within which it is but that one's shadow
+CONST float kNoShadow = 2.5f;       // how clear a faint one is that is none
 CONST float kPart = 1.25f;          // pixels from something clearer, within which a crossing is a part of that, and
 CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
 CONST float kCovers = 0.5f;         // which is its width less this
@@ -44,6 +45,13 @@ FN Bool same_line(Real v, Real side, Bool clear) {
   Bool alike = !(other == Real(kMiddle)) && !(side == Real(kMiddle));
   Real most = select(alike || (clear && v > 0.0f), Real(kMostTurn), Real(kMostTurnFaint));
   return abs(v) > 0.0f && abs(other - side) < most;
+}
+
+// Whether a crossing is a crease as one of side `side` is, or a jump as that is.
+FN Bool of_one_kind(Real v, Real side) {
+  Bool crease = floor(code_of(v)) == Real(kMiddle);
+  Bool other = side == Real(kMiddle);
+  return (crease && other) || !(crease || other);
 }
 
 // Whether a line may go on in this crossing, though one is a jump and the other a crease: where there is nothing else,
@@ -81,7 +89,11 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   back = back || (none && may_join(before, side));
   on = on || (none && may_join(after, side));
   ahead = ahead || (none && may_join(straight, side));
-  on = on && !(back && clear_of(before) > clear_of(after));
+  // Of both sides a rim rather goes on in a rim, also where it is hardly in front, and a crease in a crease.
+  Bool alike_on = of_one_kind(after, side);
+  Bool alike_back = of_one_kind(before, side);
+  Bool clearer_back = clear_of(before) > clear_of(after);
+  on = on && !(back && ((alike_back && !alike_on) || (clearer_back && (alike_back || !alike_on))));
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
@@ -127,7 +139,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   // Where a rim goes on beside it a crease goes on in one only if there is no other crease.
   Bool mixes = clear && !(crease && nearest < kBesideRim);
   Bool lone = clear || (!beside && abs(signed_v) >= kStep);
-  shadow = shadow && !clear;
+  shadow = shadow && !clear && clear_of(signed_v) < kNoShadow;
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
