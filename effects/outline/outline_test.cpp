@@ -856,6 +856,81 @@ TEST(Outline, EndsReachTheLineThatTheyPointTo) {
       }
 }
 
+/// The rounded front edge of a table at v = 0, seen from above, on which another object stands: its foot is `away_px`
+/// behind the edge, and farther off by a round way to both sides, if it is not so long.
+Scene table(double angle_deg, const Lens& lens, double away_px, double half_long_px) {
+  constexpr double kTurn = 40.0, kBevelPx = 1.7;  // degrees to either side of the mean, in so many pixels
+  const double a = radians(angle_deg), pixel = lens.pixel();
+  const dvec3 up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+  const auto foot = [=](double u) { return away_px + 0.5 * u * u / half_long_px; };
+  const auto table_px = [](double v) { return std::tan(radians(kTurn)) * -std::fabs(v); };
+  const Scene shape = relief(angle_deg, lens, [=](double u, double v) {
+    const bool on_it = v > foot(u) && std::fabs(u) < half_long_px;
+    return on_it ? table_px(foot(u)) + 3.0 * (v - foot(u)) : table_px(v);
+  });
+  return [=](const dvec3& origin, const dvec3& direction) {
+    Hit hit = shape(origin, direction);
+    const double x = (origin.x - kOffX) / pixel, y = (origin.y - kOffY) / pixel;
+    const double u = x * std::cos(a) + y * std::sin(a), v = y * std::cos(a) - x * std::sin(a);
+    const bool on_it = v > foot(u) && std::fabs(u) < half_long_px;
+    hit.object = on_it ? 1 : 0;
+    const double lean = on_it ? -70.0 : kTurn * std::clamp(v / kBevelPx, -1.0, 1.0);
+    hit.normal = glm::normalize(front + std::tan(radians(lean)) * up);
+    return hit;
+  };
+}
+
+TEST(Outline, EdgesBelowWhatStandsOnThemDoNotBreak) {
+  for (const double angle : kReliefAngles) {
+    const Lens lens{200, 256, true};
+    const auto widths = [&](double away_px, double half_long_px) {
+      const Plane lines = lines_of(seen(lens, table(angle, lens, away_px, half_long_px)), {{"width", "2"}});
+      return widths_along(lines, angle, lens, 4.0, 0.0, 56.0, 1.6);
+    };
+    for (const double away_px : {2.8, 3.2, 3.7, 4.2})
+      for (const auto& [u, px] : widths(away_px, 40.0))
+        EXPECT_GT(px, 1.4) << angle << " degrees, " << away_px << " away, at " << 4 * u;
+    // As near all along, as the top of a skirting board is to the wall, there is no room for two lines.
+    for (const auto& [u, px] : widths(2.2, 1e6)) EXPECT_LT(px, 0.9) << angle << " degrees, at " << 4 * u;
+  }
+}
+
+TEST(Outline, LinesDoNotReachOntoWhatTouchesTheirObject) {
+  const dvec3 center(0.05, 0.1, -kFocus);
+  for (const int height : {256, 1024})
+    for (const bool orthographic : {false, true})
+      for (const double turn : {8.0, 25.0, 45.0, 70.0})
+        for (const double width : {2.0, 5.0}) {
+          const Lens lens{height, height, orthographic};
+          const dmat3 tilt = rotation(28.0, 0.0);
+          const dvec3 up = tilt * dvec3(0, 1, 0);
+          const GBuffer g = seen(lens, together({box(center, tilt * rotation(0.0, turn), 0.7, 0.0, 1),
+                                                 convex_solid({{up, glm::dot(up, center - 0.7 * up)}}, 0)}));
+          const Plane lines = lines_of(g, {{"width", fmt::format("{}", width)}});
+          const Plane& ids = g.layers[0].plane("object_id");
+          // Where they touch a line may lie half on either.
+          const double most = 0.5 * width + 1.5;
+          const int reach = int(std::ceil(most));
+          long far = 0, all = 0;
+          std::string first = "no place";
+          for (int y = reach; y < height - reach; ++y)
+            for (int x = reach; x < height - reach; ++x) {
+              if (lines.at(x, y) <= kLine) continue;
+              ++all;
+              if (ids.at(x, y) == 1.0f) continue;
+              bool near = false;
+              for (int v = -reach; v <= reach; ++v)
+                for (int u = -reach; u <= reach; ++u)
+                  near |= u * u + v * v <= most * most && ids.at(x + u, y + v) == 1.0f;
+              if (!near && far++ == 0) first = fmt::format("{}, {}", x, y);
+            }
+          const std::string what = fmt::format("{} px, {}, turned by {}, width {}, at {}", height,
+                                               orthographic ? "orthographic" : "perspective", turn, width, first);
+          EXPECT_GT(all, height) << what;
+          EXPECT_EQ(far, 0) << what;
+        }
+}
+
 /// A jump of so many pixel sizes that is a steep surface, `wide_px` wide in the picture.
 Scene steep_step(double angle_deg, double wide_px, double depth_px, const Lens& lens) {
   const double a = radians(angle_deg);
