@@ -28,11 +28,16 @@ FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 // The cosine of a line's lean.
 FN Real cosine_of(Real slope) { return rsqrt(mad(slope, slope, Real(1.0f))); }
 
+// How wide a line is drawn, and how dark. One of less than a pixel is as much lighter instead: else pixels that it meets
+// in their middle would be darker than pairs that it passes between.
+FN Real drawn_width(Real sure) { return max(sure * C.width_px, Real(1.0f)); }
+FN Real darkness_of(Real sure) { return unit_clamp(sure * kFading) * min(sure * C.width_px, Real(1.0f)); }
+
 // A piece of line as a pixel meets it whose row (column) it crosses i pixels on: how far inside the line's width the
 // pixel's centre lies, counted from half a pixel outside, from its side on the nearer surface and from the other; and
 // how far it is from the crossing, above 0 on the nearer surface.
 FN Vec3 met(Real v, int i) {
-  Real width = linked_of(v) * C.width_px;
+  Real width = drawn_width(linked_of(v));
   Real side = side_of(v);
   Real off = (place_of(v) + Real(float(i))) * cosine_of(slope_of(v));
   off = select(side < 0.0f, -off, off);
@@ -52,7 +57,7 @@ FN Real seen_cover(int lying, int towards, int sight) {
     Bool here = v > 0.0f;
     if (!some(here)) continue;
     Vec3 line = met(v, i);
-    Real cover = min(line.x, line.y) * unit_clamp(linked_of(v) * kFading);
+    Real cover = min(line.x, line.y) * darkness_of(linked_of(v));
     covered = max(covered, cover * open);
     open = select(here && abs(side_of(v)) > kSideEnds, Real(0.0f), open);
   }
@@ -75,7 +80,7 @@ FN Vec3 seen(int lying, int towards, int sight) {
     Real sure = linked_of(v);
     Real side = abs(side_of(v));
     Bool rim = side > kRim && line.z > 0.0f;
-    Real cover = select(rim, line.x, min(line.x, line.y)) * unit_clamp(sure * kFading);
+    Real cover = select(rim, line.x, min(line.x, line.y)) * darkness_of(sure);
     covered = max(covered, cover * open);
     Bool first = sure > 0.0f && distance == Real(kFar);
     lean = select(first, slope_of(v), lean);
@@ -112,7 +117,7 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   Real slope = slope_of(v);
   Real shrink = cosine_of(slope);
   Real sure = linked_of(v);
-  Real width = sure * C.width_px;
+  Real width = drawn_width(sure);
   // The sign is the numerator's, which rounds alike on every machine: the two sides of a line are not alike.
   Real off = mad(-along, slope, across) * shrink;       // towards the first pixel's side
   Real past = abs(mad(across, slope, along)) * shrink;  // along the line
@@ -129,7 +134,7 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   if (F.orthographic == 0) behind = predicted * nearer < Real(1.0f) - allowed;
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
-  Real cover = select(off > 0.0f, inner, outer) * unit_clamp(sure * kFading);
+  Real cover = select(off > 0.0f, inner, outer) * darkness_of(sure);
   behind = behind || (other && Int(C.objects) > Int(0));
   return select(behind && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
 }
@@ -216,8 +221,8 @@ FN Real joins_cover(int j) {
     Real share = unit_clamp(-dot(from, apart) / max(dot(apart, apart), Real(1e-6f)));
     Real sure = mad(joined_sure(join) - linked_of(piece), share, linked_of(piece));
     Vec2 off = from + apart * share;
-    Real cover = unit_clamp(mad(sure, Real(0.5f * C.width_px), Real(0.5f)) - sqrt(dot(off, off)));
-    covered = select(here, max(covered, cover * unit_clamp(sure * kFading)), covered);
+    Real cover = unit_clamp(mad(drawn_width(sure), Real(0.5f), Real(0.5f)) - sqrt(dot(off, off)));
+    covered = select(here, max(covered, cover * darkness_of(sure)), covered);
   }
   return covered;
 }
