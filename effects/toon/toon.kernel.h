@@ -40,6 +40,15 @@ FN Real averaged_floor(Real t, Real width) {
   return edge - 1.0f + min((high - edge) / width, Real(1.0f));
 }
 
+// How much of a pixel's half towards a neighbour is inside a highlight whose plane changes evenly up to there, 0 to
+// 1/2.
+FN Real inside_half(Real centre, Real other, Bool has) {
+  Real share = abs(centre) / max(abs(centre - other), Real(1e-20f));
+  share = select(centre > 0.0f, select(other < 0.0f, min(share, Real(0.5f)), Real(0.5f)),
+                 select(other > 0.0f, max(Real(0.5f) - share, Real(0.0f)), Real(0.0f)));
+  return select(has, share, select(centre > 0.0f, Real(0.5f), Real(0.0f)));
+}
+
 FN void toon_pixel(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Real depth = near_depth(0, 0);
@@ -74,11 +83,21 @@ FN void toon_pixel(Int px, Int py) {
 
   Real highlight = near_toon_highlight(0, 0);
   if (some(highlight > kFarOutside)) {
-    across = change(highlight, near_toon_highlight(-1, 0), near_toon_highlight(1, 0), left, right);
-    along = change(highlight, near_toon_highlight(0, -1), near_toon_highlight(0, 1), up, down);
+    Real before = near_toon_highlight(-1, 0);
+    Real after = near_toon_highlight(1, 0);
+    Real above = near_toon_highlight(0, -1);
+    Real below = near_toon_highlight(0, 1);
+    across = change(highlight, before, after, left, right);
+    along = change(highlight, above, below, up, down);
     width = sqrt(mad(across, across, along * along));
+    Bool sharp = width > Real(C.softness);
     width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
     Real inside = clamp(highlight / width + 0.5f, Real(0.0f), Real(1.0f));
+    // One that is narrower than a pixel, as on a bevel, covers no more of it than it is wide: else it is a row of dots.
+    Real in_row = inside_half(highlight, before, left) + inside_half(highlight, after, right);
+    Real in_column = inside_half(highlight, above, up) + inside_half(highlight, below, down);
+    Real most = select(highlight > 0.0f, min(in_row, in_column), max(in_row, in_column));
+    inside = select(sharp, min(inside, most), inside);
     // The material's root: between 0.05 and 0.5, where materials lie, highlights stay visible and differ.
     Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);
     Real share = inside * min(strength, Real(1.0f));
