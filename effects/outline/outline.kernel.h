@@ -28,8 +28,8 @@ FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 // The cosine of a line's lean.
 FN Real cosine_of(Real slope) { return rsqrt(mad(slope, slope, Real(1.0f))); }
 
-// How wide a line is drawn, and how dark. One of less than a pixel is as much lighter instead: else pixels that it meets
-// in their middle would be darker than pairs that it passes between.
+// How wide a line is drawn, and how dark. One of less than a pixel is as much lighter instead: else pixels that it
+// meets in their middle would be darker than pairs that it passes between.
 FN Real drawn_width(Real sure) { return max(sure * C.width_px, Real(1.0f)); }
 FN Real darkness_of(Real sure) { return unit_clamp(sure * kFading) * min(sure * C.width_px, Real(1.0f)); }
 

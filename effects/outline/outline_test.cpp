@@ -815,6 +815,26 @@ TEST(Outline, FaintPartsBetweenOthersAreAsWide) {
       }
 }
 
+TEST(Outline, FaintPartsThatLeadNowhereAreDrawnIfTheyAreLong) {
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const bool brief : {true, false}) {
+        const double stride = height > 256 ? 3.0 : 1.0, half_px = (brief ? 5.5 : 24.0) * stride;
+        const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          return v > 0.0 ? std::clamp(8.0 * (half_px - std::fabs(u)), 0.0, 6.5) : 0.0;
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        const long drawn = count(lines, [&](int x, int y) { return std::fabs(on_relief(angle, lens, x, y).y) < 6.0; });
+        constexpr double kNearHalfway = 310.0;  // degrees: a part of it can stay
+        if (!brief) {
+          EXPECT_GT(drawn, 20) << height << " high, " << angle << " degrees";
+        } else if (angle != kNearHalfway) {
+          EXPECT_EQ(drawn, 0) << height << " high, " << angle << " degrees";
+        }
+      }
+}
+
 TEST(Outline, ForksHaveNoBarbs) {
   // A rim turns away, and straight on a step goes on for a few pixels that becomes less and less deep.
   for (const int height : {256, 2160})

@@ -79,28 +79,32 @@ FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int
   return select(dropped, Real(0.0f), select(tail, -abs(piece), piece));
 }
 
-// Whether a line that is sure is at pixel (X, Y) or near it, not behind what leads there.
-FN_RARE Bool meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
-  Bool found = asked && !asked;
+// How sure the surest piece is of those at pixel (X, Y) and near it that are not behind what leads there; 0 for none.
+FN_RARE Real meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
+  Real surest = Real(0.0f);
   int wide = C.stride + kMeets;
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i)
       for (int lying = 0; lying < 2; ++lying) {
-        Bool look = asked && !found;
+        Bool look = asked && !(surest > kWhole);
         if (!some(look)) continue;
         Real piece = piece_at(lying, X + Int(i), Y + Int(j));
-        Bool here = look && is_piece(piece) && sure_of(piece) > kWhole;
+        Bool here = look && is_piece(piece);
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), 0.0f);
-        found = found || (here && dot(way, apart) > -kBehind && abs(cross(way, apart)) < kAsideOf);
+        Real ahead = dot(way, apart);
+        here = here && ahead > select(sure_of(piece) > kWhole, Real(-kBehind), Real(kBehind)) &&
+               abs(cross(way, apart)) < kAsideOf;
+        surest = select(here, max(surest, sure_of(piece)), surest);
       }
-  return found;
+  return surest;
 }
 
 // Where a line leads that is faint, to one side of it.
 struct Led {
-  Bool on;   // to a line that is sure,
-  Int rows;  // so many rows away
+  Bool on;    // to a line that is sure,
+  Bool ends;  // or it ends, and nothing goes on from there,
+  Int rows;   // so many rows away
 };
 
 FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) {
@@ -121,23 +125,26 @@ FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) 
   }
   if (some(ends)) {
     Vec2 way = lean_of(last.slope, steep, towards);
-    found = found || meets(ends, last.x, last.y, middle_of(last.piece, last.steep, 0.0f), way);
+    Real met = meets(ends, last.x, last.y, middle_of(last.piece, last.steep, 0.0f), way);
+    found = found || (ends && met > kWhole);
+    ends = ends && !(met > 0.0f);
   }
-  return Led(found, rows);
+  return Led(found, ends, rows);
 }
 
 FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   Bool on = is_piece(piece);
-  Bool between = on && sure_of(piece) < kWhole;
-  if (some(between)) {
-    Led up = led_to(between, px, py, piece, lying, -1);
-    between = between && up.on;
-    if (some(between)) {
-      Led down = led_to(between, px, py, piece, lying, 1);
-      between = between && down.on && up.rows + down.rows < Int(kBetween * C.stride);
+  Bool faint = on && sure_of(piece) < kWhole;
+  if (some(faint)) {
+    Led up = led_to(faint, px, py, piece, lying, -1);
+    faint = faint && (up.on || up.ends);
+    if (some(faint)) {
+      Led down = led_to(faint, px, py, piece, lying, 1);
+      faint = faint && up.rows + down.rows < Int(kBetween * C.stride);
+      piece = select(faint && up.on && down.on, without_doubt(piece), piece);
+      piece = select(faint && up.ends && down.ends, Real(0.0f), piece);
     }
   }
-  piece = select(between, without_doubt(piece), piece);
   for (int side = -1; side <= 1; side += 2) {
     Bool look = near_end && is_piece(piece);
     if (some(look)) piece = select(look, without_tail(look, px, py, piece, lying, side), piece);
