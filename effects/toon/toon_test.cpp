@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "run_effect.h"
 #include "support.h"
@@ -392,6 +393,33 @@ TEST(Toon, HighlightsAreRoundAndNotDarkened) {
     for (int y = 0; y < kSphereSize; ++y)
       for (int x = 0; x < kSphereSize; ++x) ASSERT_LE(out.plane("lit.r").at(x, y), 0.25f) << x << ',' << y;
   });
+}
+
+TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
+  // Bevels that turn by so much from row to row, each column a little farther up than the last.
+  constexpr int kWidth = 64, kHeight = 24;
+  for (const double turn_deg : {12.0, 20.0, 30.0})
+    for (const double shininess : {40.0, 200.0}) {
+      GBuffer g = face(kWidth, kHeight, {0, 0, 1});
+      for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]) = Plane(kWidth, kHeight, 0.0f);
+      g.layers[0].add("specular") = Plane(kWidth, kHeight, 1.0f);
+      g.layers[0].add("shininess") = Plane(kWidth, kHeight, float(shininess));
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          const double rows = y + 0.5 - 0.5 * kHeight + 0.07 * (x - 0.5 * kWidth);
+          const double angle = std::clamp(rows * turn_deg, -60.0, 60.0) * std::numbers::pi / 180.0;
+          set_normal(g, x, y, {0.0, std::sin(angle), std::cos(angle)});
+        }
+      const double wide = 2.0 * std::acos(1.0 - std::log(2.0) / shininess) / (turn_deg * std::numbers::pi / 180.0);
+      test::on_every_target("toon", g, {}, [&](const Image& out) {
+        const std::string what = fmt::format("{} degrees, shininess {}, {:.2f} pixels", turn_deg, shininess, wide);
+        double most = 0.0;
+        for (int y = 1; y < kHeight - 1; ++y)
+          for (int x = 1; x < kWidth - 1; ++x) most = std::max(most, double(out.plane("lit.r").at(x, y)));
+        EXPECT_LT(most, std::min(wide, 1.0) + 0.05) << what;
+        EXPECT_GT(most, 0.2 * wide) << what;
+      });
+    }
 }
 
 TEST(Toon, HighlightFollowsTheMaterial) {
