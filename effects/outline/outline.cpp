@@ -161,7 +161,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr float kMostStretch = 1.45f;      // of a distance along a row: the steepest slope is kSteepHere
   constexpr int kJoin = 2, kJoinStride = 8;  // pixels between ends that are joined, and more per pixel of stride
   c.join = kJoin + kJoinStride * c.stride;
-  c.sight = int((c.width_px + kAntialiasing) * kMostStretch) + 1;
+  c.sight = int((std::max(c.width_px, 1.0f) + kAntialiasing) * kMostStretch) + 1;
   // Each of two joined ends draws more than half of what joins them, and an end all that leads to a line ahead: up to
   // three pixels per pixel of stride and two.
   c.around = std::max(c.sight, c.join / 2 + 1 + int(std::ceil(0.5f * c.width_px)));

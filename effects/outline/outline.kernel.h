@@ -28,16 +28,14 @@ FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 // The cosine of a line's lean.
 FN Real cosine_of(Real slope) { return rsqrt(mad(slope, slope, Real(1.0f))); }
 
-// How wide a line is drawn, and how dark. One of less than a pixel is as much lighter instead: else pixels that it
-// meets in their middle would be darker than pairs that it passes between.
-FN Real drawn_width(Real sure) { return max(sure * C.width_px, Real(1.0f)); }
+// How dark a line is drawn that is so sure.
 FN Real darkness_of(Real sure) { return unit_clamp(sure * kFading) * min(sure * C.width_px, Real(1.0f)); }
 
 // A piece of line as a pixel meets it whose row (column) it crosses i pixels on: how far inside the line's width the
 // pixel's centre lies, counted from half a pixel outside, from its side on the nearer surface and from the other; and
 // how far it is from the crossing, above 0 on the nearer surface.
 FN Vec3 met(Real v, int i) {
-  Real width = drawn_width(linked_of(v));
+  Real width = drawn_width(linked_of(v), C.width_px);
   Real side = side_of(v);
   Real off = (place_of(v) + Real(float(i))) * cosine_of(slope_of(v));
   off = select(side < 0.0f, -off, off);
@@ -107,9 +105,9 @@ FN Real cover_of(Vec3 direction, Real spare) {
 }
 
 // What the round end of a line covers. (across, along): where the crossing's first pixel lies, from this one, across
-// the line's main direction and along it. v: the piece. depth1, depth2: of the two pixels
-// that it lies between; object1, object2: theirs. predicted: this pixel's plane's nearness at the crossing. A line does
-// not reach onto another object, also where that touches its own and so lies hardly behind.
+// the line's main direction and along it. v: the piece. depth1, depth2: of the two pixels that it lies between;
+// object1, object2: theirs. predicted: this pixel's plane's nearness at the crossing. A line does not reach onto another
+// object, also where that touches its own and so lies hardly behind.
 FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Real object1, Real object2,
                   Real predicted) {
   Real side = side_of(v);
@@ -117,14 +115,14 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   Real slope = slope_of(v);
   Real shrink = cosine_of(slope);
   Real sure = linked_of(v);
-  Real width = drawn_width(sure);
+  Real width = drawn_width(sure, C.width_px);
   // The sign is the numerator's, which rounds alike on every machine: the two sides of a line are not alike.
   Real off = mad(-along, slope, across) * shrink;       // towards the first pixel's side
   Real past = abs(mad(across, slope, along)) * shrink;  // along the line
   past = max(past - Real(0.5f) / max(shrink, Real(0.1f)), Real(0.0f));
   off = select(side < 0.0f, -off, off);
   Real nearer = select(side < 0.0f, depth2, depth1);
-  Bool other = !(near_object_id(0, 0) == select(side < 0.0f, object2, object1));
+  Bool other = !(near_object_id(0, 0) == select(side < 0.0f, object2, object1)) && Int(C.objects) > Int(0);
   side = abs(side);
   Real distance = sqrt(mad(off, off, past * past));
   Real wide = mad(side, width * 0.5f, width * 0.5f);  // onto the nearer side
@@ -135,8 +133,7 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
   Real cover = select(off > 0.0f, inner, outer) * darkness_of(sure);
-  behind = behind || (other && Int(C.objects) > Int(0));
-  return select(behind && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
+  return select((behind || other) && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
 }
 
 // This pixel's nearness, and how it changes by one pixel to the right and down on its own plane.
@@ -221,7 +218,7 @@ FN Real joins_cover(int j) {
     Real share = unit_clamp(-dot(from, apart) / max(dot(apart, apart), Real(1e-6f)));
     Real sure = mad(joined_sure(join) - linked_of(piece), share, linked_of(piece));
     Vec2 off = from + apart * share;
-    Real cover = unit_clamp(mad(drawn_width(sure), Real(0.5f), Real(0.5f)) - sqrt(dot(off, off)));
+    Real cover = unit_clamp(mad(drawn_width(sure, C.width_px), Real(0.5f), Real(0.5f)) - sqrt(dot(off, off)));
     covered = select(here, max(covered, cover * darkness_of(sure)), covered);
   }
   return covered;

@@ -53,7 +53,7 @@ CONST float kAsStrong = 1.03f;  // and where strides are longer than a pixel, wh
 CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
 CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
 CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
-CONST float kHidden = 0.45f;    // and one of which another object hides a part
+CONST float kHidden = 0.45f;    // and one of which another object hides a part: outline_refine tells them apart
 CONST float kSoftClear = 0.9f;  // how clear a soft crease is at most in high pictures, where outline_refine asks more
 CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
@@ -112,13 +112,18 @@ FN Bool same_object(int i, int j, int k, int l) {
   return near_object_id(i, j) == near_object_id(k, l) && is_surface(near_depth(i, j)) && is_surface(near_depth(k, l));
 }
 
+// By how much one surface may lie behind another so many pixels beside that is at `depth`, and be near it.
+FN Real near_behind(Real depth, int pixels) {
+  Real bound = Real(F.ray_scale_x * kSteepest * float(pixels));
+  return F.orthographic != 0 ? bound : bound * depth;
+}
+
 // Whether a surface goes on from pixel (i, j) to (k, l), so many pixels on: not to another object, and not far behind.
 FN Bool goes_on(int i, int j, int k, int l, int pixels) {
   Real depth1 = near_depth(i, j);
   Real depth2 = near_depth(k, l);
-  Real bound = Real(F.ray_scale_x * kSteepest * float(pixels));
-  if (F.orthographic == 0) bound = bound * min(depth1, depth2);
-  return abs(depth1 - depth2) < bound && near_object_id(i, j) == near_object_id(k, l);
+  return abs(depth1 - depth2) < near_behind(min(depth1, depth2), pixels) &&
+         near_object_id(i, j) == near_object_id(k, l);
 }
 
 // How much normals turn about the step from n2 to n3, squared: the weighted sum of the turns of five steps.
@@ -195,9 +200,8 @@ FN Real jump_between(Int px, Int py, int i, int j) {
 FN Bool hidden_from(int k, int l, int i, int j, int pixels) {
   Real depth = near_depth(k, l);
   Real other = near_depth(k + i, l + j);
-  Real bound = Real(F.ray_scale_x * kSteepest * float(pixels));
-  if (F.orthographic == 0) bound = bound * depth;
-  return other - depth < bound && !(near_object_id(k + i, l + j) == near_object_id(k, l));
+  return other > 0.0f && other - depth < near_behind(depth, pixels) &&
+         !(near_object_id(k + i, l + j) == near_object_id(k, l));
 }
 
 // Whether the surface of pixel (k, l) is at most two pixels wide, seen from there by steps of (i, j), and what follows
@@ -375,9 +379,10 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real steady = (Real(kRound) - (outside_a + outside_b) / max(inside, Real(1e-20f))) * Real(1.0f / (kRound - kBevel));
   // Between a crease and a rim so near is hardly room for two lines: it is drawn where it is clear elsewhere.
   // The soft ones of high pictures need the four strides that they are judged by.
-  Bool roomy = before3 && after3;
-  if (stride > 1) roomy = before4 && after4;
-  steady = select(roomy, steady, min(steady, select(hidden_a || hidden_b, Real(kHidden), Real(kNarrow))));
+  Bool roomy_a = stride > 1 ? before4 : before3;
+  Bool roomy_b = stride > 1 ? after4 : after3;
+  Bool hides = (roomy_a || hidden_a) && (roomy_b || hidden_b);
+  steady = select(roomy_a && roomy_b, steady, min(steady, select(hides, Real(kHidden), Real(kNarrow))));
   steady = select((before2 || hidden_a) && (after2 || hidden_b) && (before3 || after3), steady, Real(0.0f));
   if (C.stride > 1) steady = min(steady, Real(kSoftClear));
   steady = select(sharp, Real(1.0f), steady);

@@ -17,11 +17,12 @@ OUT_REAL(outline_flat)
 
 CONST int kRows = 3;                // on each side: the place is then known to about a seventh of a pixel
 CONST float kSteepHere = 1.05f;     // from here on the other kind of crossing knows the line better
+CONST float kUpright = 0.3f;        // slope of steps of two lines, one below the other
 CONST float kLeastLength = 2.5f;    // rows that a crease goes on
 CONST float kOneSided = 25.0f;      // from the middle: a surface ends there
 CONST int kBeside = 4;              // pixels from a clear crossing within which a faint one may run along with it,
 CONST int kShadow = 2;              // and within which it is but that one's shadow
-CONST float kNoShadow = 2.5f;       // how clear a faint one is that is none
+CONST float kNoShadow = 2.5f;       // how clear a faint crease is that is none: outline_find's kHidden, not its kNarrow
 CONST float kPart = 1.25f;          // pixels from something clearer, within which a crossing is a part of that, and
 CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
 CONST float kCovers = 0.5f;         // which is its width less this
@@ -61,8 +62,8 @@ FN Bool may_join(Real v, Real side) { return abs(v) >= kStep && abs(floor(code_o
 FN Bool faint_crease(Real v) { return v < 0.0f && floor(code_of(v)) == Real(kMiddle); }
 
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
-// else 0: its code; how far beside. Straight on comes before aside, and of both sides the clearer one, but no faint
-// crease before a clear one.
+// else 0: its code; how far beside. Straight on comes before aside, and of both sides one of its kind and then the
+// clearer one, but no faint crease before a clear one.
 FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool mixes, Bool lone) {
   int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
@@ -93,7 +94,8 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   Bool alike_on = of_one_kind(after, side);
   Bool alike_back = of_one_kind(before, side);
   Bool clearer_back = clear_of(before) > clear_of(after);
-  on = on && !(back && ((alike_back && !alike_on) || (clearer_back && (alike_back || !alike_on))));
+  Bool rather_back = (alike_back && !alike_on) || (clearer_back && (alike_back || !alike_on));
+  on = on && !(back && rather_back && !(clear && after > 0.0f && faint_crease(before)));
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
@@ -105,8 +107,9 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real t = crossed_at(v - side);
   Bool clear = signed_v > 0.0f;
   // Beside a clear crossing a faint one is its shadow, unless the clear one is a crease and the faint one a rim farther
-  // off. What runs beside one goes on in its like alone. Of a crease and a jump that are close the less clear one is a
-  // part of the other: of two as clear, the crease.
+  // off, or the faint one a crease of which the clear one's object hides a part. What runs beside one goes on in its
+  // like alone. Of a crease and a jump that are close the less clear one is a part of the other: of two as clear, the
+  // crease.
   Bool rim = abs(side - kMiddle) > kOneSided;
   Bool crease = side == Real(kMiddle);
   Bool beside = v < 0.0f;
@@ -139,7 +142,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   // Where a rim goes on beside it a crease goes on in one only if there is no other crease.
   Bool mixes = clear && !(crease && nearest < kBesideRim);
   Bool lone = clear || (!beside && abs(signed_v) >= kStep);
-  shadow = shadow && !clear && clear_of(signed_v) < kNoShadow;
+  shadow = shadow && !clear && !(crease && clear_of(signed_v) > kNoShadow);
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
@@ -196,7 +199,9 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Real place = clamp(mean, select(exact, Real(-0.5f), Real(0.0f)), select(exact, Real(1.499f), Real(1.0f)));
   // A step of a line of the other kind has its next ones a pixel or more aside, and soon none.
   Bool aside = (!joined || abs(slope) > 0.75f) && pairs < 1.5f && length < kLeastLength;
-  aside = aside || abs(slope) > kSteepHere;
+  // Or that of one beside it, with which it would make a line across both: it leads from the one side to the other.
+  Bool across = (abs(w2) > 0.0f && abs(w1) > 0.0f) || (abs(w3) > 0.0f && abs(w0) > 0.0f);
+  aside = aside || abs(slope) > kSteepHere || (across && length < kLeastLength && abs(slope) < kUpright);
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
   Real part_within = min(select(short_line, Real(kPartShort), Real(kPart)), Real(C.width_px - kCovers));

@@ -18,11 +18,16 @@ FN Real side_of(Real piece) { return mad(level_of(piece), Real(1.0f / 32.0f), Re
 // How sure a piece is, 0 to 1: outline_link leaves no speck.
 FN Real linked_of(Real piece) { return bits_at(piece, 23, Uint(31u)) * Real(1.0f / kSure); }
 
-// The middle of a piece's stroke where it crosses its row (column), from the pixel's centre.
+// How wide a line is drawn that is so sure: one of less than a pixel is as wide as one and as much lighter, or else
+// pixels that it meets in their middle would be darker than pairs that it passes between.
+FN Real drawn_width(Real sure, float width) { return max(sure * width, Real(1.0f)); }
+
+// The middle of a piece's stroke where it crosses its row (column), from the pixel's centre; of width 0, its crossing.
 FN Vec2 middle_of(Real piece, Bool steep, float width) {
   Real slope = slope_of(piece);
   Real shrink = Real(1.0f) / sqrt(mad(slope, slope, Real(1.0f)));
-  Real aside = side_of(piece) * linked_of(piece) * (-0.5f * width) * shrink;
+  Real wide = width > 0.0f ? drawn_width(linked_of(piece), width) : Real(0.0f);
+  Real aside = side_of(piece) * wide * (shrink * -0.5f);
   Real across = place_of(piece) + aside;
   Real along = -slope * aside;
   return Vec2(select(steep, across, along), select(steep, along, across));

@@ -815,6 +815,34 @@ TEST(Outline, FaintPartsBetweenOthersAreAsWide) {
       }
 }
 
+TEST(Outline, LinesThinnerThanAPixelCoverAlikeWhereverTheyPass) {
+  for (const double width : {0.5, 0.75, 1.0})
+    for (const double angle : kReliefAngles) {
+      const Lens lens{160, 256, true};
+      const Scene scene = relief(angle, lens, [](double, double v) { return v > 0.0 ? 30.0 : 0.0; });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", fmt::format("{}", width)}});
+      for (const auto& [u, px] : widths_along(lines, angle, lens, 5.0, 0.0, 50.0, 8.0))
+        EXPECT_NEAR(px, width, 0.25 * width) << angle << " degrees, width " << width << ", at " << 5 * u;
+    }
+}
+
+TEST(Outline, FaintPartsAtTheBorderLeadOutOfThePicture) {
+  for (const bool right : {false, true})
+    for (const double angle : {3.0, 20.0, 33.0}) {
+      const Lens lens{120, 256, true};
+      const Scene scene = relief(
+          angle, lens, [=](double u, double v) { return v > 0.0 && (right ? u > 50.0 : u < -50.0) ? 6.5 : 0.0; });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+      EXPECT_GT(count(lines,
+                      [&](int x, int y) {
+                        const dvec2 p = on_relief(angle, lens, x, y);
+                        return std::fabs(p.y) < 2.0 && std::fabs(p.x) > 53.0;
+                      }),
+                3)
+          << angle << " degrees, " << right;
+    }
+}
+
 TEST(Outline, FaintPartsThatLeadNowhereAreDrawnIfTheyAreLong) {
   for (const int height : {256, 2160})
     for (const double angle : kReliefAngles)

@@ -1,5 +1,6 @@
 // Tails and spurs dropped, as outline_tails tells them, and what is faint between two lines made as sure as they: a
-// fold between two rims of a mesh's triangles is a crease, clear in some rows and faint in others. What is left of two
+// fold between two rims of a mesh's triangles is a crease, clear in some rows and faint in others. What is faint and
+// short and leads nowhere is dropped, too. What is left of two
 // lines that overlapped outline_join joins.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them.
@@ -14,7 +15,9 @@ CONST int kBetween = 16;      // rows, per pixel of stride, of what is faint bet
 CONST float kAbreast = 1.5f;  // pixels before or after a piece, at which that has another line beside
 CONST int kMeets = 2;         // pixels, and the stride, from an end at which what is faint meets a line,
 CONST float kBehind = 1.0f;   // so many behind it
-CONST float kAsideOf = 2.0f;  // and so many aside
+CONST float kAsideOf = 2.0f;  // and so many aside;
+CONST float kOnward = 1.0f;   // what is faint and not so many ahead
+CONST float kOwn = 0.8f;      // nor so many aside is of the line itself
 
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
 FN Bool end_around() {
@@ -79,7 +82,8 @@ FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int
   return select(dropped, Real(0.0f), select(tail, -abs(piece), piece));
 }
 
-// How sure the surest piece is of those at pixel (X, Y) and near it that are not behind what leads there; 0 for none.
+// How sure the surest piece is of those at pixel (X, Y) and near it that are not behind what leads there, nor of it
+// itself; 0 for none.
 FN_RARE Real meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
   Real surest = Real(0.0f);
   int wide = C.stride + kMeets;
@@ -93,8 +97,9 @@ FN_RARE Real meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), 0.0f);
         Real ahead = dot(way, apart);
-        here = here && ahead > select(sure_of(piece) > kWhole, Real(-kBehind), Real(kBehind)) &&
-               abs(cross(way, apart)) < kAsideOf;
+        Real aside = abs(cross(way, apart));
+        Bool own = sure_of(piece) < kWhole && ahead < kOnward && aside < kOwn;
+        here = here && !own && ahead > -kBehind && aside < kAsideOf;
         surest = select(here, max(surest, sure_of(piece)), surest);
       }
   return surest;
@@ -117,7 +122,10 @@ FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) 
   for (int k = 1; k <= kBetween * C.stride; ++k) {
     if (!some(last.on)) continue;
     Along next = next_along(last, px, py, steep, Int(k * side), towards);
-    ends = ends || (last.on && !next.on);
+    // At the picture's border no line ends.
+    Int across = to_int(floor(mad(last.slope, towards, last.place)));
+    Bool inside = in_picture(px + select(steep, across, Int(k * side)), py + select(steep, Int(k * side), across));
+    ends = ends || (last.on && !next.on && inside);
     last = next;
     found = found || (last.on && sure_of(last.piece) > kWhole);
     last.on = last.on && !found;

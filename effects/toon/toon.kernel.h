@@ -3,8 +3,8 @@
 //
 // Differs in ramp mode: a fixed number of bands, coloured from the shadow's colour to the light's. The step from band
 // to band is averaged over the range of intensity that the pixel covers, which comes from the differences to its
-// neighbours. They tell a width and nothing else: no neighbour's light or colour enters, so nothing smears over a
-// silhouette.
+// neighbours. They tell a width, and whether a highlight is narrower than a pixel, and nothing else: no neighbour's
+// light or colour enters, so nothing smears over a silhouette.
 IN_REAL(depth)
 IN_REAL(toon_intensity)
 IN_REAL(toon_highlight)
@@ -40,13 +40,13 @@ FN Real averaged_floor(Real t, Real width) {
   return edge - 1.0f + min((high - edge) / width, Real(1.0f));
 }
 
-// How much of a pixel's half towards a neighbour is inside a highlight whose plane changes evenly up to there, 0 to
-// 1/2.
-FN Real inside_half(Real centre, Real other, Bool has) {
-  Real share = abs(centre) / max(abs(centre - other), Real(1e-20f));
-  share = select(centre > 0.0f, select(other < 0.0f, min(share, Real(0.5f)), Real(0.5f)),
-                 select(other > 0.0f, max(Real(0.5f) - share, Real(0.0f)), Real(0.0f)));
-  return select(has, share, select(centre > 0.0f, Real(0.5f), Real(0.0f)));
+// How far a highlight reaches along one axis within a pixel that it ends in on either side: its plane changes evenly
+// up to both neighbours. 1 where it does not end on both sides.
+FN Real reach_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
+  Bool ends = centre > 0.0f && has_before && has_after && before < 0.0f && after < 0.0f;
+  Real backward = min(centre / max(centre - before, Real(1e-20f)), Real(0.5f));
+  Real forward = min(centre / max(centre - after, Real(1e-20f)), Real(0.5f));
+  return select(ends, backward + forward, Real(1.0f));
 }
 
 FN void toon_pixel(Int px, Int py) {
@@ -90,14 +90,15 @@ FN void toon_pixel(Int px, Int py) {
     across = change(highlight, before, after, left, right);
     along = change(highlight, above, below, up, down);
     width = sqrt(mad(across, across, along * along));
-    Bool sharp = width > Real(C.softness);
+    Real narrow = clamp(width - 1.0f, Real(0.0f), Real(1.0f));
     width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
     Real inside = clamp(highlight / width + 0.5f, Real(0.0f), Real(1.0f));
-    // One that is narrower than a pixel, as on a bevel, covers no more of it than it is wide: else it is a row of dots.
-    Real in_row = inside_half(highlight, before, left) + inside_half(highlight, after, right);
-    Real in_column = inside_half(highlight, above, up) + inside_half(highlight, below, down);
-    Real most = select(highlight > 0.0f, min(in_row, in_column), max(in_row, in_column));
-    inside = select(sharp, min(inside, most), inside);
+    // One that is narrower than a pixel, as on a bevel, covers no more of it than it is wide, and nothing of one that
+    // it does not reach: else it is a row of dots.
+    Real most = min(reach_along(highlight, before, after, left, right), reach_along(highlight, above, below, up, down));
+    Bool reached = highlight > 0.0f || (left && before > 0.0f) || (right && after > 0.0f) || (up && above > 0.0f) ||
+                   (down && below > 0.0f);
+    inside = inside + (min(inside, select(reached, most, Real(0.0f))) - inside) * narrow;
     // The material's root: between 0.05 and 0.5, where materials lie, highlights stay visible and differ.
     Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);
     Real share = inside * min(strength, Real(1.0f));

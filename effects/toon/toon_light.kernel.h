@@ -13,7 +13,7 @@ IN_REAL(ao)
 OUT_REAL(toon_intensity)
 OUT_REAL(toon_highlight)
 
-CONST float kNoHighlight = -16.0f;  // or one as far away
+CONST float kNoHighlight = -16.0f;  // or one so far away: what falls off farther within a pixel is a sixteenth wide
 CONST float kInverseLn2 = 1.44269504f;
 // Shadows are captured with one ray per pixel. Neighbours that smooth their edge lie no farther from the pixel's
 // tangent plane than a pixel is wide, and face within 25 degrees of it: not across a silhouette, nor an edge of a

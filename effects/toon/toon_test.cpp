@@ -422,6 +422,20 @@ TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
     }
 }
 
+TEST(Toon, HighlightsReachUpToCreases) {
+  // Two faces, one wholly in the highlight, the other turned away from it.
+  GBuffer g = face(32, 8, {0, 0, 1});
+  for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]) = Plane(32, 8, 0.0f);
+  g.layers[0].add("specular") = Plane(32, 8, 1.0f);
+  g.layers[0].add("shininess") = Plane(32, 8, 60.0f);
+  for (int y = 0; y < 8; ++y)
+    for (int x = 16; x < 32; ++x) set_normal(g, x, y, glm::normalize(glm::dvec3(0.9, 0.0, 0.4)));
+  test::on_every_target("toon", g, {}, [&](const Image& out) {
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 32; ++x) EXPECT_EQ(out.plane("lit.r").at(x, y), x < 16 ? 1.0f : 0.0f) << x << ", " << y;
+  });
+}
+
 TEST(Toon, HighlightFollowsTheMaterial) {
   GBuffer g = face(1, 1, {0, 0, 1});
   for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]) = Plane(1, 1, 0.0f);
