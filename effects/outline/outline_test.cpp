@@ -830,8 +830,9 @@ TEST(Outline, FaintPartsAtTheBorderLeadOutOfThePicture) {
   for (const bool right : {false, true})
     for (const double angle : {3.0, 20.0, 33.0}) {
       const Lens lens{120, 256, true};
-      const Scene scene = relief(
-          angle, lens, [=](double u, double v) { return v > 0.0 && (right ? u > 50.0 : u < -50.0) ? 6.5 : 0.0; });
+      const Scene scene = relief(angle, lens, [=](double u, double v) {
+        return v > 0.0 ? std::clamp(8.0 * ((right ? u : -u) - 48.0), 0.0, 6.5) : 0.0;
+      });
       const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
       EXPECT_GT(count(lines,
                       [&](int x, int y) {
