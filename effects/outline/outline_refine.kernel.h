@@ -25,6 +25,7 @@ CONST int kShadow = 2;              // and within which it is but that one's sha
 CONST float kNoShadow = 2.5f;       // how clear a faint crease is that is none: outline_find's kHidden, not its kNarrow
 CONST float kPart = 1.25f;          // pixels from something clearer, within which a crossing is a part of that, and
 CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
+CONST float kRoomBeside = 0.25f;    // pixels that are to be left between two lines, of which one is hidden in part
 CONST float kCovers = 0.5f;         // which is its width less this
 CONST int kBesideHigh = 14;         // pixels looked at in high pictures, where a soft crease
 CONST float kGap = 0.8f;            // with less than this, times the stride, between its line and a clearer one
@@ -64,7 +65,7 @@ FN Bool faint_crease(Real v) { return v < 0.0f && floor(code_of(v)) == Real(kMid
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
 // else 0: its code; how far beside. Straight on comes before aside, and of both sides one of its kind and then the
 // clearer one, but no faint crease before a clear one.
-FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool mixes, Bool lone) {
+FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool mixes, Bool lone, Bool pure) {
   int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
   Real after = Real(0.0f);
@@ -84,6 +85,11 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   Bool on = same_line(after, side, mixes);
   Bool ahead = same_line(straight, side, mixes);
   Bool clear_back = clear && back && before > 0.0f;
+  Bool alike_on = of_one_kind(after, side);
+  Bool alike_back = of_one_kind(before, side);
+  back = back && (alike_back || !pure);
+  on = on && (alike_on || !pure);
+  ahead = ahead && (of_one_kind(straight, side) || !pure);
   on = on && !(clear_back && faint_crease(after));
   ahead = ahead && !((clear_back || (clear && on && after > 0.0f)) && faint_crease(straight));
   Bool none = lone && !(back || on || ahead);
@@ -91,8 +97,6 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   on = on || (none && may_join(after, side));
   ahead = ahead || (none && may_join(straight, side));
   // Of both sides a rim rather goes on in a rim, also where it is hardly in front, and a crease in a crease.
-  Bool alike_on = of_one_kind(after, side);
-  Bool alike_back = of_one_kind(before, side);
   Bool clearer_back = clear_of(before) > clear_of(after);
   Bool rather_back = (alike_back && !alike_on) || (clearer_back && (alike_back || !alike_on));
   on = on && !(back && rather_back && !(clear && after > 0.0f && faint_crease(before)));
@@ -142,7 +146,10 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   // Where a rim goes on beside it a crease goes on in one only if there is no other crease.
   Bool mixes = clear && !(crease && nearest < kBesideRim);
   Bool lone = clear || (!beside && abs(signed_v) >= kStep);
-  shadow = shadow && !clear && !(crease && clear_of(signed_v) > kNoShadow);
+  // Such a crease goes on in creases alone: a rim beside it that hardly lies in front is not itself.
+  shadow = shadow && !clear;
+  Bool pure = shadow && crease && clear_of(signed_v) > kNoShadow;
+  shadow = shadow && !pure;
   Bool exact = !(t == Real(0.5f));
   Bool up_alive = v > 0.0f;
   Bool down_alive = v > 0.0f;
@@ -161,8 +168,8 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool ends = !up_alive;
   for (int k = 1; k <= kRows; ++k) {
     if (!some(up_alive || down_alive)) continue;
-    up = follow(lying, -k, up.y, up_alive, side, clear, mixes, lone);
-    down = follow(lying, k, down.y, down_alive, side, clear, mixes, lone);
+    up = follow(lying, -k, up.y, up_alive, side, clear, mixes, lone, pure);
+    down = follow(lying, k, down.y, down_alive, side, clear, mixes, lone, pure);
     up_alive = abs(up.x) > 0.0f;
     down_alive = abs(down.x) > 0.0f;
     Real up_code = code_of(up.x);
@@ -205,6 +212,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool step = aside && (abs(w0) + abs(w1) + abs(w2) + abs(w3) > 0.0f);
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
   Real part_within = min(select(short_line, Real(kPartShort), Real(kPart)), Real(C.width_px - kCovers));
+  part_within = select(pure, Real(C.width_px + kRoomBeside), part_within);
   Bool part = nearest < part_within;
   Bool keep = v > 0.0f && !step && !speck && !shadow && !part;
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
