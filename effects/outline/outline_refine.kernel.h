@@ -63,8 +63,8 @@ FN Bool may_join(Real v, Real side) { return abs(v) >= kStep && abs(floor(code_o
 FN Bool faint_crease(Real v) { return v < 0.0f && floor(code_of(v)) == Real(kMiddle); }
 
 // The crossing in row `row` (column, for flat lines) at most one pixel beside `offset` that has about the same side, or
-// else 0: its code; how far beside. Straight on comes before aside, and of both sides one of its kind and then the
-// clearer one, but no faint crease before a clear one.
+// else 0: its code; how far beside. Straight on comes before aside, and of both sides the clearer one, but no faint
+// crease before a clear one.
 FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clear, Bool mixes, Bool lone, Bool pure) {
   int most = row < 0 ? -row : row;
   Real straight = Real(0.0f);
@@ -96,10 +96,9 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   back = back || (none && may_join(before, side));
   on = on || (none && may_join(after, side));
   ahead = ahead || (none && may_join(straight, side));
-  // Of both sides a rim rather goes on in a rim, also where it is hardly in front, and a crease in a crease.
-  Bool clearer_back = clear_of(before) > clear_of(after);
-  Bool rather_back = (alike_back && !alike_on) || (clearer_back && (alike_back || !alike_on));
-  on = on && !(back && rather_back && !(clear && after > 0.0f && faint_crease(before)));
+  // Of both sides, as clear, a rim rather goes on in a rim, also where it is hardly in front, and a crease in a crease.
+  Real clearer = clear_of(before) - clear_of(after);
+  on = on && !(back && (clearer > 0.5f || (clearer > -0.5f && alike_back && !alike_on)));
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
