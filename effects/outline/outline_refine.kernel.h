@@ -85,10 +85,8 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   Bool on = same_line(after, side, mixes);
   Bool ahead = same_line(straight, side, mixes);
   Bool clear_back = clear && back && before > 0.0f;
-  Bool alike_on = of_one_kind(after, side);
-  Bool alike_back = of_one_kind(before, side);
-  back = back && (alike_back || !pure);
-  on = on && (alike_on || !pure);
+  back = back && (of_one_kind(before, side) || !pure);
+  on = on && (of_one_kind(after, side) || !pure);
   ahead = ahead && (of_one_kind(straight, side) || !pure);
   on = on && !(clear_back && faint_crease(after));
   ahead = ahead && !((clear_back || (clear && on && after > 0.0f)) && faint_crease(straight));
@@ -96,9 +94,7 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   back = back || (none && may_join(before, side));
   on = on || (none && may_join(after, side));
   ahead = ahead || (none && may_join(straight, side));
-  // Of both sides, as clear, a rim rather goes on in a rim, also where it is hardly in front, and a crease in a crease.
-  Real clearer = clear_of(before) - clear_of(after);
-  on = on && !(back && (clearer > 0.5f || (clearer > -0.5f && alike_back && !alike_on)));
+  on = on && !(back && clear_of(before) > clear_of(after));
   Real found = select(ahead, straight, select(on, after, select(back, before, Real(0.0f))));
   Real beside = select(ahead || !(on || back), Real(0.0f), select(on, Real(1.0f), Real(-1.0f)));
   return Vec2(select(alive, found, Real(0.0f)), offset + beside);
