@@ -11,7 +11,8 @@ OUT_REAL(outline_steep_trimmed)
 OUT_REAL(outline_flat_trimmed)
 #include "effects/outline/outline_tail.kernel.h"
 
-CONST int kBetween = 16;      // rows, per pixel of stride, of what is faint between two lines
+CONST int kBetween = 16;      // rows, per pixel of stride, of what is faint between two lines,
+CONST int kNowhere = 12;      // and of what leads nowhere
 CONST float kAbreast = 1.5f;  // pixels before or after a piece, at which that has another line beside
 CONST int kMeets = 2;         // pixels, and the stride, from an end at which what is faint meets a line,
 CONST float kBehind = 1.0f;   // so many behind it
@@ -148,9 +149,10 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
     faint = faint && (up.on || up.ends);
     if (some(faint)) {
       Led down = led_to(faint, px, py, piece, lying, 1);
-      faint = faint && up.rows + down.rows < Int(kBetween * C.stride);
-      piece = select(faint && up.on && down.on, without_doubt(piece), piece);
-      piece = select(faint && up.ends && down.ends, Real(0.0f), piece);
+      Int rows = up.rows + down.rows;
+      Bool between = faint && up.on && down.on && rows < Int(kBetween * C.stride);
+      Bool nowhere = faint && up.ends && down.ends && rows < Int(kNowhere * C.stride);
+      piece = select(between, without_doubt(piece), select(nowhere, Real(0.0f), piece));
     }
   }
   for (int side = -1; side <= 1; side += 2) {
