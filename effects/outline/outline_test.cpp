@@ -826,6 +826,26 @@ TEST(Outline, LinesThinnerThanAPixelCoverAlikeWhereverTheyPass) {
     }
 }
 
+TEST(Outline, FaintPartsBetweenGapsAreAsWideAsWhatGoesOnBeyond) {
+  // Ends of faint parts lean as they happen to: most of them point to what goes on, not all.
+  int whole = 0;
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles) {
+      const double stride = height > 256 ? 3.0 : 1.0, half_px = 4.0 * stride, beyond_px = half_px + 3.0 * stride + 1.0;
+      const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
+      const Scene scene = relief(angle, lens, [=](double u, double v) {
+        const double faint = std::clamp(1.5 * (half_px + 4.0 - std::fabs(u)), 0.0, 6.5);
+        return v > 0.0 ? std::max(faint, std::clamp(4.0 * (std::fabs(u) - beyond_px), 0.0, 14.0)) : 0.0;
+      });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+      double least = 1e9;
+      for (const auto& [u, px] : widths_along(lines, angle, lens, 2.0 * stride, 0.0, 2.0 * stride, 6.0))
+        least = std::min(least, px);
+      whole += least > 1.5;
+    }
+  EXPECT_GE(whole, 12) << "of 18";
+}
+
 TEST(Outline, FaintPartsAtTheBorderLeadOutOfThePicture) {
   for (const bool right : {false, true})
     for (const double angle : {3.0, 20.0, 33.0}) {

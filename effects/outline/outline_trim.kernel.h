@@ -18,6 +18,7 @@ CONST int kMeets = 2;         // pixels, and the stride, from an end at which wh
 CONST float kBehind = 1.0f;   // so many behind it
 CONST float kAsideOf = 2.0f;  // and so many aside;
 CONST float kOnward = 1.0f;   // what is faint and not so many ahead
+CONST float kAlike = 0.5f;    // between ways, sine: more is another line's
 CONST float kOwn = 0.8f;      // nor so many aside is of the line itself
 
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
@@ -106,10 +107,36 @@ FN_RARE Real meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
   return surest;
 }
 
+// Whether a line that is sure goes on from where a faint one ends, its way and on its side, as far as ends are joined.
+FN_RARE Bool goes_on_ahead(Bool asked, Along end, Int X, Int Y, Vec2 at, Vec2 way) {
+  Bool found = asked && !asked;
+  Vec2 nearer = nearer_of(end.piece, end.steep);
+  for (int k = kMeets; k <= C.join; ++k) {
+    Int x = to_int(floor(mad(way.x, Real(float(k)), at.x + 0.5f)));
+    Int y = to_int(floor(mad(way.y, Real(float(k)), at.y + 0.5f)));
+    for (int j = -1; j <= 1; ++j)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Int i = x + select(end.steep, Int(j), Int(0));
+        Int l = y + select(end.steep, Int(0), Int(j));
+        Real piece = piece_at(lying, X + i, Y + l);
+        Bool here = look && is_piece(piece) && sure_of(piece) > kWhole;
+        if (!some(here)) continue;
+        Vec2 apart = apart_from(at, piece, lying, i, l, 0.0f);
+        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+        here = here && abs(cross(way, apart)) < kAbreast && abs(cross(way, lean)) < kAlike &&
+               dot(nearer_of(piece, steep_of(lying)), nearer) > -kHasSide;
+        found = found || here;
+      }
+  }
+  return found;
+}
+
 // Where a line leads that is faint, to one side of it.
 struct Led {
   Bool on;    // to a line that is sure,
-  Bool ends;  // or it ends, and nothing goes on from there,
+  Bool ends;  // it ends with none near,
   Int rows;   // so many rows away
 };
 
@@ -134,8 +161,11 @@ FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) 
   }
   if (some(ends)) {
     Vec2 way = lean_of(last.slope, steep, towards);
-    Real met = meets(ends, last.x, last.y, middle_of(last.piece, last.steep, 0.0f), way);
+    Vec2 at = middle_of(last.piece, last.steep, 0.0f);
+    Real met = meets(ends, last.x, last.y, at, way);
     found = found || (ends && met > kWhole);
+    Bool look = ends && !found;
+    if (some(look)) found = found || goes_on_ahead(look, last, last.x, last.y, at, way);
     ends = ends && !(met > 0.0f);
   }
   return Led(found, ends, rows);
@@ -151,7 +181,7 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
       Led down = led_to(faint, px, py, piece, lying, 1);
       Int rows = up.rows + down.rows;
       Bool between = faint && up.on && down.on && rows < Int(kBetween * C.stride);
-      Bool nowhere = faint && up.ends && down.ends && rows < Int(kNowhere * C.stride);
+      Bool nowhere = faint && !between && up.ends && down.ends && rows < Int(kNowhere * C.stride);
       piece = select(between, without_doubt(piece), select(nowhere, Real(0.0f), piece));
     }
   }
