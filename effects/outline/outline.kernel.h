@@ -106,8 +106,8 @@ FN Real cover_of(Vec3 direction, Real spare) {
 
 // What the round end of a line covers. (across, along): where the crossing's first pixel lies, from this one, across
 // the line's main direction and along it. v: the piece. depth1, depth2: of the two pixels that it lies between;
-// object1, object2: theirs. predicted: this pixel's plane's nearness at the crossing. A line does not reach onto another
-// object, also where that touches its own and so lies hardly behind.
+// object1, object2: theirs. predicted: this pixel's plane's nearness at the crossing. A line does not reach onto
+// another object, also where that touches its own and so lies hardly behind.
 FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Real object1, Real object2,
                   Real predicted) {
   Real side = side_of(v);
