@@ -365,10 +365,10 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   Real outside_a = sqrt(select(before3, square(a2 - a4), square(a1 - a2) * kLast));
   Real outside_b = sqrt(select(after3, square(b4 - b2), square(b2 - b1) * kLast));
   // One that another object hides goes on behind that one: it is as round as the other side.
-  Bool hidden_a = before1 && !before3 && hidden_from(-si, -sj, -si, -sj, stride);
-  Bool hidden_b = after1 && !after3 && hidden_from(i + si, j + sj, si, sj, stride);
-  hidden_a = hidden_a || (before2 && !before3 && hidden_from(-2 * si, -2 * sj, -si, -sj, stride));
-  hidden_b = hidden_b || (after2 && !after3 && hidden_from(i + 2 * si, j + 2 * sj, si, sj, stride));
+  Bool hidden_a = (before1 && hidden_from(-si, -sj, -si, -sj, stride)) ||
+                  (before2 && hidden_from(-2 * si, -2 * sj, -si, -sj, stride));
+  Bool hidden_b = (after1 && hidden_from(i + si, j + sj, si, sj, stride)) ||
+                  (after2 && hidden_from(i + 2 * si, j + 2 * sj, si, sj, stride));
   Real outside = select(hidden_a, outside_b, outside_a);
   outside_b = select(hidden_b, outside_a, outside_b);
   outside_a = outside;

@@ -108,7 +108,7 @@ FN_RARE Real meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
 }
 
 // Whether a line that is sure goes on from where a faint one ends, its way and on its side, as far as ends are joined.
-FN_RARE Bool goes_on_ahead(Bool asked, Along end, Int X, Int Y, Vec2 at, Vec2 way) {
+FN_RARE Bool goes_on_ahead(Bool asked, Along end, Vec2 at, Vec2 way) {
   Bool found = asked && !asked;
   Vec2 nearer = nearer_of(end.piece, end.steep);
   for (int k = kMeets; k <= C.join; ++k) {
@@ -120,7 +120,7 @@ FN_RARE Bool goes_on_ahead(Bool asked, Along end, Int X, Int Y, Vec2 at, Vec2 wa
         if (!some(look)) continue;
         Int i = x + select(end.steep, Int(j), Int(0));
         Int l = y + select(end.steep, Int(0), Int(j));
-        Real piece = piece_at(lying, X + i, Y + l);
+        Real piece = piece_at(lying, end.x + i, end.y + l);
         Bool here = look && is_piece(piece) && sure_of(piece) > kWhole;
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, i, l, 0.0f);
@@ -150,22 +150,23 @@ FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) 
   for (int k = 1; k <= kBetween * C.stride; ++k) {
     if (!some(last.on)) continue;
     Along next = next_along(last, px, py, steep, Int(k * side), towards);
-    // At the picture's border no line ends.
-    Int across = to_int(floor(mad(last.slope, towards, last.place)));
-    Bool inside = in_picture(px + select(steep, across, Int(k * side)), py + select(steep, Int(k * side), across));
-    ends = ends || (last.on && !next.on && inside);
+    ends = ends || (last.on && !next.on);
     last = next;
     found = found || (last.on && sure_of(last.piece) > kWhole);
     last.on = last.on && !found;
     rows = select(last.on, Int(k), rows);
   }
+  // At the picture's border no line ends.
+  Int across = to_int(floor(mad(last.slope, towards, last.place)));
+  Int beyond = (rows + Int(1)) * Int(side);
+  ends = ends && in_picture(px + select(steep, across, beyond), py + select(steep, beyond, across));
   if (some(ends)) {
     Vec2 way = lean_of(last.slope, steep, towards);
     Vec2 at = middle_of(last.piece, last.steep, 0.0f);
     Real met = meets(ends, last.x, last.y, at, way);
     found = found || (ends && met > kWhole);
     Bool look = ends && !found;
-    if (some(look)) found = found || goes_on_ahead(look, last, last.x, last.y, at, way);
+    if (some(look)) found = found || goes_on_ahead(look, last, at, way);
     ends = ends && !(met > 0.0f);
   }
   return Led(found, ends, rows);
