@@ -190,10 +190,11 @@ int link_reach(const void* constants, int) {
 /// A line is followed as `link_reach` has it: for up to eight rows from one beside an end, for four before each end of
 /// a few rows.
 int tails_reach(const void* constants, int) { return 28 + 2 * static_cast<const OutlineConstants*>(constants)->stride; }
-/// What is faint is followed for 16 rows, times the stride; from there a line is looked for as far as ends are joined.
+/// What is faint is followed for 16 rows, times the stride; from there a line is looked for as far as ends are joined,
+/// and from another faint one, that goes on there, once more the same.
 int trim_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
-  return int(std::ceil(2.6f * 16.0f * float(c.stride))) + std::max(c.stride, c.join) + 4;
+  return 2 * (int(std::ceil(2.6f * 16.0f * float(c.stride))) + std::max(c.stride, c.join) + 4);
 }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What
 /// lies between ends is asked from the middle of the one's stroke to the other's.

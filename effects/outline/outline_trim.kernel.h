@@ -107,27 +107,40 @@ FN_RARE Real meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
   return surest;
 }
 
-// Whether a line that is sure goes on from where a faint one ends, its way and on its side, as far as ends are joined.
-FN_RARE Bool goes_on_ahead(Bool asked, Along end, Vec2 at, Vec2 way) {
-  Bool found = asked && !asked;
+// What goes on ahead of where a faint line ends, its way and on its side.
+struct Ahead {
+  Bool sure;    // a line that is sure
+  Along faint;  // or one that is faint, too: the first
+};
+
+// What goes on ahead of a line's end as far as ends are joined.
+FN_RARE Ahead ahead_of(Bool asked, Along end, Vec2 at, Vec2 way) {
+  Ahead found = Ahead(asked && !asked, end);
+  found.faint.on = found.sure;
   Vec2 nearer = nearer_of(end.piece, end.steep);
-  for (int k = kMeets; k <= C.join; ++k) {
+  for (int k = 1; k <= C.join; ++k) {
     Int x = to_int(floor(mad(way.x, Real(float(k)), at.x + 0.5f)));
     Int y = to_int(floor(mad(way.y, Real(float(k)), at.y + 0.5f)));
     for (int j = -1; j <= 1; ++j)
       for (int lying = 0; lying < 2; ++lying) {
-        Bool look = asked && !found;
+        Bool look = asked && !found.sure;
         if (!some(look)) continue;
         Int i = x + select(end.steep, Int(j), Int(0));
         Int l = y + select(end.steep, Int(0), Int(j));
         Real piece = piece_at(lying, end.x + i, end.y + l);
-        Bool here = look && is_piece(piece) && sure_of(piece) > kWhole;
+        Bool here = look && is_piece(piece);
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, i, l, 0.0f);
         Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
         here = here && abs(cross(way, apart)) < kAbreast && abs(cross(way, lean)) < kAlike &&
-               dot(nearer_of(piece, steep_of(lying)), nearer) > -kHasSide;
-        found = found || here;
+               dot(way, apart) > kOnward && dot(nearer_of(piece, steep_of(lying)), nearer) > -kHasSide;
+        Bool sure = here && sure_of(piece) > kWhole;
+        found.sure = found.sure || sure;
+        Bool first = here && !sure && !found.faint.on;
+        found.faint = Along(found.faint.on || first, select(first, place_of(piece), found.faint.place),
+                            select(first, slope_of(piece), found.faint.slope), select(first, end.x + i, found.faint.x),
+                            select(first, end.y + l, found.faint.y), chosen(first, steep_of(lying), found.faint.steep),
+                            select(first, piece, found.faint.piece), end.least);
       }
   }
   return found;
@@ -135,21 +148,23 @@ FN_RARE Bool goes_on_ahead(Bool asked, Along end, Vec2 at, Vec2 way) {
 
 // Where a line leads that is faint, to one side of it.
 struct Led {
-  Bool on;    // to a line that is sure,
-  Bool ends;  // it ends with none near,
-  Int rows;   // so many rows away
+  Bool on;       // to a line that is sure,
+  Bool ends;     // it ends with none near,
+  Int rows;      // so many rows away
+  Along onward;  // and a faint one goes on from there,
+  Real towards;  // to this side of that
 };
 
-FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) {
-  Bool steep = steep_of(lying);
-  Real towards = Real(float(side));
-  Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
-  Bool found = asked && !asked;
+FN_RARE Led led_to(Along from, Real towards) {
+  Bool steep = from.steep;
+  Along last = from;
+  Bool found = from.on && !from.on;
   Bool ends = found;
+  Int side = to_int(towards);
   Int rows = Int(0);
   for (int k = 1; k <= kBetween * C.stride; ++k) {
     if (!some(last.on)) continue;
-    Along next = next_along(last, px, py, steep, Int(k * side), towards);
+    Along next = next_along(last, from.x, from.y, steep, side * Int(k), towards);
     ends = ends || (last.on && !next.on);
     last = next;
     found = found || (last.on && sure_of(last.piece) > kWhole);
@@ -158,28 +173,51 @@ FN_RARE Led led_to(Bool asked, Int px, Int py, Real piece, int lying, int side) 
   }
   // At the picture's border no line ends.
   Int across = to_int(floor(mad(last.slope, towards, last.place)));
-  Int beyond = (rows + Int(1)) * Int(side);
-  ends = ends && in_picture(px + select(steep, across, beyond), py + select(steep, beyond, across));
+  Int beyond = (rows + Int(1)) * side;
+  ends = ends && in_picture(from.x + select(steep, across, beyond), from.y + select(steep, beyond, across));
+  last.on = ends && !ends;
+  Led led = Led(found, ends, rows, last, towards);
   if (some(ends)) {
     Vec2 way = lean_of(last.slope, steep, towards);
     Vec2 at = middle_of(last.piece, last.steep, 0.0f);
     Real met = meets(ends, last.x, last.y, at, way);
-    found = found || (ends && met > kWhole);
-    Bool look = ends && !found;
-    if (some(look)) found = found || goes_on_ahead(look, last, at, way);
-    ends = ends && !(met > 0.0f);
+    led.on = found || (ends && met > kWhole);
+    led.ends = ends && !(met > 0.0f);
+    Bool look = ends && !led.on;
+    if (some(look)) {
+      Ahead ahead = ahead_of(look, last, at, way);
+      led.on = led.on || ahead.sure;
+      led.onward = ahead.faint;
+      led.towards =
+          select(dot(lean_of(ahead.faint.slope, ahead.faint.steep, Real(1.0f)), way) < 0.0f, Real(-1.0f), Real(1.0f));
+    }
   }
-  return Led(found, ends, rows);
+  return led;
+}
+
+// The same, also by way of another faint line that goes on beyond a gap.
+FN_RARE Led led_on(Bool asked, Int px, Int py, Real piece, int lying, int side) {
+  Led led = led_to(Along(asked, place_of(piece), slope_of(piece), px, py, steep_of(lying), piece, Real(0.0f)),
+                   Real(float(side)));
+  led.onward.on = led.onward.on && !led.on;
+  if (some(led.onward.on)) {
+    Led second = led_to(led.onward, led.towards);
+    Bool on = led.onward.on && second.on;
+    led.on = led.on || on;
+    Real apart = max(abs(to_real(led.onward.x - px)), abs(to_real(led.onward.y - py)));
+    led.rows = select(on, to_int(apart) + second.rows, led.rows);
+  }
+  return led;
 }
 
 FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   Bool on = is_piece(piece);
   Bool faint = on && sure_of(piece) < kWhole;
   if (some(faint)) {
-    Led up = led_to(faint, px, py, piece, lying, -1);
+    Led up = led_on(faint, px, py, piece, lying, -1);
     faint = faint && (up.on || up.ends);
     if (some(faint)) {
-      Led down = led_to(faint, px, py, piece, lying, 1);
+      Led down = led_on(faint, px, py, piece, lying, 1);
       Int rows = up.rows + down.rows;
       Bool between = faint && up.on && down.on && rows < Int(kBetween * C.stride);
       Bool nowhere = faint && !between && up.ends && down.ends && rows < Int(kNowhere * C.stride);
