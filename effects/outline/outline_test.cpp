@@ -846,6 +846,30 @@ TEST(Outline, FaintPartsBetweenGapsAreAsWideAsWhatGoesOnBeyond) {
   EXPECT_GE(whole, 12) << "of 18";
 }
 
+TEST(Outline, FaintPartsInARowAreAsWideAsWhatGoesOnBeyondThemAll) {
+  // From the first of two what is sure is farther than ends are joined, but for the second. Ends of faint parts lean as
+  // they happen to.
+  int whole = 0;
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles) {
+      const double stride = height > 256 ? 3.0 : 1.0;
+      const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
+      const Scene scene = relief(angle, lens, [=](double u, double v) {
+        const auto part = [&](double begin, double end) {
+          return std::clamp(8.0 * (0.4 + std::min(u - begin * stride, end * stride - u)), 0.0, 6.5);
+        };
+        const double beyond = std::max(-10.0 * stride - u, u - 11.5 * stride);
+        return v > 0.0 ? std::max({part(-7.0, -1.0), part(2.0, 8.5), std::clamp(4.0 * beyond, 0.0, 14.0)}) : 0.0;
+      });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+      double least = 1e9;
+      for (const auto& [u, px] : widths_along(lines, angle, lens, 2.0 * stride, -5.0 * stride, 6.0 * stride, 6.0))
+        if (u == 0) least = std::min(least, px);
+      whole += least > 1.5;
+    }
+  EXPECT_GE(whole, 10) << "of 18";
+}
+
 TEST(Outline, FaintPartsAtTheBorderLeadOutOfThePicture) {
   for (const bool right : {false, true})
     for (const double angle : {3.0, 20.0, 33.0}) {
