@@ -11,15 +11,17 @@ OUT_REAL(outline_steep_trimmed)
 OUT_REAL(outline_flat_trimmed)
 #include "effects/outline/outline_tail.kernel.h"
 
-CONST int kBetween = 16;      // rows, per pixel of stride, of what is faint between two lines,
-CONST int kNowhere = 12;      // and of what leads nowhere
-CONST float kAbreast = 1.5f;  // pixels before or after a piece, at which that has another line beside
-CONST int kMeets = 2;         // pixels, and the stride, from an end at which what is faint meets a line,
-CONST float kBehind = 1.0f;   // so many behind it
-CONST float kAsideOf = 2.0f;  // and so many aside;
-CONST float kOnward = 1.0f;   // what is faint and not so many ahead
-CONST float kAlike = 0.5f;    // between ways, sine: more is another line's
-CONST float kOwn = 0.8f;      // nor so many aside is of the line itself
+CONST int kBetween = 16;       // rows, per pixel of stride, of what is faint between two lines,
+CONST int kNowhere = 12;       // and of what leads nowhere
+CONST float kAbreast = 1.5f;   // pixels before or after a piece, at which that has another line beside
+CONST int kMeets = 2;          // pixels, and the stride, from an end at which what is faint meets a line,
+CONST float kBehind = 1.0f;    // so many behind it
+CONST float kAsideOf = 2.0f;   // and so many aside;
+CONST float kBesideIt = 1.2f;  // but for what runs along there
+CONST float kAlongIt = 0.3f;
+CONST float kOnward = 1.0f;  // what is faint and not so many ahead
+CONST float kAlike = 0.5f;   // between ways, sine: more is another line's
+CONST float kOwn = 0.8f;     // nor so many aside is of the line itself
 
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
 FN Bool end_around() {
@@ -101,7 +103,10 @@ FN_RARE Real meets(Bool asked, Int X, Int Y, Vec2 at, Vec2 way) {
         Real ahead = dot(way, apart);
         Real aside = abs(cross(way, apart));
         Bool own = sure_of(piece) < kWhole && ahead < kOnward && aside < kOwn;
-        here = here && !own && ahead > -kBehind && aside < kAsideOf;
+        // What runs alongside is not met.
+        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+        Bool along = aside > kBesideIt && abs(cross(way, lean)) < kAlongIt;
+        here = here && !own && !along && ahead > -kBehind && aside < kAsideOf;
         surest = select(here, max(surest, sure_of(piece)), surest);
       }
   return surest;
