@@ -93,7 +93,7 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info) {
   image.add("lit.r") = mean_plane(total, "color.r");
   image.add("lit.g") = mean_plane(total, "color.g");
   image.add("lit.b") = mean_plane(total, "color.b");
-  image.add("outline") = mean_plane(total, "color.a");
+  image.add("cover") = mean_plane(total, "color.a");
   image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
   return g;
 }

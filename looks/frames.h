@@ -34,7 +34,7 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height);
 PictureSum rows_of(const PictureSum& total, int first, int count);
 
 /// The average of the pictures' colour as light over their mean alpha, as planes that effect `output` makes the
-/// finished picture of: lit (multiplied by alpha), outline (alpha), depth (none).
+/// finished picture of: lit (multiplied by alpha), cover (alpha), depth (none).
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);
 
 /// The average of the planes besides color.

@@ -54,6 +54,19 @@ FN Vec3 to_eye(Vec3 position) {
   return normalized(-position);
 }
 
+// Two lights mixed as their square roots, near to how displays encode light and to how the eye judges it: a black line
+// between two pixels is as dark as one on a pixel. Mixed as light each of the two would look three quarters as light as
+// what lies beside them.
+FN Real mixed_for_the_eye(Real light, Real line, Real share) {
+  Real root = sqrt(max(light, Real(0.0f)));
+  root = mad(sqrt(line) - root, share, root);
+  return root * root;
+}
+FN Vec3 mixed_for_the_eye(Vec3 light, Vec3 line, Real share) {
+  return Vec3(mixed_for_the_eye(light.x, line.x, share), mixed_for_the_eye(light.y, line.y, share),
+              mixed_for_the_eye(light.z, line.z, share));
+}
+
 // A linear value as a display's sRGB curve shows it.
 FN Real display_from_linear(Real v) {
   Real curve = mad(pow(v, Real(0.416666667f)), Real(1.055f), Real(-0.055f));

@@ -66,7 +66,7 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
   add_picture(total, one_pixel(0.2f, 1.0f, 0.5f));
   add_picture(total, one_pixel(0.3f, 0.0f, 0.5f));
   const GBuffer mean = mean_picture(total, PictureInfo{.width = 1, .height = 1});
-  EXPECT_FLOAT_EQ(mean.layers[0].plane("outline").at(0, 0), 0.5f);
+  EXPECT_FLOAT_EQ(mean.layers[0].plane("cover").at(0, 0), 0.5f);
   EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.25f);  // 0.5 over half of the pixel
   EXPECT_FLOAT_EQ(mean_planes(total).plane("ao").at(0, 0), 0.5f);
   EXPECT_EQ(mean_planes(total).find("color.r"), nullptr);

@@ -273,6 +273,7 @@ FN void outline_pixel(Int px, Int py) {
   // Where there is nothing to change nothing is written.
   Bool fine = surface && is_finite(lit.x + lit.y + lit.z) && !(covered > 0.0f);
   if (!some(!fine)) return;
-  lit = select(surface, finite_or_zero(lit), Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
-  store_lit(lit * (Real(1.0f) - covered) + line * covered);
+  lit = finite_or_zero(lit);
+  lit = select(covered > 0.0f, mixed_for_the_eye(lit, line, covered), lit);
+  store_lit(select(surface, lit, line * covered));  // `output` mixes the rest
 }

@@ -24,6 +24,7 @@ FN void outline_paper_pixel(Int px, Int py) {
   Real covered = select(dark, Real(C.opacity), Real(0.0f));
   store_outline(covered);
   Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));
-  Vec3 lit = select(surface, finite_or_zero(own_lit()), Vec3(Real(0.0f), Real(0.0f), Real(0.0f)));
-  store_lit(lit * (Real(1.0f) - covered) + line * covered);
+  Vec3 lit = finite_or_zero(own_lit());
+  lit = select(covered > 0.0f, mixed_for_the_eye(lit, line, covered), lit);
+  store_lit(select(surface, lit, line * covered));  // `output` mixes the rest
 }

@@ -1593,9 +1593,10 @@ TEST(Outline, ColourAndOpacityMixWithTheLight) {
               worst = std::max(worst, std::fabs(line - opacity * full.at(x, y)));
               const bool surface = std::isfinite(g.layers[0].plane("depth").at(x, y));
               for (int c = 0; c < 3; ++c) {
-                const double light = surface ? g.layers[0].plane(names[c]).at(x, y) : 0.0;
-                worst = std::max(worst,
-                                 std::fabs(image.plane(names[c]).at(x, y) - (light * (1.0 - line) + color[c] * line)));
+                const double root = std::sqrt(double(g.layers[0].plane(names[c]).at(x, y)));
+                const double mixed = std::pow(root + (std::sqrt(color[c]) - root) * line, 2.0);
+                worst =
+                    std::max(worst, std::fabs(image.plane(names[c]).at(x, y) - (surface ? mixed : color[c] * line)));
               }
             }
           EXPECT_LE(worst, 1e-4);

@@ -1,7 +1,7 @@
 // Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
 //
 // Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel, or what shade
-// sends that covers the share `cover`.
+// sends, or surfaces in the mean of several pictures do, that cover the share `cover`.
 IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
@@ -32,19 +32,23 @@ FN Vec3 exposed(Vec3 light) {
 FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
   Real line = clamp(near_outline(0, 0), Real(0.0f), Real(1.0f));
-  line = max(line, clamp(near_cover(0, 0), Real(0.0f), Real(1.0f)));
-  Real share = select(surface || line == Real(0.0f), Real(1.0f), line);
+  Real shade = clamp(near_cover(0, 0), Real(0.0f), Real(1.0f));
+  Bool lines = line > shade;
+  Real covered = max(line, shade);
+  Real share = select(surface || covered == Real(0.0f), Real(1.0f), covered);
   Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / share));
-  // The line over the background, mixed as light, with straight alpha.
-  Real behind = (Real(1.0f) - line) * Real(C.background_alpha);
-  Real alpha = line + behind;
+  // What covers a share over the background, with straight alpha.
+  Real behind = (Real(1.0f) - covered) * Real(C.background_alpha);
+  Real alpha = covered + behind;
   Real scale = Real(1.0f) / select(alpha > 0.0f, alpha, Real(1.0f));
   Vec3 beyond = Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b));
   if (C.sky != 0) beyond = exposed(near_sky(0, 0) * Real(C.gain));
-  light = select(surface, light, light * (line * scale) + beyond * (behind * scale));
+  Vec3 both = light * (covered * scale) + beyond * (behind * scale);
+  both = select(lines, mixed_for_the_eye(beyond, light, covered * scale), both);
+  light = select(surface, light, both);
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
   if (C.sky != 0 && C.background_alpha > 0.0f) background = light;
-  store_color(select(surface || line > 0.0f, light, background));
+  store_color(select(surface || covered > 0.0f, light, background));
   store_color_alpha(select(surface, Real(1.0f), alpha));
 }

@@ -103,14 +103,19 @@ TEST(Output, AShoulderBendsLightBelowWhite) {
       });
 }
 
-TEST(Output, ALineAndTheBackgroundMixAsLight) {
+TEST(Output, ALineAndTheBackgroundMixForTheEye) {
   GBuffer g = row_of({0.5f});
   g.layers[0].plane("depth").at(0, 0) = std::numeric_limits<float>::infinity();
   g.layers[0].add("outline").at(0, 0) = 0.5f;
   g.layers[0].plane("lit.r").at(0, 0) = 0.0f;
   test::on_every_target("output", g, {}, [](const Image& image) {
-    EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(0.5), 4e-6);  // black over half of white
+    EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(0.25), 4e-6);  // black over half of white
   });
+  // Shade does not: it is light that is less.
+  g.layers[0].add("cover").at(0, 0) = 0.5f;
+  g.layers[0].plane("outline").at(0, 0) = 0.0f;
+  test::on_every_target("output", g, {},
+                        [](const Image& image) { EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(0.5), 4e-6); });
 }
 
 TEST(Output, BackgroundIsWrittenAsItIs) {
@@ -150,7 +155,8 @@ TEST(Output, LinesLieOverTheBackground) {
   Settings settings = {{"transfer", "none"}, {"background_r", "0.8"}};
   test::on_every_target("output", g, settings, [](const Image& image) {
     EXPECT_FLOAT_EQ(image.plane("color.r").at(0, 0), 0.25f);
-    EXPECT_FLOAT_EQ(image.plane("color.r").at(1, 0), 0.25f * 0.5f + 0.75f * 0.8f);  // the line's colour is 0.5
+    const double root = 0.25 * std::sqrt(0.5) + 0.75 * std::sqrt(0.8);  // the line's colour is 0.5
+    EXPECT_NEAR(image.plane("color.r").at(1, 0), root * root, 1e-6);
     EXPECT_FLOAT_EQ(image.plane("color.r").at(2, 0), 0.8f);
     for (int x = 0; x < 3; ++x) EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f);
   });
