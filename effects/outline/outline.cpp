@@ -158,6 +158,10 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr float kStrideHeight = 810.0f;  // of the picture, per pixel of stride: what is an edge is one at any size
   constexpr float kMostStride = 4.0f;
   c.stride = int(std::clamp(std::round(float(info.inner_height()) / kStrideHeight), 1.0f, kMostStride));
+  constexpr float kBevelHeight = 150.0f;  // of the picture, per pixel of half a wide bevel
+  c.bevel = int(std::clamp(std::round(float(info.inner_height()) / kBevelHeight), 3.0f, 16.0f));
+  constexpr float kEvenly = 0.4f;  // of the same turn in every step
+  c.bevel_step = kEvenly * kEvenly / (4.0f * float(c.bevel) * float(c.bevel));
   constexpr float kMostStretch = 1.45f;      // of a distance along a row: the steepest slope is kSteepHere
   constexpr int kJoin = 2, kJoinStride = 8;  // pixels between ends that are joined, and more per pixel of stride
   c.join = kJoin + kJoinStride * c.stride;
@@ -173,10 +177,12 @@ bool is_robust(const ParameterBytes& bytes) { return !is_paper(bytes); }
 
 // How far the passes read, in rows: see the kernel texts.
 int find_reach(const void* constants, int) {
-  const int stride = static_cast<const OutlineConstants*>(constants)->stride;
+  const auto& c = *static_cast<const OutlineConstants*>(constants);
+  const int stride = c.stride;
   // Means of normals from four to five strides off; along a fold's side, of kRoom strides and pixels and kFootRoom
-  // more, depths three pixels and normals kTurnWithin beyond its end, which begins one pixel off.
-  return std::max(5 * stride, 2 * stride + 8);
+  // more, depths three pixels and normals kTurnWithin beyond its end, which begins one pixel off. A wide bevel's sides
+  // are as wide as it may be.
+  return std::max({5 * stride, 2 * stride + 8, 2 * c.bevel + 1});
 }
 int settle_reach(const void*, int) { return 1; }
 int refine_reach(const void*, int) { return 14; }

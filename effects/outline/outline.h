@@ -34,7 +34,9 @@ struct OutlineConstants {
   int join;    // pixels between two ends of lines that are joined
   int around;  // pixels in a row or column that a pixel looks for any of these
   float r, g, b, opacity;
-  int stride;  // pixels between the normals that creases are told by
+  int stride;        // pixels between the normals that creases are told by
+  int bevel;         // pixels from a wide bevel's crease to the sides that it lies between, at most
+  float bevel_step;  // squared share of its turn in a step, at least
   float depth;
   float crease_chord;  // squared distance of unit normals that differ by the crease angle
   int convex, concave;

@@ -12,7 +12,8 @@
 //             side of a few pixels between them the nearer one is clear, if it is the larger, and the other one faint
 //   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
 //             a sharp edge or a bevelled one; noise, roughness and round things are none. In high pictures the same
-//             within five strides, so that what is an edge is one at any resolution. Of the two edges of a fold, with
+//             within five strides, so that what is an edge is one at any resolution; wider bevels between flat sides
+//             lie where the normal is halfway between theirs. Of the two edges of a fold, with
 //             a steep side of a few pixels between them, the nearer one is clear and the one at its foot faint
 //   an id     another object or material
 // A crease lies where its two planes meet, to a fraction of a pixel; a jump lies halfway until outline_refine.
@@ -47,18 +48,20 @@ CONST float kFaintTurn = 0.5f;
 CONST float kSteady = 0.026f;
 CONST float kTurnRange = 0.4f;  // share of the threshold within which a crease becomes clear
 CONST float kSharp = 0.1f;
-CONST float kMostStep = 0.35f;  // of a wide bevel's turn, in one step: or else it is several edges
-CONST float kTie = 1.001f;      // what is as strong as its neighbours is a peak, lest rounding choose;
-CONST float kAsStrong = 1.03f;  // and where strides are longer than a pixel, what is nearly so
-CONST float kBevel = 0.25f;     // of the turn within five steps, what lies beyond, up to which a bevel is an edge
-CONST float kRound = 0.6f;      // and from which on it is a round thing, which has 0.8
-CONST float kNarrow = 0.3f;     // how clear a soft crease beside a rim is at most: not enough where all of it is
-CONST float kHidden = 0.45f;    // and one of which another object hides a part: outline_refine tells them apart
-CONST float kSoftClear = 0.9f;  // how clear a soft crease is at most in high pictures, where outline_refine asks more
-CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
-CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
-CONST int kFootRoom = 2;        // pixels more, within which the crease at its foot is less clear the nearer it is
-CONST float kTopFades = 0.5f;   // per pixel less than kRoom that the side is wide: how clear its top is
+CONST float kMostStep = 0.35f;   // of a wide bevel's turn, in one step: or else it is several edges
+CONST float kTie = 1.001f;       // what is as strong as its neighbours is a peak, lest rounding choose;
+CONST float kAsStrong = 1.03f;   // and where strides are longer than a pixel, what is nearly so
+CONST float kBevel = 0.25f;      // of the turn within five steps, what lies beyond, up to which a bevel is an edge
+CONST float kRound = 0.6f;       // and from which on it is a round thing, which has 0.8
+CONST float kNarrow = 0.3f;      // how clear a soft crease beside a rim is at most: not enough where all of it is
+CONST float kHidden = 0.45f;     // and one of which another object hides a part: outline_refine tells them apart
+CONST float kSoftClear = 0.9f;   // how clear a soft crease is at most in high pictures, where outline_refine asks more
+CONST float kFlatSides = 0.04f;  // of a wide bevel's turn, what its two sides turn, up to which it is clear,
+CONST float kBentSides = 0.12f;  // and from which on it is none
+CONST float kLast = 16.0f;       // squared, times a side's last step, for what it turns beyond
+CONST int kRoom = 2;           // strides, and so many pixels: how wide a fold's side is that has no room for two lines
+CONST int kFootRoom = 2;       // pixels more, within which the crease at its foot is less clear the nearer it is
+CONST float kTopFades = 0.5f;  // per pixel less than kRoom that the side is wide: how clear its top is
 CONST float kFootFades = 0.33f;  // per pixel less than both, how faint its foot: all of it where the top begins to fade
 CONST int kAtTop = 2;            // pixels from its top, within which a jump and the crease there are one
 CONST float kTurnsOver = 2.0f;   // times the crease's squared chord, how far normals turn at a top that has a line
@@ -325,6 +328,21 @@ FN Vec3 mean_normal(int k, int l, int i, int j, int stride) {
   return sum * Real(1.0f / float(stride));
 }
 
+// How clear a crease is by its squared chord, beyond 0 and 1 too.
+FN Real turned_enough(Real turn) { return (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f; }
+
+// Whether a crease between pixel (0, 0) and (i, j), if it is asked for, is convex or concave as it is to be. turn: how
+// the normal changes.
+FN Bool is_drawn(Bool asked, Int px, Int py, int i, int j, Vec3 turn) {
+  Real depth1 = select(asked, near_depth(0, 0), Real(1.0f));
+  Real depth2 = select(asked, near_depth(i, j), Real(1.0f));
+  Vec3 apart = view_position(px + Int(i), py + Int(j), depth2) - view_position(px, py, depth1);
+  Bool convex = dot(turn, apart) > 0.0f;
+  if (C.convex == 0) asked = asked && !convex;
+  if (C.concave == 0) asked = asked && convex;
+  return asked;
+}
+
 // The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
 FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   // Means of normals up to five strides before and after, as long as they are of one surface, and squared chords
@@ -386,8 +404,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   steady = select((before2 || hidden_a) && (after2 || hidden_b) && (before3 || after3), steady, Real(0.0f));
   if (C.stride > 1) steady = min(steady, Real(kSoftClear));
   steady = select(sharp, Real(1.0f), steady);
-  Real clear = (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f;
-  clear = clamp(min(clear, steady), Real(0.0f), Real(1.0f));
+  Real clear = clamp(min(turned_enough(turn), steady), Real(0.0f), Real(1.0f));
   // The two edges of a fold's narrow side are one line, at the nearer one.
   Real side_a = steep_side(0, 0, -i, -j, peak, clear);
   Real side_b = steep_side(i, j, i, j, peak, clear);
@@ -398,14 +415,7 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
   if (C.convex == 0) foot = Real(0.0f);  // where the top is not drawn
   clear = select(foot < 0.0f, select(top > 0.0f, clear, min(clear, mad(foot, Real(1.0f - kNarrow), Real(1.0f)))),
                  max(clear, top));
-  if (C.convex == 0 || C.concave == 0) {
-    Real depth1 = select(peak, near_depth(0, 0), Real(1.0f));
-    Real depth2 = select(peak, near_depth(i, j), Real(1.0f));
-    Vec3 apart = view_position(px + Int(i), py + Int(j), depth2) - view_position(px, py, depth1);
-    Bool convex = dot(b2 - a2, apart) > 0.0f;
-    if (C.convex == 0) peak = peak && !convex;
-    if (C.concave == 0) peak = peak && convex;
-  }
+  if (C.convex == 0 || C.concave == 0) peak = peak && is_drawn(peak, px, py, i, j, b2 - a2);
 
   // It lies where the planes before and after it meet, or else in the middle of the turn, which is counted pixel by
   // pixel: of what is sharp, within the window, lest its neighbours count.
@@ -457,6 +467,50 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
 // The same called: what the wide strides of high pictures ask, which need not be compiled into each of its places.
 FN_RARE Vec2 crease_called(Int px, Int py, int i, int j, int stride) { return crease_between(px, py, i, j, stride); }
 
+// What is known of a wide bevel between pixel (0, 0) and (i, j).
+struct Bevel {
+  Bool sure;    // they are of one, and of no other crease
+  Bool middle;  // its middle is here,
+  Real clear;   // so clear, to 1,
+  Real t;       // and there
+};
+
+// A bevel as boxes have, too wide for crease_between, between two sides that are flat for as far as it may be wide. Its
+// crease is where the normal is halfway between theirs.
+FN Bevel bevel_between(Int px, Int py, int i, int j) {
+  int wide = C.bevel;
+  Vec3 a = near_normal(-wide * i, -wide * j);
+  Vec3 b = near_normal((wide + 1) * i, (wide + 1) * j);
+  Vec3 n0 = near_normal(0, 0);
+  Vec3 n1 = near_normal(i, j);
+  Vec3 across = b - a;
+  Real turn = square(across);
+  Real step = square(n1 - n0);
+  Bool on = turn > Real(C.crease_chord * (1.0f - 0.5f * kTurnRange)) && near_inside(i, j);
+  // It is neither sharp nor a row of flat strips.
+  on = on && step < turn * (kMostStep * kMostStep) && step > turn * Real(C.bevel_step);
+  Bevel bevel = Bevel(on && !on, on && !on, Real(0.0f), Real(0.5f));
+  if (!some(on)) return bevel;
+  on = on && goes_on(0, 0, -wide * i, -wide * j, wide) && goes_on(i, j, (wide + 1) * i, (wide + 1) * j, wide);
+  on = on && goes_on(-wide * i, -wide * j, -2 * wide * i, -2 * wide * j, wide);
+  on = on && goes_on((wide + 1) * i, (wide + 1) * j, (2 * wide + 1) * i, (2 * wide + 1) * j, wide);
+  if (!some(on)) return bevel;
+  Real bent = sqrt(square(near_normal(-2 * wide * i, -2 * wide * j) - a)) +
+              sqrt(square(near_normal((2 * wide + 1) * i, (2 * wide + 1) * j) - b));
+  bent = bent / sqrt(max(turn, Real(1e-20f)));
+  on = on && bent < kBentSides;
+  Real flat_sides = (Real(kBentSides) - bent) * Real(1.0f / (kBentSides - kFlatSides));
+  bevel.clear = clamp(min(flat_sides, turned_enough(turn)), Real(0.0f), Real(1.0f));
+  bevel.sure = on && bevel.clear == Real(1.0f);
+  Vec3 halfway = (a + b) * Real(0.5f);
+  Real before = dot(n0 - halfway, across);
+  Real after = dot(n1 - halfway, across);
+  bevel.middle = on && bevel.clear > 0.0f && !(before > 0.0f) && after > 0.0f;
+  bevel.t = select(bevel.middle, before / select(bevel.middle, before - after, Real(1.0f)), bevel.t);
+  if (C.convex == 0 || C.concave == 0) bevel.middle = bevel.middle && is_drawn(bevel.middle, px, py, i, j, across);
+  return bevel;
+}
+
 // Whether there may be a jump, or another object or material, between pixel (0, 0) and (i, j), the right or the lower
 // one.
 FN Bool may_part(int i, int j) {
@@ -488,20 +542,26 @@ FN Bool may_turn(int i, int j, int stride) {
          (is_finite(near_depth(0, 0)) || is_finite(near_depth(i, j)));
 }
 
-// The edge between pixel (0, 0) and (i, j), of which is known whether it may be a jump or a crease.
-FN Real edge(Int px, Int py, int i, int j, int stride, Bool parted, Bool turned) {
+// The edge between pixel (0, 0) and (i, j), of which is known whether it may be a jump or a crease, and whether it is
+// the middle of a wide bevel.
+FN Real edge(Int px, Int py, int i, int j, int stride, Bool parted, Bool turned, Bevel bevel) {
   Real depth1 = near_depth(0, 0);
   Real depth2 = near_depth(i, j);
   Real id1 = near_object_id(0, 0);
   Real id2 = near_object_id(i, j);
   Real code = Real(0.0f);
   Real clear = Real(0.0f);
-  if (some(turned)) {
-    Vec2 crease = crease_between(px, py, i, j, 1);
-    if (stride > 1) {
+  turned = turned && !bevel.sure;
+  if (some(turned || bevel.middle)) {
+    Vec2 crease = Vec2(Real(-1.0f), Real(0.5f));
+    if (some(turned)) crease = crease_between(px, py, i, j, 1);
+    if (stride > 1 && some(turned)) {
       Vec2 wide = crease_called(px, py, i, j, stride);
       crease = Vec2(max(crease.x, wide.x), select(wide.x > crease.x, wide.y, crease.y));
     }
+    Bool wider = bevel.middle && (!turned || bevel.clear > crease.x);
+    crease = Vec2(select(wider, bevel.clear, crease.x), select(wider, bevel.t, crease.y));
+    turned = turned || wider;
     code = Real(2.0f * kLevels + 1.0f) + (clamp(crease.y, Real(-0.5f), Real(1.499f)) + 0.5f) * 0.5f;
     turned = turned && crease.x >= 0.0f;
     code = select(turned, code, Real(0.0f));
@@ -544,8 +604,12 @@ FN void found(Int px, Int py, int stride) {
     Bool parted_below = may_part(0, 1);
     Bool turned_below = may_turn(0, 1, 1);
     if (stride > 1) turned_below = turned_below || may_turn(0, 1, stride);
-    if (some(parted_right || turned_right)) right = edge(px, py, 1, 0, stride, parted_right, turned_right);
-    if (some(parted_below || turned_below)) below = edge(px, py, 0, 1, stride, parted_below, turned_below);
+    Bevel bevel_right = bevel_between(px, py, 1, 0);
+    Bevel bevel_below = bevel_between(px, py, 0, 1);
+    Bool any_right = parted_right || turned_right || bevel_right.middle;
+    Bool any_below = parted_below || turned_below || bevel_below.middle;
+    if (some(any_right)) right = edge(px, py, 1, 0, stride, parted_right, turned_right, bevel_right);
+    if (some(any_below)) below = edge(px, py, 0, 1, stride, parted_below, turned_below, bevel_below);
   }
   store_outline_right(right);
   store_outline_below(below);

@@ -603,18 +603,20 @@ Scene rounded_fold(double angle_deg, double bevel_px, const Lens& lens) {
 }
 
 TEST(Outline, RoundedEdgesAreOneLineAtAnyHeight) {
-  // A bevel of a two-hundredth of the picture's height is an edge, or of five pixels if that is more.
+  // A bevel of a hundred-and-twentieth of the picture's height is an edge, or of five pixels if that is more.
   struct Case {
     int height;
     double bevel_px;
   };
   for (const Case& c : {Case{256, 3.0}, Case{256, 4.5}, Case{1024, 5.0}, Case{2160, 6.0}, Case{2160, 8.0},
-                        Case{2160, 10.0}, Case{2160, 11.0}, Case{3000, 14.0}})
+                        Case{2160, 10.0}, Case{2160, 11.0}, Case{3000, 14.0}, Case{700, 5.8}, Case{1024, 7.0},
+                        Case{1024, 8.5}, Case{1440, 12.0}, Case{2160, 14.0}, Case{2160, 18.0}})
     for (const bool orthographic : {false, true})
       for (const double angle : {0.7, 2.5, 7.0, 20.0, 33.0}) {
         const Straight straight{false, angle};
         const Lens lens{96, c.height, orthographic};
         const Plane lines = lines_of(seen(lens, rounded_fold(angle, c.bevel_px, lens)), {{"width", "2"}});
+        EXPECT_EQ(count(lines_of(seen(lens, rounded_fold(angle, c.bevel_px, lens)), {{"convex", "off"}})), 0);
         const Profile p = profile_of(lines, straight, lens, 2.0);
         const std::string what =
             fmt::format("{} high, bevel {}, {} degrees, {}: mean {:.2f} worst {:.2f} offset {:.2f}", c.height,
