@@ -18,6 +18,12 @@ CONST float kPassedAfter = 2.0f;   // below (to the right)
 CONST float kSpur = 4.0f;          // all of it is to be dropped
 CONST float kOfFlat = 8.0f;
 
+// Whether one line can stand for another: what may be dropped for being faint does not stand for what is sure.
+FN Bool stands_for(Real piece, Real other) {
+  Real sure = sure_of(piece);
+  return sure > kWhole || sure >= sure_of(other);
+}
+
 FN float alongside() { return kAlongside * float(C.stride) + kAlongsideMore; }
 FN int tail_rows() { return C.stride * kTail < kMostTail ? C.stride * kTail : kMostTail; }
 FN int spur_rows() { return int(kSpurRows * float(C.stride)); }

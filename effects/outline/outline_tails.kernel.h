@@ -31,7 +31,8 @@ CONST float kCone = 0.35f;     // pixels beside its way per pixel, and kSame, th
 
 // An end of a line.
 struct Tip {
-  Int x, y;     // pixel of its piece
+  Int x, y;     // pixel of its piece,
+  Real piece;   // that
   Vec2 at;      // where it crosses, from that pixel
   Vec2 way;     // unit vector, outward
   Vec2 nearer;  // to its nearer surface,
@@ -49,7 +50,7 @@ FN Tip tip_of(Bool asked, Along last, Bool steep, Real towards) {
   Vec2 at = middle_of(last.piece, last.steep, 0.0f);
   Vec2 way = way_of(asked, last.x, last.y, last.piece, last.steep, towards_at(last, steep, towards), at, 0.0f);
   way = chosen(dot(way, way) > 0.5f, way, lean_of(last.slope, steep, towards));
-  return Tip(last.x, last.y, at, way, nearer_of(last.piece, last.steep),
+  return Tip(last.x, last.y, last.piece, at, way, nearer_of(last.piece, last.steep),
              object_of(last.x, last.y, last.piece, last.steep));
 }
 
@@ -98,6 +99,7 @@ FN_RARE Bool is_passed(Bool asked, Tip end) {
         Real along = dot(end.way, apart);
         Real side = cross(end.way, apart);
         Bool beside = here && along > kFirst && along < kLast && abs(side) > kOther && abs(side) < nearest;
+        beside = beside && stands_for(piece, end.piece);
         beside = beside && dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide;
         if (some(beside))
           beside = beside && object_of(end.x + Int(i), end.y + Int(j), piece, steep_of(lying)) == end.object;

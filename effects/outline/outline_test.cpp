@@ -848,6 +848,37 @@ TEST(Outline, FaintPartsBetweenGapsAreAsWideAsWhatGoesOnBeyond) {
   EXPECT_GE(whole, 12) << "of 18";
 }
 
+TEST(Outline, SoftEdgesOfNarrowSidesAreOneLine) {
+  // As the edge of a table top: below the bevel is a side of a few pixels, which ends in another bevel.
+  int drawn = 0;
+  for (const int height : {1440, 2160})
+    for (const double angle : kReliefAngles)
+      for (const double side_px : {10.7 * height / 1440, 11.5 * height / 1440}) {
+        const Lens lens{160, height, true};
+        const double a = radians(angle), px = lens.pixel();
+        const dvec3 middle(kOffX, kOffY, -kFocus), up(-std::sin(a), std::cos(a), 0.0);
+        const Scene scene = [=, fold = rounded_fold(angle, 6.0, lens)](const dvec3& origin, const dvec3& direction) {
+          Hit hit = fold(origin, direction);
+          const double v = glm::dot(origin + direction * hit.distance - middle, up) / px;
+          if (v < -side_px) return Hit{};
+          const double turned = std::clamp(4.0 - side_px - v, 0.0, 4.0) / 4.0;
+          if (turned > 0.0) hit.normal = glm::normalize(dvec3(0, 0, 1) - std::tan(radians(40.0 + 30.0 * turned)) * up);
+          return hit;
+        };
+        const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+        double least = 1e9, most = 0.0;
+        for (const auto& [u, width] : widths_along(lines, angle, lens, 4.0, 0.0, 48.0, 4.5)) {
+          least = std::min(least, width);
+          most = std::max(most, width);
+        }
+        if (most == 0.0) continue;  // the side has no room for it
+        drawn += 1;
+        EXPECT_GT(least, 1.2) << height << " high, " << angle << " degrees, side " << side_px;
+        EXPECT_LT(most, 3.3) << height << " high, " << angle << " degrees, side " << side_px;
+      }
+  EXPECT_GE(drawn, 30) << "of 36";
+}
+
 TEST(Outline, FaintPartsInARowAreAsWideAsWhatGoesOnBeyondThemAll) {
   // From the first of two what is sure is farther than ends are joined, but for the second. Ends of faint parts lean as
   // they happen to.

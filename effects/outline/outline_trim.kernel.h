@@ -46,7 +46,7 @@ FN_RARE Bool has_beside(Bool asked, Real piece, int lying) {
         Bool look = asked && !found;
         if (!some(look)) continue;
         Real other = kind == 0 ? near_outline_steep_linked(i, j) : near_outline_flat_linked(i, j);
-        Bool here = look && seen(other) && near_inside(i, j);
+        Bool here = look && seen(other) && stands_for(other, piece) && near_inside(i, j);
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, other, kind, Int(i), Int(j), 0.0f);
         Real off = abs(cross(way, apart));
