@@ -486,22 +486,35 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   Vec3 across = b - a;
   Real turn = square(across);
   Real step = square(n1 - n0);
-  Bool on = turn > Real(C.crease_chord * (1.0f - 0.5f * kTurnRange)) && near_inside(i, j);
-  // It is neither sharp nor a row of flat strips.
-  on = on && step < turn * (kMostStep * kMostStep) && step > turn * Real(C.bevel_step);
+  Bool on = turn > Real(C.crease_chord * (1.0f - 0.5f * kTurnRange)) && step < turn * (kMostStep * kMostStep);
+  Bool turns = step > turn * Real(C.bevel_step);  // or else they are of a flat strip
   Bevel bevel = Bevel(on && !on, on && !on, Real(0.0f), Real(0.5f));
   if (!some(on)) return bevel;
-  on = on && goes_on(0, 0, -wide * i, -wide * j, wide) && goes_on(i, j, (wide + 1) * i, (wide + 1) * j, wide);
+  // At the picture's border a side may be cut off: what is left of it tells how it goes on.
+  Real place = i != 0 ? to_real(px) : to_real(py);
+  Real last = Real(float(i != 0 ? F.width - 2 : F.height - 2)) - place;
+  Real before_px = min(place - float(wide), Real(float(wide)));
+  Real after_px = min(last - float(wide), Real(float(wide)));
+  on = on && min(before_px, after_px) >= 1.0f;
+  on = on && same_object(0, 0, i, j) && goes_on(0, 0, -wide * i, -wide * j, wide);
+  on = on && goes_on(i, j, (wide + 1) * i, (wide + 1) * j, wide);
   on = on && goes_on(-wide * i, -wide * j, -2 * wide * i, -2 * wide * j, wide);
   on = on && goes_on((wide + 1) * i, (wide + 1) * j, (2 * wide + 1) * i, (2 * wide + 1) * j, wide);
   if (!some(on)) return bevel;
-  Real bent = sqrt(square(near_normal(-2 * wide * i, -2 * wide * j) - a)) +
-              sqrt(square(near_normal((2 * wide + 1) * i, (2 * wide + 1) * j) - b));
+  Real bent = sqrt(square(near_normal(-2 * wide * i, -2 * wide * j) - a)) * (Real(float(wide)) / before_px) +
+              sqrt(square(near_normal((2 * wide + 1) * i, (2 * wide + 1) * j) - b)) * (Real(float(wide)) / after_px);
   bent = bent / sqrt(max(turn, Real(1e-20f)));
   on = on && bent < kBentSides;
+  if (!some(on)) return bevel;
+  // Nor are there several edges.
+  for (int k = 1; k <= wide; ++k) {
+    step = max(step, square(near_normal(-k * i, -k * j) - near_normal(i - k * i, j - k * j)));
+    step = max(step, square(near_normal(i + k * i, j + k * j) - near_normal(k * i, k * j)));
+  }
+  on = on && step < turn * (kMostStep * kMostStep);
   Real flat_sides = (Real(kBentSides) - bent) * Real(1.0f / (kBentSides - kFlatSides));
   bevel.clear = clamp(min(flat_sides, turned_enough(turn)), Real(0.0f), Real(1.0f));
-  bevel.sure = on && bevel.clear == Real(1.0f);
+  bevel.sure = on && turns && bevel.clear == Real(1.0f);
   Vec3 halfway = (a + b) * Real(0.5f);
   Real before = dot(n0 - halfway, across);
   Real after = dot(n1 - halfway, across);

@@ -4,9 +4,9 @@
 //
 // Planes of crossings as outline_crossing.kernel.h has them; t is in [0, 1) now, but at the picture's border, where
 // there is no pixel to move to. Of two crossings at one place the clearer one stays, and a faint crease beside a clear
-// crossing is but that one's shadow. In high pictures one crease may be found by several pixels of a stride, which place
-// it up to two pixels apart: one of them stays, or else its line would be drawn double, or its halves be taken to stand
-// for each other.
+// crossing is but that one's shadow. In high pictures one crease may be found by several pixels of a stride, which
+// place it up to two pixels apart: one of them stays, or else its line would be drawn double, or its halves be taken to
+// stand for each other.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_right_settled)
@@ -74,14 +74,16 @@ FN void outline_settle_pixel(Int px, Int py) {
   Uint any = bits_of(right) | bits_of(below) | bits_of(left1) | bits_of(right1) | bits_of(above1) | bits_of(below1);
   if (some(!(to_signed(any) == Int(0)))) {
     if (C.stride > 1) {
-      Real left = known_here(left1, near_outline_right(-2, 0), right);
+      Real left2 = select(near_inside(-2, 0), near_outline_right(-2, 0), Real(0.0f));
+      Real above2 = select(near_inside(0, -2), near_outline_below(0, -2), Real(0.0f));
+      Real left = known_here(left1, left2, right);
       Real here = known_here(right, left1, right1);
-      right1 = known_here(right1, right, near_outline_right(2, 0));
+      right1 = known_here(right1, right, select(near_inside(2, 0), near_outline_right(2, 0), Real(0.0f)));
       left1 = left;
       right = here;
-      Real above = known_here(above1, near_outline_below(0, -2), below);
+      Real above = known_here(above1, above2, below);
       here = known_here(below, above1, below1);
-      below1 = known_here(below1, below, near_outline_below(0, 2));
+      below1 = known_here(below1, below, select(near_inside(0, 2), near_outline_below(0, 2), Real(0.0f)));
       above1 = above;
       below = here;
     }

@@ -615,8 +615,9 @@ TEST(Outline, RoundedEdgesAreOneLineAtAnyHeight) {
       for (const double angle : {0.7, 2.5, 7.0, 20.0, 33.0}) {
         const Straight straight{false, angle};
         const Lens lens{96, c.height, orthographic};
-        const Plane lines = lines_of(seen(lens, rounded_fold(angle, c.bevel_px, lens)), {{"width", "2"}});
-        EXPECT_EQ(count(lines_of(seen(lens, rounded_fold(angle, c.bevel_px, lens)), {{"convex", "off"}})), 0);
+        const GBuffer fold = seen(lens, rounded_fold(angle, c.bevel_px, lens));
+        EXPECT_EQ(count(lines_of(fold, {{"convex", "off"}})), 0);
+        const Plane lines = lines_of(fold, {{"width", "2"}});
         const Profile p = profile_of(lines, straight, lens, 2.0);
         const std::string what =
             fmt::format("{} high, bevel {}, {} degrees, {}: mean {:.2f} worst {:.2f} offset {:.2f}", c.height,
@@ -626,6 +627,20 @@ TEST(Outline, RoundedEdgesAreOneLineAtAnyHeight) {
         EXPECT_LE(std::fabs(p.offset), 0.6) << what;
         EXPECT_LE(p.wobble, 0.3) << what;
       }
+}
+
+TEST(Outline, RoundThingsHaveNoEdge) {
+  for (const int height : {256, 1024, 2160})
+    for (const double angle : {0.7, 20.0, 89.0}) {
+      // Also where the picture's border cuts them off, beyond which nothing tells that they go on.
+      const double wide = height > 256 ? height / 150.0 : 4.0;
+      for (const auto& [width, bevel_px] :
+           {std::pair(160, 3.5 * wide), {int(2.5 * wide), 5.0 * wide}, {int(3.5 * wide), 5.0 * wide}}) {
+        const Lens lens{width, height, true};
+        EXPECT_EQ(count(lines_of(seen(lens, rounded_fold(angle, bevel_px, lens)))), 0)
+            << height << " high, " << angle << " degrees, " << width << " wide, " << bevel_px;
+      }
+    }
 }
 
 /// A round bar through the middle of the picture, at `angle_deg` above the horizontal, `aside` to its side.
@@ -895,12 +910,12 @@ TEST(Outline, FaintPartsInARowAreAsWideAsWhatGoesOnBeyondThemAll) {
         return v > 0.0 ? std::max({part(-7.0, -1.0), part(2.0, 8.5), std::clamp(4.0 * beyond, 0.0, 14.0)}) : 0.0;
       });
       const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
-      double least = 1e9;
-      for (const auto& [u, px] : widths_along(lines, angle, lens, 2.0 * stride, -5.0 * stride, 6.0 * stride, 6.0))
-        if (u == 0) least = std::min(least, px);
+      double least = 1e9;  // within either, from -5 to -3 and from 3 to 7 strides
+      for (const auto& [u, px] : widths_along(lines, angle, lens, 2.0 * stride, -5.0 * stride, 8.0 * stride, 6.0))
+        if (u == 0 || u == 4 || u == 5) least = std::min(least, px);
       whole += least > 1.5;
     }
-  EXPECT_GE(whole, 10) << "of 18";
+  EXPECT_GE(whole, 8) << "of 18";
 }
 
 TEST(Outline, FaintPartsAtTheBorderLeadOutOfThePicture) {

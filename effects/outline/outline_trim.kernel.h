@@ -17,11 +17,11 @@ CONST float kAbreast = 1.5f;   // pixels before or after a piece, at which that 
 CONST int kMeets = 2;          // pixels, and the stride, from an end at which what is faint meets a line,
 CONST float kBehind = 1.0f;    // so many behind it
 CONST float kAsideOf = 2.0f;   // and so many aside;
-CONST float kBesideIt = 1.2f;  // but for what runs along there
-CONST float kAlongIt = 0.3f;
-CONST float kOnward = 1.0f;  // what is faint and not so many ahead
-CONST float kAlike = 0.5f;   // between ways, sine: more is another line's
-CONST float kOwn = 0.8f;     // nor so many aside is of the line itself
+CONST float kBesideIt = 1.2f;  // but not what is so many aside and runs alongside,
+CONST float kAlongIt = 0.3f;   // with less than this between the two ways, sine;
+CONST float kOnward = 1.0f;    // what is not so many ahead
+CONST float kAlike = 0.5f;     // between ways, sine: more is another line's
+CONST float kOwn = 0.8f;       // nor so many aside is of the line itself
 
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
 FN Bool end_around() {
@@ -126,8 +126,9 @@ FN_RARE Ahead ahead_of(Bool asked, Along end, Vec2 at, Vec2 way) {
   for (int k = 1; k <= C.join; ++k) {
     Int x = to_int(floor(mad(way.x, Real(float(k)), at.x + 0.5f)));
     Int y = to_int(floor(mad(way.y, Real(float(k)), at.y + 0.5f)));
-    for (int j = -1; j <= 1; ++j)
+    for (int m = 0; m < 3; ++m)
       for (int lying = 0; lying < 2; ++lying) {
+        int j = m < 2 ? -m : 1;  // straight ahead first
         Bool look = asked && !found.sure;
         if (!some(look)) continue;
         Int i = x + select(end.steep, Int(j), Int(0));
@@ -225,7 +226,8 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
       Led down = led_on(faint, px, py, piece, lying, 1);
       Int rows = up.rows + down.rows;
       Bool between = faint && up.on && down.on && rows < Int(kBetween * C.stride);
-      Bool nowhere = faint && !between && up.ends && down.ends && rows < Int(kNowhere * C.stride);
+      Bool linked = (up.on && down.onward.on) || (up.onward.on && down.on);
+      Bool nowhere = faint && !between && !linked && up.ends && down.ends && rows < Int(kNowhere * C.stride);
       piece = select(between, without_doubt(piece), select(nowhere, Real(0.0f), piece));
     }
   }
