@@ -56,6 +56,7 @@ CONST float kRound = 0.6f;       // and from which on it is a round thing, which
 CONST float kNarrow = 0.3f;      // how clear a soft crease beside a rim is at most: not enough where all of it is
 CONST float kHidden = 0.45f;     // and one of which another object hides a part: outline_refine tells them apart
 CONST float kSoftClear = 0.9f;   // how clear a soft crease is at most in high pictures, where outline_refine asks more
+CONST float kTooWide = 0.8f;     // of a wide bevel's turn, squared, at most within five strides
 CONST float kFlatSides = 0.04f;  // of a wide bevel's turn, what its two sides turn, up to which it is clear,
 CONST float kBentSides = 0.12f;  // and from which on it is none
 CONST float kLast = 16.0f;       // squared, times a side's last step, for what it turns beyond
@@ -487,6 +488,9 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   Real turn = square(across);
   Real step = square(n1 - n0);
   Bool on = turn > Real(C.crease_chord * (1.0f - 0.5f * kTurnRange)) && step < turn * (kMostStep * kMostStep);
+  // crease_between knows what turns within five strides.
+  int near = 2 * C.stride;
+  on = on && square(near_normal((near + 1) * i, (near + 1) * j) - near_normal(-near * i, -near * j)) < turn * kTooWide;
   Bool turns = step > turn * Real(C.bevel_step);  // or else they are of a flat strip
   Bevel bevel = Bevel(on && !on, on && !on, Real(0.0f), Real(0.5f));
   if (!some(on)) return bevel;
