@@ -57,6 +57,7 @@ CONST float kNarrow = 0.3f;      // how clear a soft crease beside a rim is at m
 CONST float kHidden = 0.45f;     // and one of which another object hides a part: outline_refine tells them apart
 CONST float kSoftClear = 0.9f;   // how clear a soft crease is at most in high pictures, where outline_refine asks more
 CONST float kTooWide = 0.8f;     // of a wide bevel's turn, squared, at most within five strides
+CONST float kStraying = 0.03f;   // and how far its normals may be, squared, from the way between its sides'
 CONST float kFlatSides = 0.04f;  // of a wide bevel's turn, what its two sides turn, up to which it is clear,
 CONST float kBentSides = 0.12f;  // and from which on it is none
 CONST float kLast = 16.0f;       // squared, times a side's last step, for what it turns beyond
@@ -522,7 +523,11 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   Vec3 halfway = (a + b) * Real(0.5f);
   Real before = dot(n0 - halfway, across);
   Real after = dot(n1 - halfway, across);
-  bevel.middle = on && bevel.clear > 0.0f && !(before > 0.0f) && after > 0.0f;
+  // Where three sides meet the normal does not turn straight from one to the other.
+  Vec3 apart = n0 - halfway * (Real(1.0f) / sqrt(max(dot(halfway, halfway), Real(1e-20f))));
+  Real along = dot(apart, across);
+  Bool straight = square(apart) * turn - along * along < turn * turn * kStraying;
+  bevel.middle = on && straight && bevel.clear > 0.0f && !(before > 0.0f) && after > 0.0f;
   bevel.t = select(bevel.middle, before / select(bevel.middle, before - after, Real(1.0f)), bevel.t);
   if (C.convex == 0 || C.concave == 0) bevel.middle = bevel.middle && is_drawn(bevel.middle, px, py, i, j, across);
   return bevel;
