@@ -166,9 +166,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr int kJoin = 2, kJoinStride = 8;  // pixels between ends that are joined, and more per pixel of stride
   c.join = kJoin + kJoinStride * c.stride;
   c.sight = int((std::max(c.width_px, 1.0f) + kAntialiasing) * kMostStretch) + 1;
-  // Each of two joined ends draws more than half of what joins them, and an end all that leads to a line ahead: up to
-  // three pixels per pixel of stride and two.
-  c.around = std::max(c.sight, c.join / 2 + 1 + int(std::ceil(0.5f * c.width_px)));
+  c.onward = std::min(3 * c.bevel, 36);
+  // Each of two joined ends draws more than half of what joins them, and an end all that leads to a line ahead.
+  c.around = std::max({c.sight, c.join / 2 + 1 + int(std::ceil(0.5f * c.width_px)), c.onward + 2});
 }
 
 bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mode == kOutlinePaper; }
@@ -204,7 +204,10 @@ int trim_reach(const void* constants, int) {
 }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What
 /// lies between ends is asked from the middle of the one's stroke to the other's.
-int join_reach(const void* constants, int) { return 2 * static_cast<const OutlineConstants*>(constants)->join + 16; }
+int join_reach(const void* constants, int) {
+  const auto& c = *static_cast<const OutlineConstants*>(constants);
+  return std::max(2 * c.join, c.onward + c.bevel + 2) + 16;
+}
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return std::max(c.reach, c.around) + 1;
@@ -274,7 +277,8 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = trim_reach},
                  {.name = "outline_join",
-                  .inputs = {"depth", "object_id", "outline_steep_trimmed", "outline_flat_trimmed"},
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_trimmed",
+                             "outline_flat_trimmed"},
                   .outputs = {"outline_join"},
                   .scalar = run_scalar_outline_join,
                   .lanes = run_lanes_outline_join,

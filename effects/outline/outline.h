@@ -32,6 +32,7 @@ struct OutlineConstants {
   int reach;   // pixels from a line's end to the farthest pixel that it touches
   int sight;   // pixels in a row or column that a pixel looks for lines, to either side
   int join;    // pixels between two ends of lines that are joined
+  int onward;  // pixels from the end of a crease to a line that it goes on to
   int around;  // pixels in a row or column that a pixel looks for any of these
   float r, g, b, opacity;
   int stride;        // pixels between the normals that creases are told by

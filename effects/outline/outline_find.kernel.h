@@ -60,6 +60,7 @@ CONST float kTooWide = 0.8f;     // of a wide bevel's turn, squared, at most wit
 CONST float kStraying = 0.03f;   // and how far its normals may be, squared, from the way between its sides'
 CONST float kFlatSides = 0.02f;  // of a wide bevel's turn, what its two sides turn, up to which it is clear,
 CONST float kBentSides = 0.06f;  // and from which on it is none
+CONST float kStillTurns = 0.1f;  // of the crease's squared chord, how far a wide bevel turns beyond a narrow one
 CONST float kLast = 16.0f;       // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;           // strides, and so many pixels: how wide a fold's side is that has no room for two lines
 CONST int kFootRoom = 2;       // pixels more, within which the crease at its foot is less clear the nearer it is
@@ -477,58 +478,132 @@ struct Bevel {
   Real t;       // and there
 };
 
+// One of the two sides of a wide bevel.
+struct Side {
+  Bool known;
+  Bool hidden;  // in part
+  Vec3 normal;
+  Real bent;  // how far that turns within as many pixels as the bevel may be wide
+};
+
+// A side from pixel (k, l) on by steps of (i, j), of which the picture has so many pixels beyond the bevel. Where
+// another object hides a part of it, the last pixels before that tell, if it is flat there.
+FN Side side_from(Bool asked, int k, int l, int i, int j, Real px) {
+  int wide = C.bevel;
+  Vec3 normal = near_normal(k + wide * i, l + wide * j);
+  Vec3 far = near_normal(k + 2 * wide * i, l + 2 * wide * j);
+  Bool known = asked && goes_on(k, l, k + wide * i, l + wide * j, wide) &&
+               goes_on(k + wide * i, l + wide * j, k + 2 * wide * i, l + 2 * wide * j, wide);
+  Side side = Side(known, known && !known, normal, sqrt(square(far - normal)) * (Real(float(wide)) / max(px, Real(1.0f))));
+  return side;
+}
+
+// The same where another object hides a part of it.
+FN_RARE Side side_seen(Bool asked, int k, int l, int i, int j, Side side) {
+  int wide = C.bevel;
+  int near = 2 * C.stride;
+  Bool on = asked;
+  Vec3 normal = near_normal(k, l);
+  Real bent = Real(0.0f);
+  Bool known = on && !on;
+  for (int m = 1; m <= 2 * wide; ++m) {
+    if (!some(on)) continue;
+    side.hidden = side.hidden || (on && hidden_from(k + (m - 1) * i, l + (m - 1) * j, i, j, 1) &&
+                                  near_depth(k + m * i, l + m * j) < near_depth(k + (m - 1) * i, l + (m - 1) * j));
+    if (m > near + 1) known = side.hidden;
+    on = on && !side.hidden && goes_on(k + (m - 1) * i, l + (m - 1) * j, k + m * i, l + m * j, 1);
+    Vec3 next = near_normal(k + m * i, l + m * j);
+    // Of what is beyond the bevel all is to be flat, and of what is not the last pixels.
+    int back = m < near + 1 ? m : near + 1;
+    Vec3 from = m <= wide ? near_normal(k + (m - back) * i, l + (m - back) * j) : normal;
+    Real share = Real(float(wide) / float(m <= wide ? back : m - wide));
+    bent = select(on, sqrt(square(next - from)) * share, bent);
+    if (m <= wide) normal = select(on, next, normal);
+  }
+  side.known = side.known || known;
+  side.normal = select(known, normal, side.normal);
+  side.bent = select(known, bent, side.bent);
+  return side;
+}
+
 // A bevel as boxes have, too wide for crease_between, between two sides that are flat for as far as it may be wide. Its
 // crease is where the normal is halfway between theirs.
 FN Bevel bevel_between(Int px, Int py, int i, int j) {
   int wide = C.bevel;
-  Vec3 a = near_normal(-wide * i, -wide * j);
-  Vec3 b = near_normal((wide + 1) * i, (wide + 1) * j);
   Vec3 n0 = near_normal(0, 0);
   Vec3 n1 = near_normal(i, j);
-  Vec3 across = b - a;
-  Real turn = square(across);
   Real step = square(n1 - n0);
-  Bool on = turn > Real(C.crease_chord * (1.0f - 0.5f * kTurnRange)) && step < turn * (kMostStep * kMostStep);
-  // crease_between knows what turns within five strides.
+  Vec3 a = near_normal(-wide * i, -wide * j);
+  Vec3 b = near_normal((wide + 1) * i, (wide + 1) * j);
+  // Where another object hides a side what is behind it is not known yet.
+  Real id = near_object_id(0, 0);
+  Bool cut = !(near_object_id(-2 * wide * i, -2 * wide * j) == id &&
+               near_object_id((2 * wide + 1) * i, (2 * wide + 1) * j) == id);
+  cut = cut && step > Real(C.crease_chord * C.bevel_step);
   int near = 2 * C.stride;
-  on = on && square(near_normal((near + 1) * i, (near + 1) * j) - near_normal(-near * i, -near * j)) < turn * kTooWide;
-  Bool turns = step > turn * Real(C.bevel_step);  // or else they are of a flat strip
+  Vec3 turns_near = near_normal((near + 1) * i, (near + 1) * j) - near_normal(-near * i, -near * j);
+  Real turn = square(b - a);
+  Real least = Real(C.crease_chord * (1.0f - 0.5f * kTurnRange));
+  // crease_between knows what turns within five strides.
+  Bool on = turn > least && step < turn * (kMostStep * kMostStep) && square(turns_near) < turn * kTooWide;
   Bevel bevel = Bevel(on && !on, on && !on, Real(0.0f), Real(0.5f));
-  if (!some(on)) return bevel;
+  if (!some(on || cut)) return bevel;
+  on = (on || cut) && same_object(0, 0, i, j);
   // At the picture's border a side may be cut off: what is left of it tells how it goes on.
   Real place = i != 0 ? to_real(px) : to_real(py);
   Real last = Real(float(i != 0 ? F.width - 2 : F.height - 2)) - place;
   Real before_px = min(place - float(wide), Real(float(wide)));
   Real after_px = min(last - float(wide), Real(float(wide)));
   on = on && min(before_px, after_px) >= 1.0f;
-  on = on && same_object(0, 0, i, j) && goes_on(0, 0, -wide * i, -wide * j, wide);
-  on = on && goes_on(i, j, (wide + 1) * i, (wide + 1) * j, wide);
-  on = on && goes_on(-wide * i, -wide * j, -2 * wide * i, -2 * wide * j, wide);
-  on = on && goes_on((wide + 1) * i, (wide + 1) * j, (2 * wide + 1) * i, (2 * wide + 1) * j, wide);
+  Side before = side_from(on, 0, 0, -i, -j, before_px);
+  Side after = side_from(on, i, j, i, j, after_px);
+  cut = cut && on;
+  if (some(cut)) {
+    before = side_seen(cut && !before.known, 0, 0, -i, -j, before);
+    after = side_seen(cut && !after.known, i, j, i, j, after);
+  }
+  if (some(cut)) {
+    // Where too much of a side is hidden there is a bevel, but not where its middle is.
+    Vec3 flat_side = select(before.hidden, after.normal, before.normal);
+    Vec3 near_side = select(before.hidden, near_normal((near + 1) * i, (near + 1) * j), near_normal(-near * i, -near * j));
+    Real rest = square(flat_side - near_side);
+    Bool one = (before.hidden && after.known && !after.hidden && after.bent < kBentSides) ||
+               (after.hidden && before.known && !before.hidden && before.bent < kBentSides);
+    bevel.sure = cut && one && rest > Real(C.crease_chord * kStillTurns);
+  }
+  on = on && before.known && after.known;
   if (!some(on)) return bevel;
-  Real bent = sqrt(square(near_normal(-2 * wide * i, -2 * wide * j) - a)) * (Real(float(wide)) / before_px) +
-              sqrt(square(near_normal((2 * wide + 1) * i, (2 * wide + 1) * j) - b)) * (Real(float(wide)) / after_px);
-  bent = bent / sqrt(max(turn, Real(1e-20f)));
-  on = on && bent < kBentSides;
+  a = before.normal;
+  b = after.normal;
+  Vec3 across = b - a;
+  turn = square(across);
+  Bool turns = step > turn * Real(C.bevel_step);  // or else they are of a flat strip
+  Real bent = (before.bent + after.bent) / sqrt(max(turn, Real(1e-20f)));
+  on = on && bent < kBentSides && turn > least && square(turns_near) < turn * kTooWide;
   if (!some(on)) return bevel;
   // Nor are there several edges.
   for (int k = 1; k <= wide; ++k) {
-    step = max(step, square(near_normal(-k * i, -k * j) - near_normal(i - k * i, j - k * j)));
-    step = max(step, square(near_normal(i + k * i, j + k * j) - near_normal(k * i, k * j)));
+    Real step_a = square(near_normal(-k * i, -k * j) - near_normal(i - k * i, j - k * j));
+    Real step_b = square(near_normal(i + k * i, j + k * j) - near_normal(k * i, k * j));
+    if (some(cut)) {
+      step_a = select(near_object_id(-k * i, -k * j) == id, step_a, Real(0.0f));
+      step_b = select(near_object_id(i + k * i, j + k * j) == id, step_b, Real(0.0f));
+    }
+    step = max(step, max(step_a, step_b));
   }
   on = on && step < turn * (kMostStep * kMostStep);
   Real flat_sides = (Real(kBentSides) - bent) * Real(1.0f / (kBentSides - kFlatSides));
   bevel.clear = clamp(min(flat_sides, turned_enough(turn)), Real(0.0f), Real(1.0f));
-  bevel.sure = on && turns && bevel.clear == Real(1.0f);
+  bevel.sure = bevel.sure || (on && turns && bevel.clear == Real(1.0f));
   Vec3 halfway = (a + b) * Real(0.5f);
-  Real before = dot(n0 - halfway, across);
-  Real after = dot(n1 - halfway, across);
+  Real off0 = dot(n0 - halfway, across);
+  Real off1 = dot(n1 - halfway, across);
   // Where three sides meet the normal does not turn straight from one to the other.
   Vec3 apart = n0 - halfway * (Real(1.0f) / sqrt(max(dot(halfway, halfway), Real(1e-20f))));
   Real along = dot(apart, across);
   Bool straight = square(apart) * turn - along * along < turn * turn * kStraying;
-  bevel.middle = on && straight && bevel.clear > 0.0f && !(before > 0.0f) && after > 0.0f;
-  bevel.t = select(bevel.middle, before / select(bevel.middle, before - after, Real(1.0f)), bevel.t);
+  bevel.middle = on && straight && bevel.clear > 0.0f && !(off0 > 0.0f) && off1 > 0.0f;
+  bevel.t = select(bevel.middle, off0 / select(bevel.middle, off0 - off1, Real(1.0f)), bevel.t);
   if (C.convex == 0 || C.concave == 0) bevel.middle = bevel.middle && is_drawn(bevel.middle, px, py, i, j, across);
   return bevel;
 }

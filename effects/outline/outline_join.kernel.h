@@ -8,6 +8,7 @@
 //
 // outline_join: as outline_stroke.kernel.h has it.
 IN_REAL(depth)
+IN_VECTOR(normal)
 IN_REAL(object_id)
 IN_REAL(outline_steep_trimmed)
 IN_REAL(outline_flat_trimmed)
@@ -33,15 +34,19 @@ CONST float kDeeper = 1.0f;       // and more per pixel between them
 CONST int kSamples = 5;           // of it
 CONST int kShort = 3;             // pixels, per pixel of stride,
 CONST int kShortMore = 2;         // and more, of a line that it points to
-CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be
+CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
+CONST float kPointsFar = 0.15f;   // and where it is farther off
+CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what a crease turns that goes on to there
 CONST float kFirm = 0.7f;         // share of sure, of both
 CONST float kNearly = 0.8f;       // share of the way to it on which its surface is asked
-CONST float kTilted = 3.0f;       // pixel sizes per pixel that its surface may be tilted
+CONST float kTilted = 3.0f;       // pixel sizes per pixel that its surface may be tilted,
+CONST float kFalls = 12.0f;       // and fall away behind the end of a crease, where another side of it begins
 CONST float kNever = 1e6f;        // the cost of what is not joined
 
 // An end of a line.
 struct End {
   Bool on;       // there is one
+  Bool open;     // and no line is near it
   Int x, y;      // its pixel
   Bool steep;    // kind of its piece
   Real towards;  // 1 if the line would go on in the next row (column), -1 in the one before
@@ -51,7 +56,7 @@ struct End {
 };
 
 FN End chosen(Bool first, End a, End b) {
-  return End(chosen(first, a.on, b.on), select(first, a.x, b.x), select(first, a.y, b.y),
+  return End(chosen(first, a.on, b.on), chosen(first, a.open, b.open), select(first, a.x, b.x), select(first, a.y, b.y),
              chosen(first, a.steep, b.steep), select(first, a.towards, b.towards), chosen(first, a.at, b.at),
              chosen(first, a.way, b.way), chosen(first, a.nearer, b.nearer));
 }
@@ -106,8 +111,9 @@ FN End end_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards) {
     way = way_of(on, X, Y, piece, steep, towards, at, C.width_px);
     on = on && dot(way, way) > 0.5f;
   }
-  if (some(on)) on = on && !is_near(on, X, Y, way, at);
-  return End(on, X, Y, steep, towards, at + Vec2(to_real(X), to_real(Y)), way, nearer);
+  Bool open = on;
+  if (some(on)) open = on && !is_near(on, X, Y, way, at);
+  return End(on, open, X, Y, steep, towards, at + Vec2(to_real(X), to_real(Y)), way, nearer);
 }
 
 // Pixels beside its way, within which another end need not be ahead.
@@ -127,7 +133,7 @@ FN Real cost_of(End a, End b) {
   Bool fits = distance < Real(float(C.join) + 0.5f) && faces(a.way, apart) && faces(b.way, a.at - b.at) &&
               dot(a.way, b.way) < -kAlike && dot(a.nearer, b.nearer) > -kHasSide;
   Real detour = distance * 2.0f - dot(a.way, apart) + dot(b.way, apart);
-  return select(a.on && b.on && fits, mad(detour, Real(kBends), distance), Real(kNever));
+  return select(a.open && b.open && fits, mad(detour, Real(kBends), distance), Real(kNever));
 }
 
 // Depth and object of the nearer surface at an end.
@@ -168,7 +174,7 @@ FN_RARE End best_for(End a) {
   End best = a;
   best.on = a.on && !a.on;
   Real least = Real(kNever);
-  Bool on = a.on;
+  Bool on = a.open;
   Int along = to_int(a.towards);
   Real place = place_of(piece_at(a.steep, a.x, a.y));
   Real lean = select(a.steep, a.way.x, a.way.y) / max(abs(select(a.steep, a.way.y, a.way.x)), Real(kLeastOnward));
@@ -216,12 +222,51 @@ struct Target {
   Real sure;   // of that
 };
 
-// The line that an end points to, if its surface goes on to there.
+// Whether a crease goes on at a place ahead of its end: the surfaces to its two sides, or one of them and it, still face
+// apart.
+FN Bool turns_at(Bool asked, Int x, Int y, Vec2 way) {
+  Real off = Real(0.5f * float(C.bevel + 1));
+  Int i = to_int(floor(mad(-way.y, off, Real(0.5f))));
+  Int j = to_int(floor(mad(way.x, off, Real(0.5f))));
+  Vec3 here = load_normal(x, y);
+  Vec3 a = load_normal(x + i, y + j);
+  Vec3 b = load_normal(x - i, y - j);
+  Real id = load_object_id(x, y);
+  Bool has_a = load_object_id(x + i, y + j) == id;
+  Bool has_b = load_object_id(x - i, y - j) == id;
+  Vec3 zero = here - here;
+  Vec3 to_a = select(has_a, a - here, zero);
+  Vec3 to_b = select(has_b, b - here, zero);
+  Vec3 across = select(has_a && has_b, a - b, zero);
+  Real turn = max(max(dot(to_a, to_a), dot(to_b, to_b)), dot(across, across));
+  return asked && turn > Real(C.crease_chord * kStillTurns);
+}
+
+// Rows (columns) that a line goes back from its end as a crease, up to C.onward.
+FN_RARE Real crease_before(Bool asked, End a) {
+  Real piece = piece_at(a.steep, a.x, a.y);
+  Along before = Along(asked, place_of(piece), slope_of(piece), a.x, a.y, a.steep, piece, Real(kLeastSeen));
+  Real rows = Real(0.0f);
+  for (int k = 1; k <= C.onward; ++k) {
+    if (!some(before.on)) continue;
+    before = next_along(before, a.x, a.y, a.steep, to_int(-a.towards * float(k)), -a.towards);
+    before.on = before.on && abs(side_of(before.piece)) < kHasSide;
+    rows = select(before.on, Real(float(k)), rows);
+  }
+  return rows;
+}
+
+// The line that an end points to, if its surface goes on to there, and not beyond as many pixels as it came as one. A crease may end well before: near where a rounded
+// edge meets another one, or a rim hides one of its sides, it is none that is clear.
 FN_RARE Target target_of(Bool asked, End a) {
   Vec2 at = a.at - Vec2(to_real(a.x), to_real(a.y));
-  Real nearest = Real(float(kShort * C.stride + kShortMore));
+  Real least = Real(kNever);
+  Real ahead = Real(0.0f);
   Target target = Target(asked && !asked, at, Real(0.0f));
+  Real short_way = Real(float(kShort * C.stride + kShortMore));
+  Bool crease = asked && dot(a.nearer, a.nearer) < kHasSide * kHasSide;
   int wide = kShort * C.stride + kShortMore + 1;
+  if (some(crease)) wide = C.onward + 1;
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i)
       for (int lying = 0; lying < 2; ++lying) {
@@ -231,9 +276,13 @@ FN_RARE Target target_of(Bool asked, End a) {
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
         Real along = dot(a.way, apart);
-        here = here && along > kAhead && along < nearest &&
-               abs(cross(a.way, apart)) < mad(along, Real(kPoints), Real(0.5f));
-        nearest = select(here, along, nearest);
+        Real aside = abs(cross(a.way, apart));
+        Bool far = crease && along < Real(float(C.onward)) && aside < mad(along, Real(kPointsFar), Real(0.5f));
+        here = here && along > kAhead &&
+               (far || (along < short_way && aside < mad(along, Real(kPoints), Real(0.5f))));
+        here = here && along + aside < least;
+        least = select(here, along + aside, least);
+        ahead = select(here, along, ahead);
         target.on = target.on || here;
         target.apart = chosen(here, apart, target.apart);
         target.sure = select(here, linked_of(piece), target.sure);
@@ -242,13 +291,24 @@ FN_RARE Target target_of(Bool asked, End a) {
   Vec2 surface = surface_of(a);
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * surface.x;
+  Bool far = target.on && ahead > short_way;
+  if (some(far)) target.on = target.on && (!far || crease_before(far, a) >= ahead);
   for (int k = 1; k <= kSamples; ++k) {
     if (!some(target.on)) continue;
     Real share = Real(kNearly * float(k) / float(kSamples));
     Int x = to_int(floor(mad(target.apart.x, share, a.at.x + 0.5f)));
     Int y = to_int(floor(mad(target.apart.y, share, a.at.y + 0.5f)));
-    Real bound = pixel * mad(nearest * share, Real(kTilted), Real(kDeep));
-    target.on = target.on && abs(load_depth(x, y) - surface.x) < bound && load_object_id(x, y) == surface.y;
+    Real depth = load_depth(x, y);
+    Bool own = load_object_id(x, y) == surface.y;
+    Real way = ahead * share;
+    Bool here = own && surface.x - depth < pixel * mad(way, Real(kTilted), Real(kDeep)) &&
+                depth - surface.x < pixel * mad(way, select(crease, Real(kFalls), Real(kTilted)), Real(kDeep));
+    if (some(far)) {
+      here = here && (!far || turns_at(far, x, y, a.way));
+      // Of a rim that it meets at a low angle the stroke begins before.
+      if (k > kSamples / 2) here = here || (far && !own && depth < surface.x);
+    }
+    target.on = target.on && here;
   }
   return target;
 }
@@ -267,8 +327,12 @@ FN Ends joined(Int px, Int py, int lying, Real piece, int side, Ends ends) {
   Real towards = Real(float(side));
   End a = end_of(look, px, py, piece, steep, towards);
   if (!some(a.on)) return ends;
-  End b = best_for(a);
-  Bool both = b.on;
+  Bool both = a.on && !a.on;
+  End b = a;
+  if (some(a.open)) {
+    b = best_for(a);
+    both = b.on;
+  }
   if (some(both)) {
     End back = best_for(b);
     both = both && back.on && back.x == px && back.y == py && same(back.steep, steep) && back.towards == towards;
@@ -287,7 +351,7 @@ FN void outline_join_pixel(Int px, Int py) {
   if (some(any)) {
     Vec2 nowhere = Vec2(Real(0.0f), Real(0.0f));
     Ends ends =
-        Ends(select(any, Real(kOnlyEnds), coded), End(any && !any, px, py, any, Real(0.0f), nowhere, nowhere, nowhere));
+        Ends(select(any, Real(kOnlyEnds), coded), End(any && !any, any && !any, px, py, any, Real(0.0f), nowhere, nowhere, nowhere));
     for (int towards = -1; towards <= 1; towards += 2) {
       ends = joined(px, py, 0, steep, towards, ends);
       ends = joined(px, py, 1, lower, towards, ends);
