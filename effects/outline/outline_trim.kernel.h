@@ -13,6 +13,7 @@ OUT_REAL(outline_flat_trimmed)
 
 CONST int kBetween = 16;       // rows, per pixel of stride, of what is faint between two lines,
 CONST int kNowhere = 12;       // and of what leads nowhere
+CONST float kHair = 7.5f;      // sure_of up to which it is not drawn beside another line
 CONST float kAbreast = 1.5f;   // pixels before or after a piece, at which that has another line beside
 CONST int kMeets = 2;          // pixels, and the stride, from an end at which what is faint meets a line,
 CONST float kBehind = 1.0f;    // so many behind it
@@ -123,6 +124,7 @@ FN_RARE Ahead ahead_of(Bool asked, Along end, Vec2 at, Vec2 way) {
   Ahead found = Ahead(asked && !asked, end);
   found.faint.on = found.sure;
   Vec2 nearer = nearer_of(end.piece, end.steep);
+  Bool crease = abs(side_of(end.piece)) < kHasSide;
   for (int k = 1; k <= C.join; ++k) {
     Int x = to_int(floor(mad(way.x, Real(float(k)), at.x + 0.5f)));
     Int y = to_int(floor(mad(way.y, Real(float(k)), at.y + 0.5f)));
@@ -138,8 +140,12 @@ FN_RARE Ahead ahead_of(Bool asked, Along end, Vec2 at, Vec2 way) {
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, i, l, 0.0f);
         Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-        here = here && abs(cross(way, apart)) < kAbreast && abs(cross(way, lean)) < kAlike &&
-               dot(way, apart) > kOnward && dot(nearer_of(piece, steep_of(lying)), nearer) > -kHasSide;
+        here = here && abs(cross(way, apart)) < kAbreast && dot(way, apart) > kOnward &&
+               dot(nearer_of(piece, steep_of(lying)), nearer) > -kHasSide;
+        // A crease also leads to a rim that ends its surface.
+        Bool rim = here && crease && abs(side_of(piece)) > kHasSide && sure_of(piece) > kWhole;
+        found.sure = found.sure || rim;
+        here = here && abs(cross(way, lean)) < kAlike;
         Bool sure = here && sure_of(piece) > kWhole;
         found.sure = found.sure || sure;
         Bool first = here && !sure && !found.faint.on;
@@ -219,6 +225,9 @@ FN_RARE Led led_on(Bool asked, Int px, Int py, Real piece, int lying, int side) 
 FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   Bool on = is_piece(piece);
   Bool faint = on && sure_of(piece) < kWhole;
+  // A hair beside another line would be specks.
+  Bool hair = faint && sure_of(piece) < kHair;
+  if (some(hair)) hair = hair && has_beside(hair, piece, lying);
   if (some(faint)) {
     Led up = led_on(faint, px, py, piece, lying, -1);
     faint = faint && (up.on || up.ends);
@@ -229,8 +238,10 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
       Bool linked = (up.on && down.onward.on) || (up.onward.on && down.on);
       Bool nowhere = faint && !between && !linked && up.ends && down.ends && rows < Int(kNowhere * C.stride);
       piece = select(between, without_doubt(piece), select(nowhere, Real(0.0f), piece));
+      hair = hair && !between;
     }
   }
+  piece = select(hair, Real(0.0f), piece);
   for (int side = -1; side <= 1; side += 2) {
     Bool look = near_end && is_piece(piece);
     if (some(look)) piece = select(look, without_tail(look, px, py, piece, lying, side), piece);
