@@ -346,8 +346,9 @@ FN Bool is_drawn(Bool asked, Int px, Int py, int i, int j, Vec3 turn) {
   return asked;
 }
 
-// The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t.
-FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
+// The crease between pixel (0, 0) and (i, j): below 0 for none, or how clear it is, to 1; and t. partly: whether it may
+// be of a wide bevel of which another object hides a part: what is seen of one side alone would draw it there.
+FN Vec2 crease_between(Int px, Int py, int i, int j, int stride, Bool partly) {
   // Means of normals up to five strides before and after, as long as they are of one surface, and squared chords
   // between them, which stand for angles.
   int si = stride * i;
@@ -446,6 +447,8 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
     for (int k = 1; k <= 4 * stride; ++k) {
       before = before && goes_on(-(k - 1) * i, -(k - 1) * j, -k * i, -k * j, 1);
       after = after && goes_on(k * i, k * j, (k + 1) * i, (k + 1) * j, 1);
+      before = before && (after || !partly);
+      after = after && (before || !partly);
       Vec3 next_a = select(before, near_normal(-k * i, -k * j), a);
       Vec3 next_b = select(after, near_normal((k + 1) * i, (k + 1) * j), b);
       Real turn_a = sqrt(square(next_a - a));
@@ -468,11 +471,14 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride) {
 }
 
 // The same called: what the wide strides of high pictures ask, which need not be compiled into each of its places.
-FN_RARE Vec2 crease_called(Int px, Int py, int i, int j, int stride) { return crease_between(px, py, i, j, stride); }
+FN_RARE Vec2 crease_called(Int px, Int py, int i, int j, int stride, Bool partly) {
+  return crease_between(px, py, i, j, stride, partly);
+}
 
 // What is known of a wide bevel between pixel (0, 0) and (i, j).
 struct Bevel {
   Bool sure;    // they are of one, and of no other crease
+  Bool partly;  // of one of which another object hides too much to know its middle
   Bool middle;  // its middle is here,
   Real clear;   // so clear, to 1,
   Real t;       // and there
@@ -494,7 +500,8 @@ FN Side side_from(Bool asked, int k, int l, int i, int j, Real px) {
   Vec3 far = near_normal(k + 2 * wide * i, l + 2 * wide * j);
   Bool known = asked && goes_on(k, l, k + wide * i, l + wide * j, wide) &&
                goes_on(k + wide * i, l + wide * j, k + 2 * wide * i, l + 2 * wide * j, wide);
-  Side side = Side(known, known && !known, normal, sqrt(square(far - normal)) * (Real(float(wide)) / max(px, Real(1.0f))));
+  Side side =
+      Side(known, known && !known, normal, sqrt(square(far - normal)) * (Real(float(wide)) / max(px, Real(1.0f))));
   return side;
 }
 
@@ -546,7 +553,7 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   Real least = Real(C.crease_chord * (1.0f - 0.5f * kTurnRange));
   // crease_between knows what turns within five strides.
   Bool on = turn > least && step < turn * (kMostStep * kMostStep) && square(turns_near) < turn * kTooWide;
-  Bevel bevel = Bevel(on && !on, on && !on, Real(0.0f), Real(0.5f));
+  Bevel bevel = Bevel(on && !on, on && !on, on && !on, Real(0.0f), Real(0.5f));
   if (!some(on || cut)) return bevel;
   on = (on || cut) && same_object(0, 0, i, j);
   // At the picture's border a side may be cut off: what is left of it tells how it goes on.
@@ -565,11 +572,12 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   if (some(cut)) {
     // Where too much of a side is hidden there is a bevel, but not where its middle is.
     Vec3 flat_side = select(before.hidden, after.normal, before.normal);
-    Vec3 near_side = select(before.hidden, near_normal((near + 1) * i, (near + 1) * j), near_normal(-near * i, -near * j));
+    Vec3 near_side =
+        select(before.hidden, near_normal((near + 1) * i, (near + 1) * j), near_normal(-near * i, -near * j));
     Real rest = square(flat_side - near_side);
     Bool one = (before.hidden && after.known && !after.hidden && after.bent < kBentSides) ||
                (after.hidden && before.known && !before.hidden && before.bent < kBentSides);
-    bevel.sure = cut && one && rest > Real(C.crease_chord * kStillTurns);
+    bevel.partly = cut && one && rest > Real(C.crease_chord * kStillTurns);
   }
   on = on && before.known && after.known;
   if (!some(on)) return bevel;
@@ -594,7 +602,7 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   on = on && step < turn * (kMostStep * kMostStep);
   Real flat_sides = (Real(kBentSides) - bent) * Real(1.0f / (kBentSides - kFlatSides));
   bevel.clear = clamp(min(flat_sides, turned_enough(turn)), Real(0.0f), Real(1.0f));
-  bevel.sure = bevel.sure || (on && turns && bevel.clear == Real(1.0f));
+  bevel.sure = on && turns && bevel.clear == Real(1.0f);
   Vec3 halfway = (a + b) * Real(0.5f);
   Real off0 = dot(n0 - halfway, across);
   Real off1 = dot(n1 - halfway, across);
@@ -651,11 +659,13 @@ FN Real edge(Int px, Int py, int i, int j, int stride, Bool parted, Bool turned,
   turned = turned && !bevel.sure;
   if (some(turned || bevel.middle)) {
     Vec2 crease = Vec2(Real(-1.0f), Real(0.5f));
-    if (some(turned)) crease = crease_between(px, py, i, j, 1);
+    if (some(turned)) crease = crease_between(px, py, i, j, 1, bevel.partly);
     if (stride > 1 && some(turned)) {
-      Vec2 wide = crease_called(px, py, i, j, stride);
+      Vec2 wide = crease_called(px, py, i, j, stride, bevel.partly);
       crease = Vec2(max(crease.x, wide.x), select(wide.x > crease.x, wide.y, crease.y));
     }
+    // What is not clear of it is not where it seems to be.
+    crease.x = select(bevel.partly && crease.x < kSoftClear - 0.1f, Real(-1.0f), crease.x);
     Bool wider = bevel.middle && (!turned || bevel.clear > crease.x);
     crease = Vec2(select(wider, bevel.clear, crease.x), select(wider, bevel.t, crease.y));
     turned = turned || wider;

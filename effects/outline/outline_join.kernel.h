@@ -35,7 +35,10 @@ CONST int kSamples = 5;           // of it
 CONST int kShort = 3;             // pixels, per pixel of stride,
 CONST int kShortMore = 2;         // and more, of a line that it points to
 CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
+CONST float kEven = 0.02f;        // of the same, what a flat side turns
+CONST float kOwnRim = 0.5f;       // sine of the angle at which it meets a rim of its own object at least
 CONST float kPointsFar = 0.15f;   // and where it is farther off
+CONST int kComing = 8;            // rows, per pixel of stride, that tell the way to there
 CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what a crease turns that goes on to there
 CONST float kFirm = 0.7f;         // share of sure, of both
 CONST float kNearly = 0.8f;       // share of the way to it on which its surface is asked
@@ -218,55 +221,117 @@ FN_RARE End best_for(End a) {
 // What an end points to that is a few pixels short of another line.
 struct Target {
   Bool on;
+  Real sine;   // of the angle between the two
   Vec2 apart;  // from the end's middle to that of the line's stroke
   Real sure;   // of that
 };
 
-// Whether a crease goes on at a place ahead of its end: the surfaces to its two sides, or one of them and it, still face
-// apart.
-FN Bool turns_at(Bool asked, Int x, Int y, Vec2 way) {
-  Real off = Real(0.5f * float(C.bevel + 1));
-  Int i = to_int(floor(mad(-way.y, off, Real(0.5f))));
-  Int j = to_int(floor(mad(way.x, off, Real(0.5f))));
+// What lies on one side of a place on a crease, as far off as half of a wide bevel's width.
+struct Beside {
+  Bool known;
+  Vec3 turn;  // from its normal to the place's
+  Bool even;  // as far again it is as flat as a box's side
+};
+
+FN Beside beside_of(Int x, Int y, Vec2 off) {
   Vec3 here = load_normal(x, y);
-  Vec3 a = load_normal(x + i, y + j);
-  Vec3 b = load_normal(x - i, y - j);
   Real id = load_object_id(x, y);
-  Bool has_a = load_object_id(x + i, y + j) == id;
-  Bool has_b = load_object_id(x - i, y - j) == id;
-  Vec3 zero = here - here;
-  Vec3 to_a = select(has_a, a - here, zero);
-  Vec3 to_b = select(has_b, b - here, zero);
-  Vec3 across = select(has_a && has_b, a - b, zero);
-  Real turn = max(max(dot(to_a, to_a), dot(to_b, to_b)), dot(across, across));
-  return asked && turn > Real(C.crease_chord * kStillTurns);
+  Int i = to_int(floor(off.x + 0.5f));
+  Int j = to_int(floor(off.y + 0.5f));
+  Vec3 near = load_normal(x + i, y + j);
+  Bool known = load_object_id(x + i, y + j) == id;
+  // Beyond the bevel.
+  Int k = to_int(floor(off.x + off.x + 0.5f));
+  Int l = to_int(floor(off.y + off.y + 0.5f));
+  Vec3 bend = load_normal(x + k + k, y + l + l) - load_normal(x + k, y + l);
+  Bool even = known && load_object_id(x + k + k, y + l + l) == id && dot(bend, bend) < Real(C.crease_chord * kEven);
+  return Beside(known, select(known, near - here, here - here), even);
 }
 
-// Rows (columns) that a line goes back from its end as a crease, up to C.onward.
-FN_RARE Real crease_before(Bool asked, End a) {
+// Whether a crease is at a place: the surfaces to its two sides, or one of them and it, face apart. Where it is asked
+// for, one of the two is also flat: what is round has no edge.
+FN Bool turns_at(Bool asked, Int x, Int y, Vec2 way, Bool even) {
+  Vec2 off = Vec2(-way.y, way.x) * Real(0.5f * float(C.bevel + 1));
+  Beside a = beside_of(x, y, off);
+  Beside b = beside_of(x, y, off * Real(-1.0f));
+  Vec3 across = a.turn - b.turn;
+  Real turn = max(dot(a.turn, a.turn), dot(b.turn, b.turn));
+  turn = select(a.known && b.known, max(turn, dot(across, across)), turn);
+  return asked && turn > Real(C.crease_chord * kStillTurns) && (a.even || b.even || !even);
+}
+
+// How a crease comes to its end: the last rows (columns) before may bend where another edge is near.
+struct Coming {
+  Real rows;  // for so many of them, up to C.onward,
+  Int x, y;   // by this pixel,
+  Vec2 at;    // to there, counted from the end's pixel, if it went straight on,
+  Vec2 way;   // this way: a unit vector; 0 if it is shorter
+};
+
+FN_RARE Coming coming_to(Bool asked, End a) {
+  Vec2 end = a.at - Vec2(to_real(a.x), to_real(a.y));
+  Vec2 zero = end - end;
+  Vec2 far = zero;
+  Vec2 near = zero;
+  Real fars = Real(0.0f);
+  Real nears = Real(0.0f);
+  int all = kComing * C.stride;
+  Coming found = Coming(Real(0.0f), a.x, a.y, end, zero);
   Real piece = piece_at(a.steep, a.x, a.y);
   Along before = Along(asked, place_of(piece), slope_of(piece), a.x, a.y, a.steep, piece, Real(kLeastSeen));
-  Real rows = Real(0.0f);
+  Bool gap = asked && !asked;
   for (int k = 1; k <= C.onward; ++k) {
     if (!some(before.on)) continue;
-    before = next_along(before, a.x, a.y, a.steep, to_int(-a.towards * float(k)), -a.towards);
-    before.on = before.on && abs(side_of(before.piece)) < kHasSide;
-    rows = select(before.on, Real(float(k)), rows);
+    Along next = next_along(before, a.x, a.y, a.steep, to_int(-a.towards * float(k)), -a.towards);
+    Bool here = next.on && abs(side_of(next.piece)) < kHasSide;
+    // One row may be missing.
+    Bool miss = before.on && !next.on && !gap;
+    next.place = select(miss, mad(before.slope, -a.towards, before.place), next.place);
+    gap = gap || miss;
+    next.on = here || miss;
+    before = next;
+    found.rows = select(here, Real(float(k)), found.rows);
+    if (k > all) continue;
+    Vec2 middle =
+        middle_of(before.piece, before.steep, C.width_px) + Vec2(to_real(before.x - a.x), to_real(before.y - a.y));
+    Real one = select(here, Real(1.0f), Real(0.0f));
+    if (k == all / 2) {
+      found.x = before.x;
+      found.y = before.y;
+    }
+    if (k > all / 2) {
+      far = far + middle * one;
+      fars = fars + one;
+    } else if (k > all / 4) {
+      near = near + middle * one;
+      nears = nears + one;
+    }
   }
-  return rows;
+  near = near * (Real(1.0f) / max(nears, Real(1.0f)));
+  Vec2 way = near - far * (Real(1.0f) / max(fars, Real(1.0f)));
+  way = way * (Real(1.0f) / sqrt(max(dot(way, way), Real(1e-6f))));
+  Bool known = found.rows >= Real(float(all));
+  found.way = chosen(known, way, zero);
+  found.at = chosen(known, near + way * dot(way, end - near), end);
+  return found;
 }
 
-// The line that an end points to, if its surface goes on to there, and not beyond as many pixels as it came as one. A crease may end well before: near where a rounded
-// edge meets another one, or a rim hides one of its sides, it is none that is clear.
+// The line that an end points to, if its surface goes on to there, and not beyond as many pixels as it came as one. A
+// crease may end well before: near where a rounded edge meets another one, or a rim hides one of its sides, it is none
+// that is clear.
 FN_RARE Target target_of(Bool asked, End a) {
   Vec2 at = a.at - Vec2(to_real(a.x), to_real(a.y));
   Real least = Real(kNever);
   Real ahead = Real(0.0f);
-  Target target = Target(asked && !asked, at, Real(0.0f));
+  Target target = Target(asked && !asked, Real(0.0f), at, Real(0.0f));
   Real short_way = Real(float(kShort * C.stride + kShortMore));
   Bool crease = asked && dot(a.nearer, a.nearer) < kHasSide * kHasSide;
+  Coming coming = Coming(Real(0.0f), a.x, a.y, at, at - at);
   int wide = kShort * C.stride + kShortMore + 1;
-  if (some(crease)) wide = C.onward + 1;
+  if (some(crease)) {
+    coming = coming_to(crease, a);
+    wide = C.onward + 1;
+  }
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i)
       for (int lying = 0; lying < 2; ++lying) {
@@ -277,12 +342,21 @@ FN_RARE Target target_of(Bool asked, End a) {
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
         Real along = dot(a.way, apart);
         Real aside = abs(cross(a.way, apart));
-        Bool far = crease && along < Real(float(C.onward)) && aside < mad(along, Real(kPointsFar), Real(0.5f));
-        here = here && along > kAhead &&
-               (far || (along < short_way && aside < mad(along, Real(kPoints), Real(0.5f))));
-        here = here && along + aside < least;
+        Bool near = along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
+        Vec2 onward = apart + at - coming.at;
+        Real straight = dot(coming.way, onward);
+        Real off = abs(cross(coming.way, onward));
+        Bool far = straight > short_way && straight <= coming.rows && off < mad(straight, Real(kPointsFar), Real(0.5f));
+        along = select(near, along, straight);
+        aside = select(near, aside, off);
+        near = near && (a.open || !crease || coming.rows >= 1.0f);
+        here = here && (near || far) && along + aside < least;
         least = select(here, along + aside, least);
         ahead = select(here, along, ahead);
+        Real slope = slope_of(piece);
+        Real steeper =
+            select(steep_of(lying), coming.way.x - slope * coming.way.y, coming.way.y - slope * coming.way.x);
+        target.sine = select(here, abs(steeper) * rsqrt(mad(slope, slope, Real(1.0f))), target.sine);
         target.on = target.on || here;
         target.apart = chosen(here, apart, target.apart);
         target.sure = select(here, linked_of(piece), target.sure);
@@ -292,7 +366,12 @@ FN_RARE Target target_of(Bool asked, End a) {
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * surface.x;
   Bool far = target.on && ahead > short_way;
-  if (some(far)) target.on = target.on && (!far || crease_before(far, a) >= ahead);
+  if (some(far)) {
+    target.on = target.on && (!far || turns_at(far, coming.x, coming.y, coming.way, far));
+    Int x = to_int(floor(target.apart.x + a.at.x + 0.5f));
+    Int y = to_int(floor(target.apart.y + a.at.y + 0.5f));
+    target.on = target.on && !(far && target.sine < kOwnRim && load_object_id(x, y) == surface.y);
+  }
   for (int k = 1; k <= kSamples; ++k) {
     if (!some(target.on)) continue;
     Real share = Real(kNearly * float(k) / float(kSamples));
@@ -304,7 +383,7 @@ FN_RARE Target target_of(Bool asked, End a) {
     Bool here = own && surface.x - depth < pixel * mad(way, Real(kTilted), Real(kDeep)) &&
                 depth - surface.x < pixel * mad(way, select(crease, Real(kFalls), Real(kTilted)), Real(kDeep));
     if (some(far)) {
-      here = here && (!far || turns_at(far, x, y, a.way));
+      here = here && (!far || turns_at(far, x, y, coming.way, far && !far));
       // Of a rim that it meets at a low angle the stroke begins before.
       if (k > kSamples / 2) here = here || (far && !own && depth < surface.x);
     }
@@ -350,8 +429,8 @@ FN void outline_join_pixel(Int px, Int py) {
   Real coded = Real(0.0f);
   if (some(any)) {
     Vec2 nowhere = Vec2(Real(0.0f), Real(0.0f));
-    Ends ends =
-        Ends(select(any, Real(kOnlyEnds), coded), End(any && !any, any && !any, px, py, any, Real(0.0f), nowhere, nowhere, nowhere));
+    Ends ends = Ends(select(any, Real(kOnlyEnds), coded),
+                     End(any && !any, any && !any, px, py, any, Real(0.0f), nowhere, nowhere, nowhere));
     for (int towards = -1; towards <= 1; towards += 2) {
       ends = joined(px, py, 0, steep, towards, ends);
       ends = joined(px, py, 1, lower, towards, ends);
