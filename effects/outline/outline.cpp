@@ -166,9 +166,11 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr int kJoin = 2, kJoinStride = 8;  // pixels between ends that are joined, and more per pixel of stride
   c.join = kJoin + kJoinStride * c.stride;
   c.sight = int((std::max(c.width_px, 1.0f) + kAntialiasing) * kMostStretch) + 1;
-  c.onward = std::min(3 * c.bevel, 36);
+  constexpr int kOnward = 3, kMostOnward = 36;  // of bevels; and pixels, which outline_stroke.kernel.h has room for
+  c.onward = std::min(kOnward * c.bevel, kMostOnward);
   // Each of two joined ends draws more than half of what joins them, and an end all that leads to a line ahead.
-  c.around = std::max({c.sight, c.join / 2 + 1 + int(std::ceil(0.5f * c.width_px)), c.onward + 2});
+  const int cap = 1 + int(std::ceil(0.5f * c.width_px));
+  c.around = std::max({c.sight, c.join / 2 + cap, c.onward + cap});
 }
 
 bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mode == kOutlinePaper; }
@@ -203,10 +205,13 @@ int trim_reach(const void* constants, int) {
   return 2 * (int(std::ceil(2.6f * 16.0f * float(c.stride))) + std::max(c.stride, c.join) + 4);
 }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What
-/// lies between ends is asked from the middle of the one's stroke to the other's.
+/// lies between ends is asked from the middle of the one's stroke to the other's. A crease is followed back as far as
+/// it may go on, and half-way back, and as far as it may go on, is asked what lies four halves of a bevel beside it.
 int join_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
-  return std::max(2 * c.join, c.onward + c.bevel + 2) + 16;
+  const int beside = 2 * c.bevel + 5, drift = 16;
+  return std::max({2 * c.join + drift, int(std::ceil(2.6f * float(c.onward))) + 4,
+                   int(std::ceil(2.6f * 4.0f * float(c.stride))) + beside, c.onward + c.bevel + drift});
 }
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);

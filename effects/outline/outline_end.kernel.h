@@ -40,6 +40,12 @@ FN Vec2 apart_from(Vec2 at, Real piece, int lying, Int i, Int j, float width) {
 
 FN Real cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 
+// The unit vector along a line that began in a piece of a kind and leans so, to one side.
+FN Vec2 lean_of(Real slope, Bool steep, Real towards) {
+  Vec2 lean = Vec2(select(steep, slope, Real(1.0f)), select(steep, Real(1.0f), slope)) * towards;
+  return lean * (Real(1.0f) / sqrt(dot(lean, lean)));
+}
+
 // The unit vector from a piece to its nearer surface, shorter if it lies partly on either side.
 FN Vec2 nearer_of(Real piece, Bool steep) {
   Real slope = slope_of(piece);

@@ -56,11 +56,13 @@ CONST float kRound = 0.6f;       // and from which on it is a round thing, which
 CONST float kNarrow = 0.3f;      // how clear a soft crease beside a rim is at most: not enough where all of it is
 CONST float kHidden = 0.45f;     // and one of which another object hides a part: outline_refine tells them apart
 CONST float kSoftClear = 0.9f;   // how clear a soft crease is at most in high pictures, where outline_refine asks more
+CONST float kInPlace = 0.8f;     // and at least, to be drawn there, where another object hides a part of its bevel
 CONST float kTooWide = 0.8f;     // of a wide bevel's turn, squared, at most within five strides
 CONST float kStraying = 0.03f;   // and how far its normals may be, squared, from the way between its sides'
 CONST float kFlatSides = 0.02f;  // of a wide bevel's turn, what its two sides turn, up to which it is clear,
 CONST float kBentSides = 0.06f;  // and from which on it is none
-CONST float kStillTurns = 0.1f;  // of the crease's squared chord, how far a wide bevel turns beyond a narrow one
+CONST float kFlatSide = 0.06f;   // how far the side that is seen turns where the other one is hidden in part,
+CONST float kWider = 0.1f;       // and of the crease's squared chord, how far such a bevel turns beyond a narrow one
 CONST float kLast = 16.0f;       // squared, times a side's last step, for what it turns beyond
 CONST int kRoom = 2;           // strides, and so many pixels: how wide a fold's side is that has no room for two lines
 CONST int kFootRoom = 2;       // pixels more, within which the crease at its foot is less clear the nearer it is
@@ -478,7 +480,7 @@ FN_RARE Vec2 crease_called(Int px, Int py, int i, int j, int stride, Bool partly
 // What is known of a wide bevel between pixel (0, 0) and (i, j).
 struct Bevel {
   Bool sure;    // they are of one, and of no other crease
-  Bool partly;  // of one of which another object hides too much to know its middle
+  Bool partly;  // of one of which another object hides a part
   Bool middle;  // its middle is here,
   Real clear;   // so clear, to 1,
   Real t;       // and there
@@ -492,20 +494,18 @@ struct Side {
   Real bent;  // how far that turns within as many pixels as the bevel may be wide
 };
 
-// A side from pixel (k, l) on by steps of (i, j), of which the picture has so many pixels beyond the bevel. Where
-// another object hides a part of it, the last pixels before that tell, if it is flat there.
-FN Side side_from(Bool asked, int k, int l, int i, int j, Real px) {
+// A side from pixel (k, l) on by steps of (i, j), of which the picture has so many pixels beyond the bevel.
+FN Side side_from(Bool asked, int k, int l, int i, int j, Real seen_px) {
   int wide = C.bevel;
   Vec3 normal = near_normal(k + wide * i, l + wide * j);
   Vec3 far = near_normal(k + 2 * wide * i, l + 2 * wide * j);
   Bool known = asked && goes_on(k, l, k + wide * i, l + wide * j, wide) &&
                goes_on(k + wide * i, l + wide * j, k + 2 * wide * i, l + 2 * wide * j, wide);
-  Side side =
-      Side(known, known && !known, normal, sqrt(square(far - normal)) * (Real(float(wide)) / max(px, Real(1.0f))));
-  return side;
+  Real bent = sqrt(square(far - normal)) * (Real(float(wide)) / max(seen_px, Real(1.0f)));
+  return Side(known, known && !known, normal, bent);
 }
 
-// The same where another object hides a part of it.
+// The same where another object hides a part of it: the last pixels before that tell, if it is flat there.
 FN_RARE Side side_seen(Bool asked, int k, int l, int i, int j, Side side) {
   int wide = C.bevel;
   int near = 2 * C.stride;
@@ -515,9 +515,10 @@ FN_RARE Side side_seen(Bool asked, int k, int l, int i, int j, Side side) {
   Bool known = on && !on;
   for (int m = 1; m <= 2 * wide; ++m) {
     if (!some(on)) continue;
-    side.hidden = side.hidden || (on && hidden_from(k + (m - 1) * i, l + (m - 1) * j, i, j, 1) &&
-                                  near_depth(k + m * i, l + m * j) < near_depth(k + (m - 1) * i, l + (m - 1) * j));
-    if (m > near + 1) known = side.hidden;
+    Bool covered = on && hidden_from(k + (m - 1) * i, l + (m - 1) * j, i, j, 1) &&
+                   near_depth(k + m * i, l + m * j) < near_depth(k + (m - 1) * i, l + (m - 1) * j);
+    side.hidden = side.hidden || covered;
+    if (m > near + 1) known = known || covered;
     on = on && !side.hidden && goes_on(k + (m - 1) * i, l + (m - 1) * j, k + m * i, l + m * j, 1);
     Vec3 next = near_normal(k + m * i, l + m * j);
     // Of what is beyond the bevel all is to be flat, and of what is not the last pixels.
@@ -544,9 +545,10 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   Vec3 b = near_normal((wide + 1) * i, (wide + 1) * j);
   // Where another object hides a side what is behind it is not known yet.
   Real id = near_object_id(0, 0);
-  Bool cut = !(near_object_id(-2 * wide * i, -2 * wide * j) == id &&
-               near_object_id((2 * wide + 1) * i, (2 * wide + 1) * j) == id);
-  cut = cut && step > Real(C.crease_chord * C.bevel_step);
+  Bool cut = step > Real(C.crease_chord * C.bevel_step);
+  if (some(cut))
+    cut = cut && !(near_object_id(-2 * wide * i, -2 * wide * j) == id &&
+                   near_object_id((2 * wide + 1) * i, (2 * wide + 1) * j) == id);
   int near = 2 * C.stride;
   Vec3 turns_near = near_normal((near + 1) * i, (near + 1) * j) - near_normal(-near * i, -near * j);
   Real turn = square(b - a);
@@ -575,9 +577,9 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
     Vec3 near_side =
         select(before.hidden, near_normal((near + 1) * i, (near + 1) * j), near_normal(-near * i, -near * j));
     Real rest = square(flat_side - near_side);
-    Bool one = (before.hidden && after.known && !after.hidden && after.bent < kBentSides) ||
-               (after.hidden && before.known && !before.hidden && before.bent < kBentSides);
-    bevel.partly = cut && one && rest > Real(C.crease_chord * kStillTurns);
+    Bool one = (before.hidden && after.known && !after.hidden && after.bent < kFlatSide) ||
+               (after.hidden && before.known && !before.hidden && before.bent < kFlatSide);
+    bevel.partly = cut && one && rest > Real(C.crease_chord * kWider);
   }
   on = on && before.known && after.known;
   if (!some(on)) return bevel;
@@ -594,8 +596,8 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
     Real step_a = square(near_normal(-k * i, -k * j) - near_normal(i - k * i, j - k * j));
     Real step_b = square(near_normal(i + k * i, j + k * j) - near_normal(k * i, k * j));
     if (some(cut)) {
-      step_a = select(near_object_id(-k * i, -k * j) == id, step_a, Real(0.0f));
-      step_b = select(near_object_id(i + k * i, j + k * j) == id, step_b, Real(0.0f));
+      step_a = select(cut && !(near_object_id(-k * i, -k * j) == id), Real(0.0f), step_a);
+      step_b = select(cut && !(near_object_id(i + k * i, j + k * j) == id), Real(0.0f), step_b);
     }
     step = max(step, max(step_a, step_b));
   }
@@ -665,7 +667,7 @@ FN Real edge(Int px, Int py, int i, int j, int stride, Bool parted, Bool turned,
       crease = Vec2(max(crease.x, wide.x), select(wide.x > crease.x, wide.y, crease.y));
     }
     // What is not clear of it is not where it seems to be.
-    crease.x = select(bevel.partly && crease.x < kSoftClear - 0.1f, Real(-1.0f), crease.x);
+    crease.x = select(bevel.partly && crease.x < kInPlace, Real(-1.0f), crease.x);
     Bool wider = bevel.middle && (!turned || bevel.clear > crease.x);
     crease = Vec2(select(wider, bevel.clear, crease.x), select(wider, bevel.t, crease.y));
     turned = turned || wider;

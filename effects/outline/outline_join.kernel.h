@@ -35,11 +35,11 @@ CONST int kSamples = 5;           // of it
 CONST int kShort = 3;             // pixels, per pixel of stride,
 CONST int kShortMore = 2;         // and more, of a line that it points to
 CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
-CONST float kEven = 0.02f;        // of the same, what a flat side turns
-CONST float kOwnRim = 0.5f;       // sine of the angle at which it meets a rim of its own object at least
 CONST float kPointsFar = 0.15f;   // and where it is farther off
-CONST int kComing = 8;            // rows, per pixel of stride, that tell the way to there
-CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what a crease turns that goes on to there
+CONST int kComing = 8;            // rows, per pixel of stride, of a crease that tell the way to there;
+CONST float kMeets = 0.5f;        // sine of the angle at which that meets a line of its own object at least
+CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what it turns along the way,
+CONST float kEven = 0.02f;        // and what a side of it turns that is flat
 CONST float kFirm = 0.7f;         // share of sure, of both
 CONST float kNearly = 0.8f;       // share of the way to it on which its surface is asked
 CONST float kTilted = 3.0f;       // pixel sizes per pixel that its surface may be tilted,
@@ -176,6 +176,7 @@ FN Bool one_surface(Bool asked, End a, End b) {
 FN_RARE End best_for(End a) {
   End best = a;
   best.on = a.on && !a.on;
+  best.open = best.on;
   Real least = Real(kNever);
   Bool on = a.open;
   Int along = to_int(a.towards);
@@ -226,38 +227,58 @@ struct Target {
   Real sure;   // of that
 };
 
-// What lies on one side of a place on a crease, as far off as half of a wide bevel's width.
-struct Beside {
-  Bool known;
-  Vec3 turn;  // from its normal to the place's
-  Bool even;  // as far again it is as flat as a box's side
-};
-
-FN Beside beside_of(Int x, Int y, Vec2 off) {
-  Vec3 here = load_normal(x, y);
-  Real id = load_object_id(x, y);
-  Int i = to_int(floor(off.x + 0.5f));
-  Int j = to_int(floor(off.y + 0.5f));
-  Vec3 near = load_normal(x + i, y + j);
-  Bool known = load_object_id(x + i, y + j) == id;
-  // Beyond the bevel.
-  Int k = to_int(floor(off.x + off.x + 0.5f));
-  Int l = to_int(floor(off.y + off.y + 0.5f));
-  Vec3 bend = load_normal(x + k + k, y + l + l) - load_normal(x + k, y + l);
-  Bool even = known && load_object_id(x + k + k, y + l + l) == id && dot(bend, bend) < Real(C.crease_chord * kEven);
-  return Beside(known, select(known, near - here, here - here), even);
+// Whether pixel (x2, y2) is of the same surface as (x, y), which is so many pixels away.
+FN Bool of_one_surface(Int x, Int y, Int x2, Int y2, float pixels) {
+  Real depth = load_depth(x, y);
+  Real pixel = Real(F.ray_scale_x * kFalls * pixels);
+  if (F.orthographic == 0) pixel = pixel * depth;
+  return in_picture(x2, y2) && load_object_id(x2, y2) == load_object_id(x, y) &&
+         abs(load_depth(x2, y2) - depth) < pixel;
 }
 
-// Whether a crease is at a place: the surfaces to its two sides, or one of them and it, face apart. Where it is asked
-// for, one of the two is also flat: what is round has no edge.
-FN Bool turns_at(Bool asked, Int x, Int y, Vec2 way, Bool even) {
-  Vec2 off = Vec2(-way.y, way.x) * Real(0.5f * float(C.bevel + 1));
+// What lies to one side of a crease, half as far from it as a wide bevel reaches.
+struct Beside {
+  Bool known;
+  Vec3 turn;  // from the crease's normal to that there
+};
+
+FN Beside beside_of(Int x, Int y, Vec2 to) {
+  Int x2 = x + to_int(floor(to.x + 0.5f));
+  Int y2 = y + to_int(floor(to.y + 0.5f));
+  Vec3 here = load_normal(x, y);
+  Bool known = of_one_surface(x, y, x2, y2, float(C.bevel));
+  return Beside(known, select(known, load_normal(x2, y2) - here, here - here));
+}
+
+FN Vec2 across_crease(Vec2 way) { return Vec2(-way.y, way.x) * Real(0.5f * float(C.bevel + 1)); }
+
+// Whether a crease that goes such a way is at a place: the surfaces to its two sides, or one of them and it, face
+// apart.
+FN Bool turns_at(Int x, Int y, Vec2 way) {
+  Vec2 off = across_crease(way);
   Beside a = beside_of(x, y, off);
   Beside b = beside_of(x, y, off * Real(-1.0f));
   Vec3 across = a.turn - b.turn;
   Real turn = max(dot(a.turn, a.turn), dot(b.turn, b.turn));
   turn = select(a.known && b.known, max(turn, dot(across, across)), turn);
-  return asked && turn > Real(C.crease_chord * kStillTurns) && (a.even || b.even || !even);
+  return turn > Real(C.crease_chord * kStillTurns);
+}
+
+// Whether the surface to one side of a crease is flat beyond what a bevel may take.
+FN Bool is_flat_side(Int x, Int y, Vec2 off) {
+  Int x1 = x + to_int(floor(mad(off.x, Real(2.0f), Real(0.5f))));
+  Int y1 = y + to_int(floor(mad(off.y, Real(2.0f), Real(0.5f))));
+  Int x2 = x1 + x1 - x;
+  Int y2 = y1 + y1 - y;
+  Vec3 bend = load_normal(x2, y2) - load_normal(x1, y1);
+  return of_one_surface(x, y, x1, y1, float(C.bevel + 1)) && of_one_surface(x1, y1, x2, y2, float(C.bevel + 1)) &&
+         dot(bend, bend) < Real(C.crease_chord * kEven);
+}
+
+// Whether one of the sides of a crease is flat: what is round has no edge.
+FN Bool has_flat_side(Int x, Int y, Vec2 way) {
+  Vec2 off = across_crease(way);
+  return is_flat_side(x, y, off) || is_flat_side(x, y, off * Real(-1.0f));
 }
 
 // How a crease comes to its end: the last rows (columns) before may bend where another edge is near.
@@ -296,8 +317,8 @@ FN_RARE Coming coming_to(Bool asked, End a) {
         middle_of(before.piece, before.steep, C.width_px) + Vec2(to_real(before.x - a.x), to_real(before.y - a.y));
     Real one = select(here, Real(1.0f), Real(0.0f));
     if (k == all / 2) {
-      found.x = before.x;
-      found.y = before.y;
+      found.x = select(before.on, before.x, found.x);
+      found.y = select(before.on, before.y, found.y);
     }
     if (k > all / 2) {
       far = far + middle * one;
@@ -316,47 +337,50 @@ FN_RARE Coming coming_to(Bool asked, End a) {
   return found;
 }
 
-// The line that an end points to, if its surface goes on to there, and not beyond as many pixels as it came as one. A
-// crease may end well before: near where a rounded edge meets another one, or a rim hides one of its sides, it is none
-// that is clear.
+// The line that an end points to, if its surface goes on to there. A crease may end well before: near where a rounded
+// edge meets another one, or a rim hides one of its sides, it is none that is clear. It goes on so far at most as it
+// was one before.
 FN_RARE Target target_of(Bool asked, End a) {
   Vec2 at = a.at - Vec2(to_real(a.x), to_real(a.y));
   Real least = Real(kNever);
   Real ahead = Real(0.0f);
   Target target = Target(asked && !asked, Real(0.0f), at, Real(0.0f));
-  Real short_way = Real(float(kShort * C.stride + kShortMore));
+  int short_px = kShort * C.stride + kShortMore;
+  Real short_way = Real(float(short_px));
   Bool crease = asked && dot(a.nearer, a.nearer) < kHasSide * kHasSide;
   Coming coming = Coming(Real(0.0f), a.x, a.y, at, at - at);
-  int wide = kShort * C.stride + kShortMore + 1;
+  int wide = short_px + 1;
   if (some(crease)) {
     coming = coming_to(crease, a);
     wide = C.onward + 1;
   }
+  // A crease of one row, between lines, is the end of one of them.
+  Bool leads = asked && (a.open || !crease || coming.rows >= 1.0f);
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i)
       for (int lying = 0; lying < 2; ++lying) {
-        if (!some(asked)) continue;
+        bool around = i >= -short_px - 1 && i <= short_px + 1 && j >= -short_px - 1 && j <= short_px + 1;
+        Bool look = around ? asked : crease;
+        if (!some(look)) continue;
         Real piece = piece_at(lying, a.x + Int(i), a.y + Int(j));
-        Bool here = asked && is_piece(piece) && linked_of(piece) > kFirm;
+        Bool here = look && is_piece(piece) && linked_of(piece) > kFirm;
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
         Real along = dot(a.way, apart);
         Real aside = abs(cross(a.way, apart));
-        Bool near = along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
+        Bool near = leads && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
         Vec2 onward = apart + at - coming.at;
         Real straight = dot(coming.way, onward);
         Real off = abs(cross(coming.way, onward));
-        Bool far = straight > short_way && straight <= coming.rows && off < mad(straight, Real(kPointsFar), Real(0.5f));
+        Bool far = straight > short_way && straight <= coming.rows &&
+                   off < mad(straight, Real(kPointsFar), Real(0.5f)) && max(abs(apart.x), abs(apart.y)) < kMostApart;
         along = select(near, along, straight);
         aside = select(near, aside, off);
-        near = near && (a.open || !crease || coming.rows >= 1.0f);
         here = here && (near || far) && along + aside < least;
         least = select(here, along + aside, least);
         ahead = select(here, along, ahead);
-        Real slope = slope_of(piece);
-        Real steeper =
-            select(steep_of(lying), coming.way.x - slope * coming.way.y, coming.way.y - slope * coming.way.x);
-        target.sine = select(here, abs(steeper) * rsqrt(mad(slope, slope, Real(1.0f))), target.sine);
+        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+        target.sine = select(here, abs(cross(coming.way, lean)), target.sine);
         target.on = target.on || here;
         target.apart = chosen(here, apart, target.apart);
         target.sure = select(here, linked_of(piece), target.sure);
@@ -367,10 +391,10 @@ FN_RARE Target target_of(Bool asked, End a) {
   if (F.orthographic == 0) pixel = pixel * surface.x;
   Bool far = target.on && ahead > short_way;
   if (some(far)) {
-    target.on = target.on && (!far || turns_at(far, coming.x, coming.y, coming.way, far));
     Int x = to_int(floor(target.apart.x + a.at.x + 0.5f));
     Int y = to_int(floor(target.apart.y + a.at.y + 0.5f));
-    target.on = target.on && !(far && target.sine < kOwnRim && load_object_id(x, y) == surface.y);
+    Bool own = target.sine < kMeets && load_object_id(x, y) == surface.y;
+    target.on = target.on && (!far || (has_flat_side(coming.x, coming.y, coming.way) && !own));
   }
   for (int k = 1; k <= kSamples; ++k) {
     if (!some(target.on)) continue;
@@ -383,7 +407,7 @@ FN_RARE Target target_of(Bool asked, End a) {
     Bool here = own && surface.x - depth < pixel * mad(way, Real(kTilted), Real(kDeep)) &&
                 depth - surface.x < pixel * mad(way, select(crease, Real(kFalls), Real(kTilted)), Real(kDeep));
     if (some(far)) {
-      here = here && (!far || turns_at(far, x, y, coming.way, far && !far));
+      here = here && (!far || turns_at(x, y, coming.way));
       // Of a rim that it meets at a low angle the stroke begins before.
       if (k > kSamples / 2) here = here || (far && !own && depth < surface.x);
     }
@@ -395,7 +419,7 @@ FN_RARE Target target_of(Bool asked, End a) {
 // What is known of a pixel's ends.
 struct Ends {
   Real coded;  // what outline_join tells of one that is joined to another: the last
-  End alone;   // one that is sure and joined to none: the last
+  End alone;   // one that is sure and joined to none: the last that is open, if one is
 };
 
 // The same with the end of a piece to one side.
@@ -418,7 +442,8 @@ FN Ends joined(Int px, Int py, int lying, Real piece, int side, Ends ends) {
     Real other = piece_at(b.steep, b.x, b.y);
     ends.coded = select(both, packed_join(b.at - a.at, linked_of(other), steep), ends.coded);
   }
-  ends.alone = chosen(a.on && !both && linked_of(piece) > kFirm, a, ends.alone);
+  Bool alone = a.on && !both && linked_of(piece) > kFirm && (a.open || !ends.alone.open);
+  ends.alone = chosen(alone, a, ends.alone);
   return ends;
 }
 

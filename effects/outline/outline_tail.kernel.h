@@ -33,9 +33,3 @@ FN int spur_rows() { return int(kSpurRows * float(C.stride)); }
 FN Real towards_at(Along last, Bool steep, Real towards) {
   return select(same(last.steep, steep), towards, select(last.slope * towards < 0.0f, Real(-1.0f), Real(1.0f)));
 }
-
-// The unit vector along a line that began in a piece of a kind and leans so, to one side.
-FN Vec2 lean_of(Real slope, Bool steep, Real towards) {
-  Vec2 lean = Vec2(select(steep, slope, Real(1.0f)), select(steep, Real(1.0f), slope)) * towards;
-  return lean * (Real(1.0f) / sqrt(dot(lean, lean)));
-}

@@ -894,6 +894,30 @@ TEST(Outline, SoftEdgesOfNarrowSidesAreOneLine) {
   EXPECT_GE(drawn, 30) << "of 36";
 }
 
+TEST(Outline, RoundedEdgesGoOnToTheRimThatHidesThem) {
+  struct Case {
+    int height;
+    double bevel_px;
+  };
+  for (const Case& c : {Case{256, 4.5}, Case{700, 5.8}, Case{1024, 8.5}, Case{1440, 12.0}, Case{2160, 18.0}})
+    for (const double angle : {2.5, 33.0, 86.0, 110.0})
+      for (const double between : {25.0, 60.0, 120.0}) {
+        // Another object's rim crosses the edge at (0, 0), to the right of which that is in front.
+        const Lens lens{200, c.height, true};
+        const double a = radians(angle + between);
+        const dvec3 side(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1), middle(kOffX, kOffY, -kFocus);
+        const Scene hides = convex_solid({{side, glm::dot(side, middle)}, {front, 0.5 - kFocus}}, 1);
+        const GBuffer g = seen(lens, together({rounded_fold(angle, c.bevel_px, lens), hides}));
+        const Plane lines = lines_of(g, {{"width", "2"}});
+        const double short_of = 3.0 / std::sin(radians(between));
+        for (const auto& [u, px] : widths_along(lines, angle, lens, 2.0, 0.0, 90.0, 2.6)) {
+          if (2.0 * u < -90.0 || 2.0 * u > -short_of) continue;
+          EXPECT_GT(px, 1.4) << fmt::format("{} high, bevel {}, {} and {} degrees, at {}", c.height, c.bevel_px, angle,
+                                            between, 2.0 * u);
+        }
+      }
+}
+
 TEST(Outline, FaintPartsInARowAreAsWideAsWhatGoesOnBeyondThemAll) {
   // From the first of two what is sure is farther than ends are joined, but for the second. Ends of faint parts lean as
   // they happen to.

@@ -33,8 +33,8 @@ FN Bool end_around() {
   return !(to_signed(any) == Int(0));
 }
 
-// Whether another line is beside this pixel's piece.
-FN_RARE Bool has_beside(Bool asked, Real piece, int lying) {
+// Whether another line, that is so sure, is beside this pixel's piece.
+FN_RARE Bool has_beside(Bool asked, Real piece, int lying, float least) {
   Bool steep = steep_of(lying);
   Vec2 way = lean_of(slope_of(piece), steep, Real(1.0f));
   Vec2 at = middle_of(piece, steep, 0.0f);
@@ -47,7 +47,7 @@ FN_RARE Bool has_beside(Bool asked, Real piece, int lying) {
         Bool look = asked && !found;
         if (!some(look)) continue;
         Real other = kind == 0 ? near_outline_steep_linked(i, j) : near_outline_flat_linked(i, j);
-        Bool here = look && seen(other) && stands_for(other, piece) && near_inside(i, j);
+        Bool here = look && seen(other) && sure_of(other) > least && stands_for(other, piece) && near_inside(i, j);
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, other, kind, Int(i), Int(j), 0.0f);
         Real off = abs(cross(way, apart));
@@ -83,7 +83,7 @@ FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int
   Bool tail = (back && before) || (!back && told >= kPassedAfter);
   Bool dropped = spur;
   Bool ask = tail && !spur;
-  if (some(ask)) dropped = dropped || has_beside(ask, piece, lying);
+  if (some(ask)) dropped = dropped || has_beside(ask, piece, lying, kLeastSeen);
   return select(dropped, Real(0.0f), select(tail, -abs(piece), piece));
 }
 
@@ -225,9 +225,9 @@ FN_RARE Led led_on(Bool asked, Int px, Int py, Real piece, int lying, int side) 
 FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   Bool on = is_piece(piece);
   Bool faint = on && sure_of(piece) < kWhole;
-  // A hair beside another line would be specks.
+  // What is so faint beside another line would be specks.
   Bool hair = faint && sure_of(piece) < kHair;
-  if (some(hair)) hair = hair && has_beside(hair, piece, lying);
+  if (some(hair)) hair = hair && has_beside(hair, piece, lying, kHair);
   if (some(faint)) {
     Led up = led_on(faint, px, py, piece, lying, -1);
     faint = faint && (up.on || up.ends);
