@@ -18,6 +18,7 @@ UMBRAGE_DECLARE_KERNEL(outline_tails)
 UMBRAGE_DECLARE_KERNEL(outline_trim)
 UMBRAGE_DECLARE_KERNEL(outline_join)
 UMBRAGE_DECLARE_KERNEL(outline_gather)
+UMBRAGE_DECLARE_KERNEL(outline_spread)
 UMBRAGE_DECLARE_KERNEL(outline)
 UMBRAGE_DECLARE_KERNEL(outline_window)
 UMBRAGE_DECLARE_KERNEL(outline_paper)
@@ -47,6 +48,9 @@ constexpr std::uint32_t kJoinSpirv[] = {
 };
 constexpr std::uint32_t kGatherSpirv[] = {
 #include "spirv/outline_gather.inc"
+};
+constexpr std::uint32_t kSpreadSpirv[] = {
+#include "spirv/outline_spread.inc"
 };
 constexpr std::uint32_t kOutlineSpirv[] = {
 #include "spirv/outline.inc"
@@ -171,6 +175,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   // Each of two joined ends draws more than half of what joins them, and an end all that leads to a line ahead.
   const int cap = 1 + int(std::ceil(0.5f * c.width_px));
   c.around = std::max({c.sight, c.join / 2 + cap, c.onward + cap});
+  // Three times to either side, apart from each other, are all.
+  c.gather = std::max({c.sight, c.join / 2 + cap, (c.around + 1) / 3});
+  c.apart = std::max(c.around - c.gather, 1);
 }
 
 bool is_paper(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).mode == kOutlinePaper; }
@@ -213,6 +220,7 @@ int join_reach(const void* constants, int) {
   return std::max({2 * c.join + drift, int(std::ceil(2.6f * float(c.onward))) + 4,
                    int(std::ceil(2.6f * 4.0f * float(c.stride))) + beside, c.onward + c.bevel + drift});
 }
+int spread_reach(const void* constants, int) { return static_cast<const OutlineConstants*>(constants)->gather; }
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return std::max(c.reach, c.around) + 1;
@@ -298,9 +306,18 @@ const Effect& effect_outline() {
                   .spirv = kGatherSpirv,
                   .needed = is_robust,
                   .reach = own_row},
+                 {.name = "outline_spread",
+                  .inputs = {"outline_around"},
+                  .outputs = {"outline_near"},
+                  .scalar = run_scalar_outline_spread,
+                  .lanes = run_lanes_outline_spread,
+                  .spirv = kSpreadSpirv,
+                  .needed = is_robust,
+                  .reach = spread_reach},
                  {.name = "outline",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_trimmed",
-                             "outline_flat_trimmed", "outline_join", "outline_around", "lit.r", "lit.g", "lit.b"},
+                             "outline_flat_trimmed", "outline_join", "outline_around", "outline_near", "lit.r", "lit.g",
+                             "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,

@@ -34,6 +34,8 @@ struct OutlineConstants {
   int join;    // pixels between two ends of lines that are joined
   int onward;  // pixels from the end of a crease to a line that it goes on to
   int around;  // pixels in a row or column that a pixel looks for any of these
+  int gather;  // pixels to either side of which the passes before tell whether there are any,
+  int apart;   // and pixels apart of which that is asked, for all that are around
   float r, g, b, opacity;
   int stride;        // pixels between the normals that creases are told by
   int bevel;         // pixels from a wide bevel's crease to the sides that it lies between, at most

@@ -11,6 +11,7 @@ IN_REAL(outline_steep_trimmed)
 IN_REAL(outline_flat_trimmed)
 IN_REAL(outline_join)
 IN_REAL(outline_around)
+IN_REAL(outline_near)
 INOUT_COLOR(lit)
 OUT_REAL(outline)
 #include "effects/outline/outline_piece.kernel.h"
@@ -202,11 +203,11 @@ FN Real between_lines(Real covered, Bool between, Bool ends, Int px, Int py, int
   return ends_or(unit_clamp(select(between, less, covered)), spare, ends, px, py);
 }
 
-// What the strokes cover that join ends of lines in row j to others. Those between two ends are drawn from both, lest
-// one be too far.
-FN Real joins_cover(int j) {
+// What the strokes cover that join ends of lines in row j, near column i, to others. Those between two ends are drawn
+// from both, lest one be too far.
+FN Real joins_cover(int middle, int j) {
   Real covered = Real(0.0f);
-  for (int i = -C.around; i <= C.around; ++i) {
+  for (int i = middle - C.gather; i <= middle + C.gather; ++i) {
     Real join = near_outline_join(i, j);
     Bool here = has_join(bits_of(join));
     if (some(here)) here = here && near_inside(i, j);
@@ -224,11 +225,17 @@ FN Real joins_cover(int j) {
   return covered;
 }
 
-// `covered`, or what joins of lines cover. joins: whether any are around.
-FN Real joins_or(Real covered, Bool joins) {
-  if (!some(joins && covered < 1.0f)) return covered;
-  for (int j = -C.around; j <= C.around; ++j)
-    if (some(has_join(bits_of(near_outline_around(0, j))) && covered < 1.0f)) covered = max(covered, joins_cover(j));
+// `covered`, or what joins of lines cover. near, far: the bits of what is around, and of what is farther off.
+FN Real joins_or(Real covered, Uint near, Uint far) {
+  if (some(has_join(near) && covered < 1.0f))
+    for (int j = -C.gather; j <= C.gather; ++j)
+      if (some(has_join(bits_of(near_outline_around(0, j))) && covered < 1.0f))
+        covered = max(covered, joins_cover(0, j));
+  if (some(has_far_join(far) && covered < 1.0f))
+    for (int j = -C.around; j <= C.around; ++j)
+      for (int i = -C.apart; i <= C.apart; i += C.apart)
+        if (some(has_far_join(bits_of(near_outline_around(i, j))) && covered < 1.0f))
+          covered = max(covered, joins_cover(i, j));
   return covered;
 }
 
@@ -251,15 +258,19 @@ FN Real lines_cover(Uint any, Int px, Int py, int sight) {
 }
 
 FN Real robust_cover(Int px, Int py, int sight) {
-  Uint any = Uint(0u);
-  for (int j = -sight; j <= sight; ++j) any = any | bits_of(near_outline_around(0, j));
-  Uint far = any;
-  for (int j = sight + 1; j <= C.around; ++j)
-    far = far | bits_of(near_outline_around(0, -j)) | bits_of(near_outline_around(0, j));
-  if (!some(!(to_signed(far) == Int(0)))) return Real(0.0f);
+  // Nine squares that overlap are all that is around.
+  Uint near = bits_of(near_outline_near(0, 0));
+  Uint far = near;
+  for (int j = -C.apart; j <= C.apart; j += C.apart)
+    far = far | bits_of(near_outline_near(-C.apart, j)) | bits_of(near_outline_near(0, j)) |
+          bits_of(near_outline_near(C.apart, j));
   Real covered = Real(0.0f);
-  if (some(has_line(any))) covered = lines_cover(any, px, py, sight);
-  return joins_or(covered, has_join(far));
+  if (some(has_line(near))) {
+    Uint any = Uint(0u);
+    for (int j = -sight; j <= sight; ++j) any = any | bits_of(near_outline_around(0, j));
+    if (some(has_line(any))) covered = lines_cover(any, px, py, sight);
+  }
+  return joins_or(covered, near, far);
 }
 
 FN void outline_pixel(Int px, Int py) {

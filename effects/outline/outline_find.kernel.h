@@ -566,7 +566,8 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   on = on && min(before_px, after_px) >= 1.0f;
   Side before = side_from(on, 0, 0, -i, -j, before_px);
   Side after = side_from(on, i, j, i, j, after_px);
-  cut = cut && on;
+  // Of one of the two sides is to be seen that it is flat.
+  cut = cut && on && ((before.known && before.bent < kFlatSide) || (after.known && after.bent < kFlatSide));
   if (some(cut)) {
     before = side_seen(cut && !before.known, 0, 0, -i, -j, before);
     after = side_seen(cut && !after.known, i, j, i, j, after);

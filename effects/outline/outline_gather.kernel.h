@@ -1,5 +1,5 @@
-// What lies along each pixel's row as far as lines and what joins them may reach, so that `outline` passes over the
-// rest: all bits of outline_join as far as lines reach, and from there on whether there is a joined end.
+// What lies along each pixel's row, so that `outline` passes over the rest: all bits of outline_join as far as lines
+// reach, and from there on, as far as most of what joins them reaches, whether there is a joined end.
 IN_REAL(outline_join)
 OUT_REAL(outline_around)
 #include "effects/outline/outline_piece.kernel.h"
@@ -9,9 +9,9 @@ FN Real bits_around(int sight) {
   Uint any = Uint(0u);
   for (int i = -sight; i <= sight; ++i) any = any | bits_of(near_outline_join(i, 0));
   Uint far = Uint(0u);
-  for (int i = sight + 1; i <= C.around; ++i)
+  for (int i = sight + 1; i <= C.gather; ++i)
     far = far | bits_of(near_outline_join(-i, 0)) | bits_of(near_outline_join(i, 0));
-  return real_of_bits(any | (far & (Uint(1u) << kJoinedBit)));
+  return real_of_bits(any | (far & ((Uint(1u) << kJoinedBit) | (Uint(1u) << kFarBit))));
 }
 
 FN void outline_gather_pixel(Int px, Int py) {

@@ -222,7 +222,8 @@ FN_RARE End best_for(End a) {
 // What an end points to that is a few pixels short of another line.
 struct Target {
   Bool on;
-  Real sine;   // of the angle between the two
+  Bool far;    // farther off than where lines are looked for around most ends,
+  Real sine;   // and where so, of the angle between the two
   Vec2 apart;  // from the end's middle to that of the line's stroke
   Real sure;   // of that
 };
@@ -344,52 +345,72 @@ FN_RARE Target target_of(Bool asked, End a) {
   Vec2 at = a.at - Vec2(to_real(a.x), to_real(a.y));
   Real least = Real(kNever);
   Real ahead = Real(0.0f);
-  Target target = Target(asked && !asked, Real(0.0f), at, Real(0.0f));
+  Target target = Target(asked && !asked, asked && !asked, Real(0.0f), at, Real(0.0f));
   int short_px = kShort * C.stride + kShortMore;
   Real short_way = Real(float(short_px));
   Bool crease = asked && dot(a.nearer, a.nearer) < kHasSide * kHasSide;
   Coming coming = Coming(Real(0.0f), a.x, a.y, at, at - at);
-  int wide = short_px + 1;
-  if (some(crease)) {
-    coming = coming_to(crease, a);
-    wide = C.onward + 1;
-  }
+  if (some(crease)) coming = coming_to(crease, a);
   // A crease of one row, between lines, is the end of one of them.
   Bool leads = asked && (a.open || !crease || coming.rows >= 1.0f);
-  for (int j = -wide; j <= wide; ++j)
-    for (int i = -wide; i <= wide; ++i)
+  for (int j = -short_px - 1; j <= short_px + 1; ++j)
+    for (int i = -short_px - 1; i <= short_px + 1; ++i)
       for (int lying = 0; lying < 2; ++lying) {
-        bool around = i >= -short_px - 1 && i <= short_px + 1 && j >= -short_px - 1 && j <= short_px + 1;
-        Bool look = around ? asked : crease;
-        if (!some(look)) continue;
+        if (!some(leads)) continue;
         Real piece = piece_at(lying, a.x + Int(i), a.y + Int(j));
-        Bool here = look && is_piece(piece) && linked_of(piece) > kFirm;
+        Bool here = leads && is_piece(piece) && linked_of(piece) > kFirm;
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
         Real along = dot(a.way, apart);
         Real aside = abs(cross(a.way, apart));
-        Bool near = leads && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
-        Vec2 onward = apart + at - coming.at;
-        Real straight = dot(coming.way, onward);
-        Real off = abs(cross(coming.way, onward));
-        Bool far = straight > short_way && straight <= coming.rows &&
-                   off < mad(straight, Real(kPointsFar), Real(0.5f)) && max(abs(apart.x), abs(apart.y)) < kMostApart;
-        along = select(near, along, straight);
-        aside = select(near, aside, off);
-        here = here && (near || far) && along + aside < least;
+        here = here && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f)) &&
+               along + aside < least;
         least = select(here, along + aside, least);
         ahead = select(here, along, ahead);
-        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-        target.sine = select(here, abs(cross(coming.way, lean)), target.sine);
         target.on = target.on || here;
         target.apart = chosen(here, apart, target.apart);
         target.sure = select(here, linked_of(piece), target.sure);
       }
+  // Farther off, row by row (column by column) along its way.
+  Bool far = crease && !target.on && dot(coming.way, coming.way) > 0.5f;
+  if (some(far)) {
+    Bool steep = abs(coming.way.y) > abs(coming.way.x);
+    Real most = max(abs(coming.way.x), abs(coming.way.y));
+    Vec2 step = coming.way * (Real(1.0f) / max(most, Real(0.5f)));
+    int beside = int(0.5f * C.width_px) + 2;
+    for (int k = short_px / 2; k <= C.onward; ++k) {
+      Int x = to_int(floor(mad(step.x, Real(float(k)), coming.at.x + 0.5f)));
+      Int y = to_int(floor(mad(step.y, Real(float(k)), coming.at.y + 0.5f)));
+      int wide = beside + int(kPointsFar * 1.5f * float(k));
+      for (int m = -wide; m <= wide; ++m)
+        for (int lying = 0; lying < 2; ++lying) {
+          Int i = x + select(steep, Int(m), Int(0));
+          Int j = y + select(steep, Int(0), Int(m));
+          Real piece = piece_at(lying, a.x + i, a.y + j);
+          Bool here = far && is_piece(piece) && linked_of(piece) > kFirm;
+          if (!some(here)) continue;
+          Vec2 apart = apart_from(at, piece, lying, i, j, C.width_px);
+          Vec2 onward = apart + at - coming.at;
+          Real along = dot(coming.way, onward);
+          Real aside = abs(cross(coming.way, onward));
+          here = here && along > short_way && along <= coming.rows && along + aside < least &&
+                 aside < mad(along, Real(kPointsFar), Real(0.5f)) && max(abs(apart.x), abs(apart.y)) < kMostApart;
+          least = select(here, along + aside, least);
+          ahead = select(here, along, ahead);
+          Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+          target.sine = select(here, abs(cross(coming.way, lean)), target.sine);
+          target.on = target.on || here;
+          target.apart = chosen(here, apart, target.apart);
+          target.sure = select(here, linked_of(piece), target.sure);
+        }
+    }
+  }
   if (!some(target.on)) return target;
   Vec2 surface = surface_of(a);
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * surface.x;
-  Bool far = target.on && ahead > short_way;
+  far = target.on && ahead > short_way;
+  target.far = far;
   if (some(far)) {
     Int x = to_int(floor(target.apart.x + a.at.x + 0.5f));
     Int y = to_int(floor(target.apart.y + a.at.y + 0.5f));
@@ -440,7 +461,7 @@ FN Ends joined(Int px, Int py, int lying, Real piece, int side, Ends ends) {
     End back = best_for(b);
     both = both && back.on && back.x == px && back.y == py && same(back.steep, steep) && back.towards == towards;
     Real other = piece_at(b.steep, b.x, b.y);
-    ends.coded = select(both, packed_join(b.at - a.at, linked_of(other), steep), ends.coded);
+    ends.coded = select(both, packed_join(b.at - a.at, linked_of(other), steep, both && !both), ends.coded);
   }
   Bool alone = a.on && !both && linked_of(piece) > kFirm && (a.open || !ends.alone.open);
   ends.alone = chosen(alone, a, ends.alone);
@@ -464,7 +485,7 @@ FN void outline_join_pixel(Int px, Int py) {
     Bool alone = ends.alone.on && !has_join(bits_of(coded));
     if (some(alone)) {
       Target target = target_of(alone, ends.alone);
-      coded = select(target.on, packed_join(target.apart, target.sure, ends.alone.steep), coded);
+      coded = select(target.on, packed_join(target.apart, target.sure, ends.alone.steep, target.far), coded);
     }
     coded = select(steep < 0.0f || lower < 0.0f, -coded, coded);
   }

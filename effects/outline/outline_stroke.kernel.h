@@ -4,10 +4,11 @@
 // outline_join is 0 where there is no piece and kOnlyEnds where there is one, below 0 where a line ends; of an end that
 // is joined it has these bits, from the lowest: 9 and 9 for how far the middle of the other end, or of that line, is to
 // the right and down, in sevenths of a pixel; 4 for how sure that is; 1 for whether it is the steep piece that ends
-// here; 1, which tells that it is joined.
+// here; 1, which tells that it is joined; 1, which tells that it is to what may be farther off than C.gather.
 
 CONST int kSteepBit = 22;
 CONST int kJoinedBit = 23;
+CONST int kFarBit = 24;
 CONST int kLineBit = 30;         // of kOnlyEnds
 CONST float kApart = 256.0f;     // of no distance
 CONST float kApartSteps = 7.0f;  // per pixel,
@@ -34,17 +35,19 @@ FN Vec2 middle_of(Real piece, Bool steep, float width) {
   return Vec2(select(steep, across, along), select(steep, along, across));
 }
 
-FN Real packed_join(Vec2 apart, Real sure, Bool steep) {
+FN Real packed_join(Vec2 apart, Real sure, Bool steep, Bool far) {
   Uint right = to_uint(to_int(floor(mad(apart.x, Real(kApartSteps), Real(kApart + 0.5f)))));
   Uint down = to_uint(to_int(floor(mad(apart.y, Real(kApartSteps), Real(kApart + 0.5f)))));
   Uint kind = to_uint(select(steep, Int(3), Int(2)));
   Uint bits = right | (down << 9) | (to_uint(to_int(sure * kSure + 0.5f)) << 18) | (kind << kSteepBit);
+  bits = bits | (to_uint(select(far, Int(1), Int(0))) << kFarBit);
   return real_of_bits(bits | (Uint(1u) << kLineBit));
 }
 
 // Whether any of several numbers, of which these are all bits, is that of a piece, or of a joined end.
 FN Bool has_line(Uint bits) { return !(to_signed((bits >> kLineBit) & Uint(1u)) == Int(0)); }
 FN Bool has_join(Uint bits) { return !(to_signed((bits >> kJoinedBit) & Uint(1u)) == Int(0)); }
+FN Bool has_far_join(Uint bits) { return !(to_signed((bits >> kFarBit) & Uint(1u)) == Int(0)); }
 FN Bool joined_steep(Real join) { return !(to_signed((bits_of(join) >> kSteepBit) & Uint(1u)) == Int(0)); }
 FN Vec2 joined_apart(Real join) {
   return Vec2((bits_at(join, 0, Uint(511u)) - kApart) * Real(1.0f / kApartSteps),
