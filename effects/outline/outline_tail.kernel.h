@@ -6,7 +6,8 @@ FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
 
 CONST int kTail = 6;                // rows, per pixel of stride, of a tail,
 CONST int kMostTail = 16;           // and at most
-CONST float kSpurRows = 1.5f;       // rows, per pixel of stride, between the ends of a spur
+CONST float kSpurRows = 1.5f;       // rows, per pixel of stride, between the ends of a spur,
+CONST int kLongSpurRows = 4;        // and, whatever the stride, of one that is a crease and leads nowhere
 CONST float kWhole = 12.5f;         // sure_of from which on a line is not faint
 CONST float kAlongside = 2.0f;      // pixels beside a line, per pixel of stride,
 CONST float kAlongsideMore = 1.4f;  // and more, up to which another one runs along
@@ -26,7 +27,8 @@ FN Bool stands_for(Real piece, Real other) {
 
 FN float alongside() { return kAlongside * float(C.stride) + kAlongsideMore; }
 FN int tail_rows() { return C.stride * kTail < kMostTail ? C.stride * kTail : kMostTail; }
-FN int spur_rows() { return int(kSpurRows * float(C.stride)); }
+FN int short_spur_rows() { return int(kSpurRows * float(C.stride)); }
+FN int spur_rows() { return short_spur_rows() > kLongSpurRows ? short_spur_rows() : kLongSpurRows; }
 
 // The way on from the last place along a line that began in a piece of a kind: 1 if it would go on in the next row
 // (column) of its last piece's kind, -1 in the one before.

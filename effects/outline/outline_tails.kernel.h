@@ -135,8 +135,8 @@ FN Bool leads_to(Vec2 way, Vec2 apart) {
 }
 
 // Whether what is no more than a few pieces, between two ends, is near another line and not between two, as what fills
-// a gap is.
-FN_RARE Bool is_spur(Bool asked, Tip up, Tip down) {
+// a gap is; of what is longer, whether neither end leads to any.
+FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
   Vec2 to = down.at - up.at + Vec2(to_real(down.x - up.x), to_real(down.y - up.y));
   Vec2 arm = to * Real(0.5f);
   Real extent = max(dot(arm, arm), Real(1e-6f));
@@ -162,7 +162,7 @@ FN_RARE Bool is_spur(Bool asked, Tip up, Tip down) {
         before = before || (here && leads_to(up.way, apart + arm));
         after = after || (here && leads_to(down.way, apart - arm));
       }
-  return near && !(before && after);
+  return near && !(before && after) && !(longer && (before || after));
 }
 
 // What is to be told of the ends of this pixel's piece of one kind.
@@ -188,12 +188,16 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     // The other end, if it is near.
     Along last = here;
     last.on = ends;
+    Int rows = Int(0);
     for (int k = 1; k <= spur_rows() + 1; ++k) {
       if (!some(last.on)) continue;
       last = next_along(last, px, py, steep, Int(-k * side), -towards);
+      rows = select(last.on, Int(k), rows);
     }
     Bool brief = ends && !last.on;
-    if (some(brief)) brief = is_spur(brief, end, tip_of(brief, last, steep, -towards));
+    Bool longer = rows > Int(short_spur_rows());
+    brief = brief && (!longer || (abs(side_of(piece)) < kHasSide && abs(side_of(last.piece)) < kHasSide));
+    if (some(brief)) brief = is_spur(brief, longer, end, tip_of(brief, last, steep, -towards));
     spur = spur || brief;
   }
   return select(spur, code + kSpur, code);
