@@ -43,6 +43,8 @@ CONST float kClear = 7.0f;            // half of it
 CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
 CONST int kTurns = 1;                 // and one that runs across
 CONST int kAround = 6;                // pixels, times the stride, within which a line has
+CONST int kSmall = 6;                 // pixels, in all directions, of what is all of that if it is a speck,
+CONST int kAlone = 7;                 // and of nothing around it
 CONST float kLeastAround = 6.5f;      // pieces, times the stride, or else it is a speck
 
 // The way along a line from a piece of it, to one side.
@@ -200,6 +202,34 @@ FN Bool speck_around(Bool asked) {
   return asked && count < least;
 }
 
+// Whether all that is around is within a few pixels to either side and up and down: what is so small would be all line.
+FN_RARE Bool small_around(Bool asked) {
+  Bool alone = asked;
+  for (int j = -kAlone; j <= kAlone; ++j) {
+    if (!some(alone)) continue;
+    Uint any = Uint(0u);
+    for (int i = -kAlone; i <= kAlone; ++i)
+      if (i < -kSmall || i > kSmall || j < -kSmall || j > kSmall)
+        any = any | bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j));
+    alone = alone && !has_piece(any);
+  }
+  if (!some(alone)) return alone;
+  // The first and the last row and column that have pieces.
+  Real first = Real(0.0f);
+  Real last = Real(0.0f);
+  Real top = Real(0.0f);
+  Real bottom = Real(0.0f);
+  for (int j = -kSmall; j <= kSmall; ++j)
+    for (int i = -kSmall; i <= kSmall; ++i) {
+      Bool any = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j)));
+      first = select(any, min(first, Real(float(i))), first);
+      last = select(any, max(last, Real(float(i))), last);
+      top = select(any, min(top, Real(float(j))), top);
+      bottom = select(any, max(bottom, Real(float(j))), bottom);
+    }
+  return alone && last - first < Real(float(kSmall)) && bottom - top < Real(float(kSmall));
+}
+
 // A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides.
 FN Real straightened(Real piece, Line line, Real sure) {
   Real mean = (line.places + place_of(piece)) / (line.pairs + line.pairs + 1.0f);
@@ -231,7 +261,7 @@ FN Real weighed(int lying, Int px, Int py, Real piece, Bool asked) {
   Real sure = floor(share * clamp(rows, Real(0.0f), Real(1.0f)) * kSure + 0.5f);
   Bool kept = asked && sure > kLeastSure;
   brief = kept && line.found < stride * kLeastAround;
-  if (some(brief)) kept = kept && !speck_around(brief);
+  if (some(brief)) kept = kept && !(speck_around(brief) || small_around(brief));
   return select(kept, straightened(piece, line, sure), Real(0.0f));
 }
 
@@ -262,7 +292,7 @@ FN Real confirmed(int lying, Int px, Int py, Real piece, Bool asked) {
   Line line = followed(lying, px, py, piece, walked, 0, kFirstHop, kHops);
   piece = select(better, straightened(piece, line, sure_of(piece)), without_mark(piece));
   brief = brief && line.found < Real(kLeastAround * float(C.stride));
-  if (some(brief)) piece = select(speck_around(brief), Real(0.0f), piece);
+  if (some(brief)) piece = select(speck_around(brief) || small_around(brief), Real(0.0f), piece);
   return piece;
 }
 

@@ -1312,8 +1312,9 @@ TEST(Outline, FaintSpecksDoNotCutWideLines) {
       }
 }
 
-TEST(Outline, SpecksOfHighPicturesHaveNoLine) {
-  // A small thing is whole or not at all: less than 20 pixels of line are a speck in a picture 2160 high.
+TEST(Outline, SpecksHaveNoLine) {
+  // A small thing is whole or not at all: less than 20 pixels of line are a speck in a picture 2160 high, and what is
+  // less than six wide would be all line in any.
   for (const int height : {256, 2160})
     for (const double side_px : {3.2, 4.2, 6.3, 9.3, 14.3})
       for (const bool orthographic : {false, true}) {
@@ -1325,10 +1326,24 @@ TEST(Outline, SpecksOfHighPicturesHaveNoLine) {
         const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
         const long drawn = largest_set(lines), side = long(side_px);
         const std::string what = fmt::format("{} px, {} high: {} pixels", side_px, height, drawn);
-        if (height == 2160 && side_px < 5.0)
+        if (side_px < 5.0)
           EXPECT_EQ(drawn, 0) << what;
         else
           EXPECT_GE(drawn, side * side - (side - 3) * (side - 3)) << what;
+      }
+}
+
+TEST(Outline, WhatWouldBeAllLineHasNone) {
+  // Balls before a wall, as wide as a line's sides and up to twice that, and of nine pixels.
+  for (const int height : {256, 1024, 2160})
+    for (const double wide_px : {2.0, 2.7, 3.3, 4.0, 9.0})
+      for (const double aside : {0.0, 0.3, 0.5, 0.8}) {
+        const Lens lens{96, height, true};
+        const dvec3 front(0, 0, 1), center(aside * lens.pixel(), 0.7 * aside * lens.pixel(), -kFocus);
+        const GBuffer g = seen(lens, together({sphere(center, 0.5 * wide_px * lens.pixel(), 1),
+                                               convex_solid({{front, -kFocus - 1.0}}, 0)}));
+        const Plane lines = lines_of(g, {{"width", "2"}});
+        EXPECT_EQ(count(lines) > 0, wide_px > 8.0) << height << " high, " << wide_px << " wide, " << aside << " aside";
       }
 }
 
