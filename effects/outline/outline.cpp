@@ -162,6 +162,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr float kStrideHeight = 810.0f;  // of the picture, per pixel of stride: what is an edge is one at any size
   constexpr float kMostStride = 4.0f;
   c.stride = int(std::clamp(std::round(float(info.inner_height()) / kStrideHeight), 1.0f, kMostStride));
+  // What is smaller would be all line; of wider lines it would take long to look so far around.
+  constexpr float kSmallWidths = 3.0f, kMostSmall = 6.0f;
+  c.small = int(std::clamp(std::round(kSmallWidths * c.width_px), 1.0f, kMostSmall));
   constexpr float kBevelHeight = 150.0f;  // of the picture, per pixel of half a wide bevel
   c.bevel = int(std::clamp(std::round(float(info.inner_height()) / kBevelHeight), 3.0f, 16.0f));
   constexpr float kEvenly = 0.4f;  // of the same turn in every step
@@ -175,7 +178,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   // Each of two joined ends draws more than half of what joins them, and an end all that leads to a line ahead.
   const int cap = 1 + int(std::ceil(0.5f * c.width_px));
   c.around = std::max({c.sight, c.join / 2 + cap, c.onward + cap});
-  // Three times to either side, apart from each other, are all.
+  // Three windows so far apart from each other leave no gap: apart is at most 2 gather + 1.
   c.gather = std::max({c.sight, c.join / 2 + cap, (c.around + 1) / 3});
   c.apart = std::max(c.around - c.gather, 1);
 }
@@ -197,7 +200,7 @@ int settle_reach(const void*, int) { return 2; }
 int refine_reach(const void*, int) { return 14; }
 /// What is not sure is followed for nine rows or columns, times the stride, and five more, each 1.5 aside by its lean
 /// and 1.1 beside that; two more where it ends. What is sure for 24, and in each of four hops 2.1 aside. Specks are
-/// told within six pixels, times the stride.
+/// told within six pixels, times the stride, and what is small within seven.
 int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);

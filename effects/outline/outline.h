@@ -38,6 +38,7 @@ struct OutlineConstants {
   int apart;   // and pixels apart of which that is asked, for all that are around
   float r, g, b, opacity;
   int stride;        // pixels between the normals that creases are told by
+  int small;         // pixels in both directions that what stands alone must be larger than
   int bevel;         // pixels from a wide bevel's crease to the sides that it lies between, at most
   float bevel_step;  // squared share of its turn in a step, at least
   float depth;

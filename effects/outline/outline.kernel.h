@@ -203,13 +203,13 @@ FN Real between_lines(Real covered, Bool between, Bool ends, Int px, Int py, int
   return ends_or(unit_clamp(select(between, less, covered)), spare, ends, px, py);
 }
 
-// What the strokes cover that join ends of lines in row j, near column i, to others. Those between two ends are drawn
-// from both, lest one be too far.
-FN Real joins_cover(int middle, int j) {
+// What the strokes cover that join ends of lines in row j, near a column, to others: all, or those that may be far.
+// Those between two ends are drawn from both, lest one be too far.
+FN Real joins_cover(int middle, int j, bool far) {
   Real covered = Real(0.0f);
   for (int i = middle - C.gather; i <= middle + C.gather; ++i) {
     Real join = near_outline_join(i, j);
-    Bool here = has_join(bits_of(join));
+    Bool here = far ? has_far_join(bits_of(join)) : has_join(bits_of(join));
     if (some(here)) here = here && near_inside(i, j);
     if (!some(here)) continue;
     Bool steep = joined_steep(join);
@@ -230,12 +230,12 @@ FN Real joins_or(Real covered, Uint near, Uint far) {
   if (some(has_join(near) && covered < 1.0f))
     for (int j = -C.gather; j <= C.gather; ++j)
       if (some(has_join(bits_of(near_outline_around(0, j))) && covered < 1.0f))
-        covered = max(covered, joins_cover(0, j));
+        covered = max(covered, joins_cover(0, j, false));
   if (some(has_far_join(far) && covered < 1.0f))
     for (int j = -C.around; j <= C.around; ++j)
       for (int i = -C.apart; i <= C.apart; i += C.apart)
         if (some(has_far_join(bits_of(near_outline_around(i, j))) && covered < 1.0f))
-          covered = max(covered, joins_cover(i, j));
+          covered = max(covered, joins_cover(i, j, true));
   return covered;
 }
 
@@ -258,7 +258,7 @@ FN Real lines_cover(Uint any, Int px, Int py, int sight) {
 }
 
 FN Real robust_cover(Int px, Int py, int sight) {
-  // Nine squares that overlap are all that is around.
+  // Nine squares without a gap between them are all that is around.
   Uint near = bits_of(near_outline_near(0, 0));
   Uint far = near;
   for (int j = -C.apart; j <= C.apart; j += C.apart)

@@ -61,12 +61,12 @@ CONST float kTooWide = 0.8f;     // of a wide bevel's turn, squared, at most wit
 CONST float kStraying = 0.03f;   // and how far its normals may be, squared, from the way between its sides'
 CONST float kFlatSides = 0.02f;  // of a wide bevel's turn, what its two sides turn, up to which it is clear,
 CONST float kBentSides = 0.06f;  // and from which on it is none
-CONST float kFlatSide = 0.06f;   // how far the side that is seen turns where the other one is hidden in part,
-CONST float kWider = 0.1f;       // and of the crease's squared chord, how far such a bevel turns beyond a narrow one
-CONST float kLast = 16.0f;       // squared, times a side's last step, for what it turns beyond
-CONST int kRoom = 2;           // strides, and so many pixels: how wide a fold's side is that has no room for two lines
-CONST int kFootRoom = 2;       // pixels more, within which the crease at its foot is less clear the nearer it is
-CONST float kTopFades = 0.5f;  // per pixel less than kRoom that the side is wide: how clear its top is
+CONST float kSeenFlat = 0.06f;  // how far the unit normals turn of the side that is seen where the other one is hidden,
+CONST float kWider = 0.1f;      // and of the crease's squared chord, how far such a bevel turns beyond a narrow one
+CONST float kLast = 16.0f;      // squared, times a side's last step, for what it turns beyond
+CONST int kRoom = 2;            // strides, and so many pixels: how wide a fold's side is that has no room for two lines
+CONST int kFootRoom = 2;        // pixels more, within which the crease at its foot is less clear the nearer it is
+CONST float kTopFades = 0.5f;   // per pixel less than kRoom that the side is wide: how clear its top is
 CONST float kFootFades = 0.33f;  // per pixel less than both, how faint its foot: all of it where the top begins to fade
 CONST int kAtTop = 2;            // pixels from its top, within which a jump and the crease there are one
 CONST float kTurnsOver = 2.0f;   // times the crease's squared chord, how far normals turn at a top that has a line
@@ -567,7 +567,7 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   Side before = side_from(on, 0, 0, -i, -j, before_px);
   Side after = side_from(on, i, j, i, j, after_px);
   // Of one of the two sides is to be seen that it is flat.
-  cut = cut && on && ((before.known && before.bent < kFlatSide) || (after.known && after.bent < kFlatSide));
+  cut = cut && on && ((before.known && before.bent < kSeenFlat) || (after.known && after.bent < kSeenFlat));
   if (some(cut)) {
     before = side_seen(cut && !before.known, 0, 0, -i, -j, before);
     after = side_seen(cut && !after.known, i, j, i, j, after);
@@ -578,8 +578,8 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
     Vec3 near_side =
         select(before.hidden, near_normal((near + 1) * i, (near + 1) * j), near_normal(-near * i, -near * j));
     Real rest = square(flat_side - near_side);
-    Bool one = (before.hidden && after.known && !after.hidden && after.bent < kFlatSide) ||
-               (after.hidden && before.known && !before.hidden && before.bent < kFlatSide);
+    Bool one = (before.hidden && after.known && !after.hidden && after.bent < kSeenFlat) ||
+               (after.hidden && before.known && !before.hidden && before.bent < kSeenFlat);
     bevel.partly = cut && one && rest > Real(C.crease_chord * kWider);
   }
   on = on && before.known && after.known;
@@ -593,12 +593,16 @@ FN Bevel bevel_between(Int px, Int py, int i, int j) {
   on = on && bent < kBentSides && turn > least && square(turns_near) < turn * kTooWide;
   if (!some(on)) return bevel;
   // Nor are there several edges.
+  Bool gone_a = cut && !cut;
+  Bool gone_b = gone_a;
   for (int k = 1; k <= wide; ++k) {
     Real step_a = square(near_normal(-k * i, -k * j) - near_normal(i - k * i, j - k * j));
     Real step_b = square(near_normal(i + k * i, j + k * j) - near_normal(k * i, k * j));
     if (some(cut)) {
-      step_a = select(cut && !(near_object_id(-k * i, -k * j) == id), Real(0.0f), step_a);
-      step_b = select(cut && !(near_object_id(i + k * i, j + k * j) == id), Real(0.0f), step_b);
+      gone_a = gone_a || (cut && !(near_object_id(-k * i, -k * j) == id));
+      gone_b = gone_b || (cut && !(near_object_id(i + k * i, j + k * j) == id));
+      step_a = select(gone_a, Real(0.0f), step_a);
+      step_b = select(gone_b, Real(0.0f), step_b);
     }
     step = max(step, max(step_a, step_b));
   }

@@ -4,7 +4,8 @@
 //
 // Two ends are joined by a straight stroke if they face each other, no other line is near them or between, their nearer
 // surfaces are on the same side, of one object and about as deep, and if each is the best for the other. An end that is
-// joined to none goes on to a line a few pixels ahead that it points to.
+// joined to none, and also one that has other lines near it, goes on to a line a few pixels ahead that it points to. A
+// crease goes on farther, up to C.onward pixels, but no farther than it came straight.
 //
 // outline_join: as outline_stroke.kernel.h has it.
 IN_REAL(depth)
@@ -374,6 +375,7 @@ FN_RARE Target target_of(Bool asked, End a) {
   // Farther off, row by row (column by column) along its way.
   Bool far = crease && !target.on && dot(coming.way, coming.way) > 0.5f;
   if (some(far)) {
+    float farthest = kMostApart < float(C.onward) ? kMostApart : float(C.onward);
     Bool steep = abs(coming.way.y) > abs(coming.way.x);
     Real most = max(abs(coming.way.x), abs(coming.way.y));
     Vec2 step = coming.way * (Real(1.0f) / max(most, Real(0.5f)));
@@ -394,7 +396,7 @@ FN_RARE Target target_of(Bool asked, End a) {
           Real along = dot(coming.way, onward);
           Real aside = abs(cross(coming.way, onward));
           here = here && along > short_way && along <= coming.rows && along + aside < least &&
-                 aside < mad(along, Real(kPointsFar), Real(0.5f)) && max(abs(apart.x), abs(apart.y)) < kMostApart;
+                 aside < mad(along, Real(kPointsFar), Real(0.5f)) && max(abs(apart.x), abs(apart.y)) < farthest;
           least = select(here, along + aside, least);
           ahead = select(here, along, ahead);
           Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));

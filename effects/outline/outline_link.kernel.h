@@ -43,8 +43,6 @@ CONST float kClear = 7.0f;            // half of it
 CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
 CONST int kTurns = 1;                 // and one that runs across
 CONST int kAround = 6;                // pixels, times the stride, within which a line has
-CONST int kSmall = 6;                 // pixels, in all directions, of what is all of that if it is a speck,
-CONST int kAlone = 7;                 // and of nothing around it
 CONST float kLeastAround = 6.5f;      // pieces, times the stride, or else it is a speck
 
 // The way along a line from a piece of it, to one side.
@@ -202,14 +200,14 @@ FN Bool speck_around(Bool asked) {
   return asked && count < least;
 }
 
-// Whether all that is around is within a few pixels to either side and up and down: what is so small would be all line.
+// Whether all that is around is within C.small pixels in both directions, with none just beyond.
 FN_RARE Bool small_around(Bool asked) {
   Bool alone = asked;
-  for (int j = -kAlone; j <= kAlone; ++j) {
+  for (int j = -C.small - 1; j <= C.small + 1; ++j) {
     if (!some(alone)) continue;
     Uint any = Uint(0u);
-    for (int i = -kAlone; i <= kAlone; ++i)
-      if (i < -kSmall || i > kSmall || j < -kSmall || j > kSmall)
+    for (int i = -C.small - 1; i <= C.small + 1; ++i)
+      if (i < -C.small || i > C.small || j < -C.small || j > C.small)
         any = any | bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j));
     alone = alone && !has_piece(any);
   }
@@ -219,15 +217,15 @@ FN_RARE Bool small_around(Bool asked) {
   Real last = Real(0.0f);
   Real top = Real(0.0f);
   Real bottom = Real(0.0f);
-  for (int j = -kSmall; j <= kSmall; ++j)
-    for (int i = -kSmall; i <= kSmall; ++i) {
+  for (int j = -C.small; j <= C.small; ++j)
+    for (int i = -C.small; i <= C.small; ++i) {
       Bool any = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j)));
       first = select(any, min(first, Real(float(i))), first);
       last = select(any, max(last, Real(float(i))), last);
       top = select(any, min(top, Real(float(j))), top);
       bottom = select(any, max(bottom, Real(float(j))), bottom);
     }
-  return alone && last - first < Real(float(kSmall)) && bottom - top < Real(float(kSmall));
+  return alone && last - first < Real(float(C.small)) && bottom - top < Real(float(C.small));
 }
 
 // A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides.

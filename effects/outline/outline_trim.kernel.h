@@ -1,7 +1,7 @@
 // Tails and spurs dropped, as outline_tails tells them, and what is faint between two lines made as sure as they: a
 // fold between two rims of a mesh's triangles is a crease, clear in some rows and faint in others. What is faint and
-// short and leads nowhere is dropped, too. What is left of two
-// lines that overlapped outline_join joins.
+// short and leads nowhere is dropped, too, and what is so faint beside another line that it would be specks. What is
+// left of two lines that overlapped outline_join joins.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them.
 IN_REAL(outline_steep_linked)
@@ -33,7 +33,7 @@ FN Bool end_around() {
   return !(to_signed(any) == Int(0));
 }
 
-// Whether another line, that is so sure, is beside this pixel's piece.
+// Whether another line, surer than `least`, is beside this pixel's piece.
 FN_RARE Bool has_beside(Bool asked, Real piece, int lying, float least) {
   Bool steep = steep_of(lying);
   Vec2 way = lean_of(slope_of(piece), steep, Real(1.0f));
@@ -76,7 +76,8 @@ FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int
   if (!some(ends)) return piece;
   Real told = select(ends, load_outline_tails(last.x, last.y), Real(0.0f));
   told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));
-  Bool spur = told >= kSpur && rows <= Int(spur_rows());
+  Bool crease = abs(side_of(piece)) < kHasSide && abs(side_of(last.piece)) < kHasSide;
+  Bool spur = told >= kSpur && rows <= select(crease, Int(spur_rows()), Int(short_spur_rows()));
   told = select(told >= kSpur, told - kSpur, told);
   Bool back = towards_at(last, steep, towards) < 0.0f;
   Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
