@@ -46,6 +46,9 @@ FN Vec2 lean_of(Real slope, Bool steep, Real towards) {
   return lean * (Real(1.0f) / sqrt(dot(lean, lean)));
 }
 
+// Whether a piece is of a crease, which has no nearer surface.
+FN Bool is_crease(Real piece) { return abs(side_of(piece)) < kHasSide; }
+
 // The unit vector from a piece to its nearer surface, shorter if it lies partly on either side.
 FN Vec2 nearer_of(Real piece, Bool steep) {
   Real slope = slope_of(piece);

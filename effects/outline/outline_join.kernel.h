@@ -223,8 +223,10 @@ FN_RARE End best_for(End a) {
 // What an end points to that is a few pixels short of another line.
 struct Target {
   Bool on;
-  Bool far;    // farther off than where lines are looked for around most ends,
-  Real sine;   // and where so, of the angle between the two
+  Bool far;    // farther off than where lines are looked for around most ends
+  Real ahead;  // pixels along the end's way
+  Real cost;   // these, and pixels aside
+  Real sine;   // of the angle between the two
   Vec2 apart;  // from the end's middle to that of the line's stroke
   Real sure;   // of that
 };
@@ -306,7 +308,7 @@ FN_RARE Coming coming_to(Bool asked, End a) {
   for (int k = 1; k <= C.onward; ++k) {
     if (!some(before.on)) continue;
     Along next = next_along(before, a.x, a.y, a.steep, to_int(-a.towards * float(k)), -a.towards);
-    Bool here = next.on && abs(side_of(next.piece)) < kHasSide;
+    Bool here = next.on && is_crease(next.piece);
     // One row may be missing.
     Bool miss = before.on && !next.on && !gap;
     next.place = select(miss, mad(before.slope, -a.towards, before.place), next.place);
@@ -339,14 +341,22 @@ FN_RARE Coming coming_to(Bool asked, End a) {
   return found;
 }
 
+// The better of a target and a piece, if that is asked for, that is so much from the end, of which the way is known.
+FN Target better_of(Bool asked, Target target, Real piece, int lying, Vec2 way, Vec2 apart, Real along, Real aside) {
+  Bool here = asked && along + aside < target.cost;
+  Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+  return Target(target.on || here, target.far, select(here, along, target.ahead),
+                select(here, along + aside, target.cost), select(here, abs(cross(way, lean)), target.sine),
+                chosen(here, apart, target.apart), select(here, linked_of(piece), target.sure));
+}
+
 // The line that an end points to, if its surface goes on to there. A crease may end well before: near where a rounded
 // edge meets another one, or a rim hides one of its sides, it is none that is clear. It goes on so far at most as it
 // was one before.
 FN_RARE Target target_of(Bool asked, End a) {
   Vec2 at = a.at - Vec2(to_real(a.x), to_real(a.y));
-  Real least = Real(kNever);
-  Real ahead = Real(0.0f);
-  Target target = Target(asked && !asked, asked && !asked, Real(0.0f), at, Real(0.0f));
+  Real none = Real(0.0f);
+  Target target = Target(asked && !asked, asked && !asked, none, Real(kNever), none, at, none);
   int short_px = kShort * C.stride + kShortMore;
   Real short_way = Real(float(short_px));
   Bool crease = asked && dot(a.nearer, a.nearer) < kHasSide * kHasSide;
@@ -364,18 +374,12 @@ FN_RARE Target target_of(Bool asked, End a) {
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
         Real along = dot(a.way, apart);
         Real aside = abs(cross(a.way, apart));
-        here = here && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f)) &&
-               along + aside < least;
-        least = select(here, along + aside, least);
-        ahead = select(here, along, ahead);
-        target.on = target.on || here;
-        target.apart = chosen(here, apart, target.apart);
-        target.sure = select(here, linked_of(piece), target.sure);
+        here = here && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
+        target = better_of(here, target, piece, lying, a.way, apart, along, aside);
       }
   // Farther off, row by row (column by column) along its way.
   Bool far = crease && !target.on && dot(coming.way, coming.way) > 0.5f;
   if (some(far)) {
-    float farthest = kMostApart < float(C.onward) ? kMostApart : float(C.onward);
     Bool steep = abs(coming.way.y) > abs(coming.way.x);
     Real most = max(abs(coming.way.x), abs(coming.way.y));
     Vec2 step = coming.way * (Real(1.0f) / max(most, Real(0.5f)));
@@ -395,15 +399,10 @@ FN_RARE Target target_of(Bool asked, End a) {
           Vec2 onward = apart + at - coming.at;
           Real along = dot(coming.way, onward);
           Real aside = abs(cross(coming.way, onward));
-          here = here && along > short_way && along <= coming.rows && along + aside < least &&
-                 aside < mad(along, Real(kPointsFar), Real(0.5f)) && max(abs(apart.x), abs(apart.y)) < farthest;
-          least = select(here, along + aside, least);
-          ahead = select(here, along, ahead);
-          Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-          target.sine = select(here, abs(cross(coming.way, lean)), target.sine);
-          target.on = target.on || here;
-          target.apart = chosen(here, apart, target.apart);
-          target.sure = select(here, linked_of(piece), target.sure);
+          here = here && along > short_way && along <= coming.rows &&
+                 aside < mad(along, Real(kPointsFar), Real(0.5f)) &&
+                 max(abs(apart.x), abs(apart.y)) < Real(float(C.onward));
+          target = better_of(here, target, piece, lying, coming.way, apart, along, aside);
         }
     }
   }
@@ -411,7 +410,7 @@ FN_RARE Target target_of(Bool asked, End a) {
   Vec2 surface = surface_of(a);
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * surface.x;
-  far = target.on && ahead > short_way;
+  far = far && target.on;
   target.far = far;
   if (some(far)) {
     Int x = to_int(floor(target.apart.x + a.at.x + 0.5f));
@@ -426,7 +425,7 @@ FN_RARE Target target_of(Bool asked, End a) {
     Int y = to_int(floor(mad(target.apart.y, share, a.at.y + 0.5f)));
     Real depth = load_depth(x, y);
     Bool own = load_object_id(x, y) == surface.y;
-    Real way = ahead * share;
+    Real way = target.ahead * share;
     Bool here = own && surface.x - depth < pixel * mad(way, Real(kTilted), Real(kDeep)) &&
                 depth - surface.x < pixel * mad(way, select(crease, Real(kFalls), Real(kTilted)), Real(kDeep));
     if (some(far)) {

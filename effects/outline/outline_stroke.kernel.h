@@ -11,8 +11,7 @@ CONST int kJoinedBit = 23;
 CONST int kFarBit = 24;
 CONST int kLineBit = 30;         // of kOnlyEnds
 CONST float kApart = 256.0f;     // of no distance
-CONST float kApartSteps = 7.0f;  // per pixel,
-CONST float kMostApart = 36.0f;  // pixels: more do not fit
+CONST float kApartSteps = 7.0f;  // per pixel: 36 of them fit
 
 // On whose side a line lies: 1 wholly on the first pixel's, -1 on the other's.
 FN Real side_of(Real piece) { return mad(level_of(piece), Real(1.0f / 32.0f), Real(-1.0f)); }

@@ -196,7 +196,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     }
     Bool brief = ends && !last.on;
     Bool longer = rows > Int(short_spur_rows());
-    brief = brief && (!longer || (abs(side_of(piece)) < kHasSide && abs(side_of(last.piece)) < kHasSide));
+    brief = brief && (!longer || (is_crease(piece) && is_crease(last.piece)));
     if (some(brief)) brief = is_spur(brief, longer, end, tip_of(brief, last, steep, -towards));
     spur = spur || brief;
   }

@@ -76,7 +76,7 @@ FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int
   if (!some(ends)) return piece;
   Real told = select(ends, load_outline_tails(last.x, last.y), Real(0.0f));
   told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));
-  Bool crease = abs(side_of(piece)) < kHasSide && abs(side_of(last.piece)) < kHasSide;
+  Bool crease = is_crease(piece) && is_crease(last.piece);
   Bool spur = told >= kSpur && rows <= select(crease, Int(spur_rows()), Int(short_spur_rows()));
   told = select(told >= kSpur, told - kSpur, told);
   Bool back = towards_at(last, steep, towards) < 0.0f;
@@ -125,7 +125,7 @@ FN_RARE Ahead ahead_of(Bool asked, Along end, Vec2 at, Vec2 way) {
   Ahead found = Ahead(asked && !asked, end);
   found.faint.on = found.sure;
   Vec2 nearer = nearer_of(end.piece, end.steep);
-  Bool crease = abs(side_of(end.piece)) < kHasSide;
+  Bool crease = is_crease(end.piece);
   for (int k = 1; k <= C.join; ++k) {
     Int x = to_int(floor(mad(way.x, Real(float(k)), at.x + 0.5f)));
     Int y = to_int(floor(mad(way.y, Real(float(k)), at.y + 0.5f)));
