@@ -5,9 +5,13 @@ FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
 #include "effects/outline/outline_end.kernel.h"
 
 CONST int kTail = 6;                // rows, per pixel of stride, of a tail,
+CONST int kTailMore = 4;            // and more, of what is between two,
 CONST int kMostTail = 16;           // and at most
 CONST float kSpurRows = 1.5f;       // rows, per pixel of stride, between the ends of a spur,
 CONST int kLongSpurRows = 4;        // and, whatever the stride, of one that is a crease and leads nowhere
+CONST int kStrayRows = 2;           // and of one that is alone on its surface, times a tail's rows
+CONST int kBurrRows = 2;            // rows, per pixel of stride, of a burr,
+CONST int kBurrMore = 4;            // and more
 CONST float kWhole = 12.5f;         // sure_of from which on a line is not faint
 CONST float kAlongside = 2.0f;      // pixels beside a line, per pixel of stride,
 CONST float kAlongsideMore = 1.4f;  // and more, up to which another one runs along
@@ -16,8 +20,10 @@ CONST float kOther = 0.9f;          // and from which on, or else it is the same
 // outline_tails: 0, or the sum of these, of ends of this pixel's steep piece; times kOfFlat of its flat one.
 CONST float kPassedBefore = 1.0f;  // the line ends above (to the left), and is a tail
 CONST float kPassedAfter = 2.0f;   // below (to the right)
-CONST float kSpur = 4.0f;          // all of it is to be dropped
-CONST float kOfFlat = 8.0f;
+CONST float kLostBefore = 4.0f;    // times how many rows are to be dropped of the line that ends above, and
+CONST float kLostAfter = 128.0f;   // below:
+CONST float kMostLost = 31.0f;     // so many at most
+CONST float kOfFlat = 4096.0f;
 
 // Whether one line can stand for another: what may be dropped for being faint does not stand for what is sure.
 FN Bool stands_for(Real piece, Real other) {
@@ -26,8 +32,11 @@ FN Bool stands_for(Real piece, Real other) {
 }
 
 FN float alongside() { return kAlongside * float(C.stride) + kAlongsideMore; }
-FN int tail_rows() { return C.stride * kTail < kMostTail ? C.stride * kTail : kMostTail; }
+FN int short_tail_rows() { return C.stride * kTail < kMostTail ? C.stride * kTail : kMostTail; }
+FN int tail_rows() { return short_tail_rows() + kTailMore < kMostTail ? short_tail_rows() + kTailMore : kMostTail; }
 FN int short_spur_rows() { return int(kSpurRows * float(C.stride)); }
+FN int burr_rows() { return C.stride * kBurrRows + kBurrMore < kMostTail ? C.stride * kBurrRows + kBurrMore : kMostTail - 1; }
+FN int stray_rows() { return kStrayRows * tail_rows(); }
 FN int spur_rows() { return short_spur_rows() > kLongSpurRows ? short_spur_rows() : kLongSpurRows; }
 
 // The way on from the last place along a line that began in a piece of a kind: 1 if it would go on in the next row

@@ -27,6 +27,12 @@ CONST float kAside = 1.1f;     // so many aside
 CONST float kTouches = 1.1f;   // pixels from an end at which it touches a line,
 CONST float kCorner = 1.6f;    // and at which a spur does
 CONST float kFills = 1.5f;     // times alongside(), up to where the lines are between which it fills a gap
+CONST float kCrosses = 0.6f;       // pixels from a line, within which it is crossed,
+CONST float kCrossesAlong = 0.8f;  // and along it
+CONST float kLeansOff = 0.4f;      // slope
+CONST float kAlike = 0.5f;         // sine between two ways, up to which they are of one line
+CONST float kBack = 0.6f;          // cosine from which on a way is back along the first,
+CONST int kLonger = 2;             // rows that the other one goes on for more
 CONST float kCone = 0.35f;     // pixels beside its way per pixel, and kSame, that they may be
 
 // An end of a line.
@@ -165,42 +171,183 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
   return near && !(before && after) && !(longer && (before || after));
 }
 
+// Whether a line passes through a place on the way from an end, so many rows and `back` away, from where another one
+// goes on for longer than to there, and not back along the first.
+FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, int rows) {
+  Vec2 at = middle_of(last.piece, last.steep, 0.0f);
+  Bool found = asked && !asked;
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool steep = steep_of(lying);
+        Bool look = asked && !found;
+        if (i == 0 && j == 0) look = look && !same(last.steep, steep);
+        if (!some(look)) continue;
+        Int x = last.x + Int(i);
+        Int y = last.y + Int(j);
+        Real piece = piece_at(lying, x, y);
+        Bool here = look && seen(piece);
+        if (!some(here)) continue;
+        Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), 0.0f);
+        Vec2 lean = lean_of(slope_of(piece), steep, Real(1.0f));
+        here = here && abs(cross(lean, apart)) < kCrosses && abs(dot(lean, apart)) < kCrossesAlong;
+        // A line of its own kind is another one only if it leans otherwise.
+        here = here && (!same(last.steep, steep) || abs(slope_of(piece) - last.slope) > kLeansOff);
+        if (!some(here)) continue;
+        for (int side = -1; side <= 1; side += 2) {
+          Real towards = Real(float(side));
+          Bool onward = here && dot(lean, back) * towards < sqrt(dot(back, back)) * kBack;
+          Along other = Along(onward, place_of(piece), slope_of(piece), x, y, steep, piece, Real(kLeastSeen));
+          for (int k = 1; k <= rows + kLonger; ++k) {
+            if (!some(other.on)) continue;
+            other = next_along(other, x, y, steep, Int(k * side), towards);
+          }
+          found = found || other.on;
+        }
+      }
+  return found;
+}
+
+// Whether an end points to a line no farther off than ends are joined, other than its own; or, if that alone is asked
+// for, to one that ends there and comes the same way.
+FN_RARE Bool points_on(Bool asked, Tip end, bool to_end) {
+  Bool found = asked && !asked;
+  for (int j = -C.join; j <= C.join; ++j)
+    for (int i = -C.join; i <= C.join; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
+        Bool here = look && seen(piece);
+        if (!some(here)) continue;
+        Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
+        Real along = dot(end.way, apart);
+        Real off = abs(cross(end.way, apart));
+        Bool touches = along > -kSame && dot(apart, apart) < kCorner * kCorner && !(off < kSame && along < kSame);
+        Bool ahead = along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame));
+        if (to_end) {
+          Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+          touches = asked && !asked;
+          ahead = ahead && piece < 0.0f && abs(cross(end.way, lean)) < kAlike &&
+                  dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide;
+        }
+        found = found || (here && (touches || ahead));
+      }
+  return found;
+}
+
+// Whether a piece is within one object.
+FN Bool within_one(Tip end, Bool steep) {
+  return load_object_id(end.x, end.y) ==
+         load_object_id(end.x + select(steep, Int(1), Int(0)), end.y + select(steep, Int(0), Int(1)));
+}
+
+// Whether any other line is beside a piece.
+FN_RARE Bool has_other(Bool asked, Along here) {
+  Vec2 at = middle_of(here.piece, here.steep, 0.0f);
+  Vec2 way = lean_of(slope_of(here.piece), here.steep, Real(1.0f));
+  Bool found = asked && !asked;
+  int wide = int(alongside());
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, here.x + Int(i), here.y + Int(j));
+        Bool other = look && is_piece(piece);
+        if (!some(other)) continue;
+        Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), 0.0f);
+        found = found || (other && abs(cross(way, apart)) > kOther && abs(dot(way, apart)) < kOther);
+      }
+  return found;
+}
+
+// Whether what has two such ends is alone on its surface.
+FN_RARE Bool is_stray(Bool asked, Tip up, Tip down, Bool up_steep, Bool down_steep) {
+  Bool stray = asked && within_one(up, up_steep) && within_one(down, down_steep) && up.object == down.object;
+  if (some(stray)) stray = stray && !points_on(stray, up, false);
+  if (some(stray)) stray = stray && !points_on(stray, down, false);
+  return stray;
+}
+
+// How many rows of a line, from its end on, are a burr: a line that they cross is so near.
+FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, Real towards) {
+  Bool steep = here.steep;
+  Along last = here;
+  last.on = asked;
+  Real rows = Real(0.0f);
+  for (int k = 1; k <= burr_rows(); ++k) {
+    if (!some(last.on)) continue;
+    last = next_along(last, px, py, steep, side * Int(-k), -towards);
+    Bool crossed = last.on;
+    Vec2 back = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py)) - end.at;
+    if (some(crossed)) crossed = is_crossed(crossed, last, back, k);
+    rows = select(crossed, Real(float(k)), rows);
+    last.on = last.on && !crossed;
+  }
+  return rows;
+}
+
+// Whether the next place along a line, in row `row`, is in the picture: at its border no line ends.
+FN Bool goes_inside(Along last, Int X, Int Y, Bool steep, Int row, Real towards) {
+  Int across = to_int(floor(mad(last.slope, towards, last.place) + 0.5f));
+  return in_picture(X + select(steep, across, row), Y + select(steep, row, across));
+}
+
 // What is to be told of the ends of this pixel's piece of one kind.
 FN Real told(Int px, Int py, Real piece, int lying) {
   Bool steep = steep_of(lying);
   Bool on = is_piece(piece);
   Along here = Along(on, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
   Real code = Real(0.0f);
-  Bool spur = on && !on;
   for (int side = -1; side <= 1; side += 2) {
     Real towards = Real(float(side));
     Along next = next_along(here, px, py, steep, Int(side), towards);
-    // At the picture's border no line ends.
-    Int across = to_int(floor(mad(here.slope, towards, here.place) + 0.5f));
-    Bool inside = in_picture(px + select(steep, across, Int(side)), py + select(steep, Int(side), across));
-    Bool ends = on && !next.on && inside;
+    Bool ends = on && !next.on && goes_inside(here, px, py, steep, Int(side), towards);
     if (!some(ends)) continue;
     Tip end = tip_of(ends, here, steep, towards);
     Bool passed = ends && is_shallow(px, py, steep);
     if (some(passed)) passed = is_free(passed, end);
+    Bool free = passed;
     if (some(passed)) passed = is_passed(passed, end);
+    free = free && !passed;
+    Real lost = Real(0.0f);
+    if (some(free)) free = free && !points_on(free, end, true);
+    if (some(free)) lost = burr_of(free, end, here, px, py, Int(side), towards);
     code = select(passed, code + (side < 0 ? kPassedBefore : kPassedAfter), code);
     // The other end, if it is near.
     Along last = here;
     last.on = ends;
     Int rows = Int(0);
-    for (int k = 1; k <= spur_rows() + 1; ++k) {
+    for (int k = 1; k <= stray_rows() + 1; ++k) {
       if (!some(last.on)) continue;
       last = next_along(last, px, py, steep, Int(-k * side), -towards);
       rows = select(last.on, Int(k), rows);
     }
-    Bool brief = ends && !last.on;
+    Bool brief = ends && !last.on && goes_inside(last, px, py, steep, (rows + Int(1)) * Int(-side), -towards);
     Bool longer = rows > Int(short_spur_rows());
-    brief = brief && (!longer || (is_crease(piece) && is_crease(last.piece)));
-    if (some(brief)) brief = is_spur(brief, longer, end, tip_of(brief, last, steep, -towards));
-    spur = spur || brief;
+    Bool stray = rows > Int(spur_rows());
+    if (some(brief)) {
+      Tip other = tip_of(brief, last, steep, -towards);
+      Bool alone = brief && stray;
+      Bool spur = brief && !stray;
+      if (some(alone)) alone = is_stray(alone, end, other, steep, last.steep);
+      Along way = here;
+      way.on = alone;
+      for (int k = 1; k <= stray_rows(); ++k) {
+        if (!some(way.on)) continue;
+        alone = alone && !has_other(way.on, way);
+        way = next_along(way, px, py, steep, Int(-k * side), -towards);
+        way.on = way.on && alone;
+      }
+      spur = spur && (!longer || (within_one(end, steep) && within_one(other, last.steep)));
+      if (some(spur)) spur = is_spur(spur, longer, end, other);
+      brief = alone || spur;
+    }
+    lost = select(brief, min(to_real(rows) + 1.0f, Real(kMostLost)), lost);
+    code = mad(lost, Real(side < 0 ? kLostBefore : kLostAfter), code);
   }
-  return select(spur, code + kSpur, code);
+  return code;
 }
 
 FN void outline_tails_pixel(Int px, Int py) {

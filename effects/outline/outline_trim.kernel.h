@@ -57,10 +57,15 @@ FN_RARE Bool has_beside(Bool asked, Real piece, int lying, float least) {
   return found;
 }
 
-// This pixel's piece, or nothing if it leads, to one side of it, to an end that outline_tails tells of, and is of a
-// spur or has the other line beside it; of what is left of a tail, marked as an end: it is one where the rest is
-// dropped.
-FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int side) {
+// What leads from a piece, to one side, to an end that outline_tails tells of.
+struct Tail {
+  Bool lost;    // it is of a spur or a burr
+  Bool passed;  // another line goes on beside and past that end,
+  Bool near;    // which is no more than a tail's rows away
+  Bool last;    // what follows is lost
+};
+
+FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side) {
   Bool steep = steep_of(lying);
   Real towards = Real(float(side));
   Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
@@ -73,19 +78,29 @@ FN_RARE Real without_tail(Bool asked, Int px, Int py, Real piece, int lying, int
     last = next;
     rows = select(last.on, Int(k), rows);
   }
-  if (!some(ends)) return piece;
-  Real told = select(ends, load_outline_tails(last.x, last.y), Real(0.0f));
+  Real told = Real(0.0f);
+  if (some(ends)) told = select(ends, load_outline_tails(last.x, last.y), told);
   told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));
-  Bool crease = is_crease(piece) && is_crease(last.piece);
-  Bool spur = told >= kSpur && rows <= select(crease, Int(spur_rows()), Int(short_spur_rows()));
-  told = select(told >= kSpur, told - kSpur, told);
   Bool back = towards_at(last, steep, towards) < 0.0f;
+  Real lost = select(back, floor(told / kLostBefore), floor(told / kLostAfter));
+  lost = lost - floor(lost / (kMostLost + 1.0f)) * (kMostLost + 1.0f);
+  told = told - floor(told / kLostBefore) * kLostBefore;
   Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
-  Bool tail = (back && before) || (!back && told >= kPassedAfter);
-  Bool dropped = spur;
-  Bool ask = tail && !spur;
+  Bool passed = (back && before) || (!back && told >= kPassedAfter);
+  return Tail(to_real(rows) < lost, passed, passed && rows <= Int(short_tail_rows()),
+              lost > 0.0f && to_real(rows) == lost);
+}
+
+// This pixel's piece, or nothing if it is of a spur or a burr, or of a tail, or between two, and has the other line
+// beside it; of what is left of these, marked as an end: it is one where the rest is dropped.
+FN_RARE Real without_tails(Bool asked, Int px, Int py, Real piece, int lying) {
+  Tail up = tail_at(asked, px, py, piece, lying, -1);
+  Tail down = tail_at(asked, px, py, piece, lying, 1);
+  Bool dropped = up.lost || down.lost;
+  Bool tail = up.near || down.near || (up.passed && down.passed);
+  Bool ask = tail && !dropped;
   if (some(ask)) dropped = dropped || has_beside(ask, piece, lying, kLeastSeen);
-  return select(dropped, Real(0.0f), select(tail, -abs(piece), piece));
+  return select(dropped, Real(0.0f), select(tail || up.last || down.last, -abs(piece), piece));
 }
 
 // How sure the surest piece is of those at pixel (X, Y) and near it that are not behind what leads there, nor of it
@@ -243,10 +258,8 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
     }
   }
   piece = select(hair, Real(0.0f), piece);
-  for (int side = -1; side <= 1; side += 2) {
-    Bool look = near_end && is_piece(piece);
-    if (some(look)) piece = select(look, without_tail(look, px, py, piece, lying, side), piece);
-  }
+  Bool look = near_end && is_piece(piece);
+  if (some(look)) piece = select(look, without_tails(look, px, py, piece, lying), piece);
   return piece;
 }
 
