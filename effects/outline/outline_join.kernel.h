@@ -36,6 +36,7 @@ CONST int kSamples = 5;           // of it
 CONST int kShort = 3;             // pixels, per pixel of stride,
 CONST int kShortMore = 2;         // and more, of a line that it points to
 CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
+CONST float kOnFaith = 2.5f;      // pixels more than a crease came straight that it goes on
 CONST float kPointsFar = 0.15f;   // and where it is farther off
 CONST int kComing = 8;            // rows, per pixel of stride, of a crease that tell the way to there;
 CONST float kMeets = 0.5f;        // sine of the angle at which that meets a line of its own object at least
@@ -375,6 +376,7 @@ FN_RARE Target target_of(Bool asked, End a) {
         Real along = dot(a.way, apart);
         Real aside = abs(cross(a.way, apart));
         here = here && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
+        here = here && (!crease || along < coming.rows + kOnFaith);
         target = better_of(here, target, piece, lying, a.way, apart, along, aside);
       }
   // Farther off, row by row (column by column) along its way.
@@ -384,7 +386,7 @@ FN_RARE Target target_of(Bool asked, End a) {
     Real most = max(abs(coming.way.x), abs(coming.way.y));
     Vec2 step = coming.way * (Real(1.0f) / max(most, Real(0.5f)));
     int beside = int(0.5f * C.width_px) + 2;
-    for (int k = short_px / 2; k <= C.onward; ++k) {
+    for (int k = 1; k <= C.onward; ++k) {
       Int x = to_int(floor(mad(step.x, Real(float(k)), coming.at.x + 0.5f)));
       Int y = to_int(floor(mad(step.y, Real(float(k)), coming.at.y + 0.5f)));
       int wide = beside + int(kPointsFar * 1.5f * float(k));
@@ -399,7 +401,7 @@ FN_RARE Target target_of(Bool asked, End a) {
           Vec2 onward = apart + at - coming.at;
           Real along = dot(coming.way, onward);
           Real aside = abs(cross(coming.way, onward));
-          here = here && along > short_way && along <= coming.rows &&
+          here = here && along > kAhead && along <= coming.rows &&
                  aside < mad(along, Real(kPointsFar), Real(0.5f)) &&
                  max(abs(apart.x), abs(apart.y)) < Real(float(C.onward));
           target = better_of(here, target, piece, lying, coming.way, apart, along, aside);

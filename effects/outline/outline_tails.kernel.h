@@ -30,7 +30,11 @@ CONST float kFills = 1.5f;     // times alongside(), up to where the lines are b
 CONST float kCrosses = 0.6f;       // pixels from a line, within which it is crossed,
 CONST float kCrossesAlong = 0.8f;  // and along it
 CONST float kLeansOff = 0.4f;      // slope
+CONST float kOnFaith = 2.5f;       // pixels more than these are long
 CONST float kAlike = 0.5f;         // sine between two ways, up to which they are of one line
+CONST int kComing = 8;             // rows, per pixel of stride, that tell the way of a crease,
+CONST float kStraight = 0.6f;      // if they are no farther beside it,
+CONST float kHookOff = 1.0f;       // and how far beside what is a hook is
 CONST float kBack = 0.6f;          // cosine from which on a way is back along the first,
 CONST int kLonger = 2;             // rows that the other one goes on for more
 CONST float kCone = 0.35f;     // pixels beside its way per pixel, and kSame, that they may be
@@ -132,11 +136,14 @@ FN_RARE Bool is_passed(Bool asked, Tip end) {
   return passed;
 }
 
-// Whether what is so far from an end of a few pieces is a line that they touch or go on to.
-FN Bool leads_to(Vec2 way, Vec2 apart) {
+// Whether a piece so far from an end of a few pieces is of a line that they touch or go on to: one that ends there, or
+// is no farther off than `most`.
+FN Bool leads_to(Vec2 way, Vec2 apart, Real piece, int lying, Real most) {
   Real along = dot(way, apart);
+  Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+  Bool faces = piece < 0.0f && abs(cross(way, lean)) < kAlike;
   Bool touches = along > -kSame && dot(apart, apart) < kCorner * kCorner;
-  return touches || (along > 0.0f && along < alongside() * kFills &&
+  return touches || (along > 0.0f && along < select(faces, Real(alongside() * kFills), most) &&
                      abs(cross(way, apart)) < mad(along, Real(kCone), Real(kSame)));
 }
 
@@ -146,6 +153,7 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
   Vec2 to = down.at - up.at + Vec2(to_real(down.x - up.x), to_real(down.y - up.y));
   Vec2 arm = to * Real(0.5f);
   Real extent = max(dot(arm, arm), Real(1e-6f));
+  Real most = sqrt(extent) * 2.0f + kOnFaith;
   Vec2 middle = up.at + arm;
   Int x = to_int(floor(middle.x + 0.5f));
   Int y = to_int(floor(middle.y + 0.5f));
@@ -165,8 +173,8 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
         Vec2 off = apart - arm * clamp(dot(arm, apart) / extent, Real(-1.0f), Real(1.0f));
         here = here && dot(off, off) > kOther * kOther;
         near = near || (here && dot(off, off) < alongside() * alongside());
-        before = before || (here && leads_to(up.way, apart + arm));
-        after = after || (here && leads_to(down.way, apart - arm));
+        before = before || (here && leads_to(up.way, apart + arm, piece, lying, most));
+        after = after || (here && leads_to(down.way, apart - arm, piece, lying, most));
       }
   return near && !(before && after) && !(longer && (before || after));
 }
@@ -288,6 +296,44 @@ FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, 
   return rows;
 }
 
+// How many rows of a crease, from its end on, are a hook: they leave the way that it came straight.
+FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towards) {
+  Bool steep = here.steep;
+  int all = kComing * C.stride;
+  Vec2 zero = Vec2(Real(0.0f), Real(0.0f));
+  Vec2 far = zero;
+  Vec2 near = zero;
+  Along last = here;
+  last.on = asked;
+  for (int k = 1; k <= all; ++k) {
+    if (!some(last.on)) continue;
+    last = next_along(last, px, py, steep, side * Int(-k), -towards);
+    last.on = last.on && is_crease(last.piece);
+    Vec2 at = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py));
+    if (k > all / 2) far = far + at;
+    if (k > all / 4 && k <= all / 2) near = near + at;
+  }
+  Bool straight = last.on;
+  if (!some(straight)) return Real(0.0f);
+  far = far * Real(1.0f / float(all - all / 2));
+  near = near * Real(1.0f / float(all / 2 - all / 4));
+  Vec2 way = near - far;
+  way = way * (Real(1.0f) / sqrt(max(dot(way, way), Real(1e-6f))));
+  Real rows = Real(0.0f);
+  last = here;
+  last.on = straight;
+  for (int k = 0; k <= all; ++k) {
+    if (!some(last.on)) continue;
+    if (k > 0) last = next_along(last, px, py, steep, side * Int(-k), -towards);
+    Vec2 at = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py));
+    Real off = abs(cross(way, at - near));
+    if (k <= all / 4) rows = select(off > kHookOff, Real(float(k + 1)), rows);
+    if (k > all / 4) straight = straight && off < kStraight;
+    last.on = last.on && straight;
+  }
+  return select(straight, rows, Real(0.0f));
+}
+
 // Whether the next place along a line, in row `row`, is in the picture: at its border no line ends.
 FN Bool goes_inside(Along last, Int X, Int Y, Bool steep, Int row, Real towards) {
   Int across = to_int(floor(mad(last.slope, towards, last.place) + 0.5f));
@@ -315,6 +361,8 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     if (some(free)) free = free && !points_on(free, end, true);
     if (some(free)) lost = burr_of(free, end, here, px, py, Int(side), towards);
     code = select(passed, code + (side < 0 ? kPassedBefore : kPassedAfter), code);
+    Bool crease = ends && is_crease(piece) && !(lost > 0.0f);
+    if (some(crease)) lost = select(crease, hook_of(crease, here, px, py, Int(side), towards), lost);
     // The other end, if it is near.
     Along last = here;
     last.on = ends;
