@@ -35,6 +35,7 @@ CONST float kAlike = 0.5f;         // sine between two ways, up to which they ar
 CONST int kComing = 8;             // rows, per pixel of stride, that tell the way of a crease,
 CONST float kStraight = 0.6f;      // if they are no farther beside it,
 CONST float kHookOff = 1.0f;       // and how far beside what is a hook is
+CONST float kMoreThanSpeck = 3.0f; // pieces
 CONST float kBack = 0.6f;          // cosine from which on a way is back along the first,
 CONST int kLonger = 2;             // rows that the other one goes on for more
 CONST float kCone = 0.35f;     // pixels beside its way per pixel, and kSame, that they may be
@@ -216,10 +217,11 @@ FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, int rows) {
   return found;
 }
 
-// Whether an end points to a line no farther off than ends are joined, other than its own; or, if that alone is asked
-// for, to one that ends there and comes the same way.
+// Whether an end points to a line no farther off than ends are joined, other than its own, of which more than a speck
+// is ahead; or, if that alone is asked for, to one that ends there and comes the same way.
 FN_RARE Bool points_on(Bool asked, Tip end, bool to_end) {
   Bool found = asked && !asked;
+  Real count = Real(0.0f);
   for (int j = -C.join; j <= C.join; ++j)
     for (int i = -C.join; i <= C.join; ++i)
       for (int lying = 0; lying < 2; ++lying) {
@@ -235,11 +237,12 @@ FN_RARE Bool points_on(Bool asked, Tip end, bool to_end) {
         Bool ahead = along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame));
         if (to_end) {
           Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-          touches = asked && !asked;
-          ahead = ahead && piece < 0.0f && abs(cross(end.way, lean)) < kAlike &&
-                  dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide;
+          found = found || (here && ahead && piece < 0.0f && abs(cross(end.way, lean)) < kAlike &&
+                            dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide);
+        } else {
+          count = select(here && (touches || ahead), count + 1.0f, count);
+          found = found || count >= kMoreThanSpeck;
         }
-        found = found || (here && (touches || ahead));
       }
   return found;
 }

@@ -12,7 +12,7 @@ OUT_REAL(outline_flat_trimmed)
 #include "effects/outline/outline_tail.kernel.h"
 
 CONST int kBetween = 16;       // rows, per pixel of stride, of what is faint between two lines,
-CONST int kNowhere = 12;       // and of what leads nowhere
+CONST int kNowhere = 20;       // and of what leads nowhere
 CONST float kHair = 7.5f;      // sure_of up to which it is not drawn beside another line
 CONST float kAbreast = 1.5f;   // pixels before or after a piece, at which that has another line beside
 CONST int kMeets = 2;          // pixels, and the stride, from an end at which what is faint meets a line,
