@@ -401,8 +401,7 @@ FN_RARE Target target_of(Bool asked, End a) {
           Vec2 onward = apart + at - coming.at;
           Real along = dot(coming.way, onward);
           Real aside = abs(cross(coming.way, onward));
-          here = here && along > kAhead && along <= coming.rows &&
-                 aside < mad(along, Real(kPointsFar), Real(0.5f)) &&
+          here = here && along > kAhead && along <= coming.rows && aside < mad(along, Real(kPointsFar), Real(0.5f)) &&
                  max(abs(apart.x), abs(apart.y)) < Real(float(C.onward));
           target = better_of(here, target, piece, lying, coming.way, apart, along, aside);
         }

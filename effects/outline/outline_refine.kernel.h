@@ -90,6 +90,15 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   ahead = ahead && (of_one_kind(straight, side) || !pure);
   on = on && !(clear_back && faint_crease(after));
   ahead = ahead && !((clear_back || (clear && on && after > 0.0f)) && faint_crease(straight));
+  // Like goes on in like that is as clear, also aside.
+  Bool like_back = back && of_one_kind(before, side);
+  Bool like_on = on && of_one_kind(after, side);
+  Bool like_ahead = ahead && of_one_kind(straight, side);
+  Bool instead =
+      (like_back && clear_of(before) >= clear_of(straight)) || (like_on && clear_of(after) >= clear_of(straight));
+  ahead = ahead && (like_ahead || !instead);
+  back = back && (like_back || !(like_on && clear_of(after) >= clear_of(before)));
+  on = on && (like_on || !(like_back && clear_of(before) >= clear_of(after)));
   Bool none = lone && !(back || on || ahead);
   back = back || (none && may_join(before, side));
   on = on || (none && may_join(after, side));
@@ -115,6 +124,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool shadow = beside;
   Real least = clear_of(signed_v) + select(crease, Real(-0.5f), Real(0.5f));
   Real nearest = Real(1e30f);  // clear crossing of the other sort that it may be a part of, in pixels
+  Bool covered = crease && !crease;
   if (some(v > 0.0f && (crease || least < kClearest))) {
     int farthest = C.stride > 1 ? kBesideHigh : kBeside;
     for (int k = 1; k <= farthest; ++k) {
@@ -136,6 +146,14 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
       other_after = other_after && after > 0.0f && clear_of(after) > least;
       nearest = min(nearest, select(other_before, before_away, nearest));
       nearest = min(nearest, select(other_after, after_away, nearest));
+      // As far as those lines reach to here.
+      if (C.stride > 1) {
+        Real reach_before =
+            mad(kMiddle - floor(code_of(before)), Real(0.5f / (kMiddle - 1.0f)), Real(0.5f)) * C.width_px;
+        Real reach_after = mad(floor(code_of(after)) - kMiddle, Real(0.5f / (kMiddle - 1.0f)), Real(0.5f)) * C.width_px;
+        covered = covered || (other_before && before_away < min(reach_before, Real(kPartShort)));
+        covered = covered || (other_after && after_away < min(reach_after, Real(kPartShort)));
+      }
     }
   }
   // Where a rim goes on beside it a crease goes on in one only if there is no other crease.
@@ -208,7 +226,7 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool speck = abs(side - kMiddle) < kOneSided && length < kLeastLength;  // of a crease
   Real part_within = min(select(short_line, Real(kPartShort), Real(kPart)), Real(C.width_px - kCovers));
   part_within = select(pure, Real(C.width_px + kRoomBeside), part_within);
-  Bool part = nearest < part_within;
+  Bool part = nearest < part_within || (covered && crease && !pure);
   Bool keep = v > 0.0f && !step && !speck && !shadow && !part;
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
   Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + 0.5f);

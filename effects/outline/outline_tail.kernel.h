@@ -35,7 +35,9 @@ FN float alongside() { return kAlongside * float(C.stride) + kAlongsideMore; }
 FN int short_tail_rows() { return C.stride * kTail < kMostTail ? C.stride * kTail : kMostTail; }
 FN int tail_rows() { return short_tail_rows() + kTailMore < kMostTail ? short_tail_rows() + kTailMore : kMostTail; }
 FN int short_spur_rows() { return int(kSpurRows * float(C.stride)); }
-FN int burr_rows() { return C.stride * kBurrRows + kBurrMore < kMostTail ? C.stride * kBurrRows + kBurrMore : kMostTail - 1; }
+FN int burr_rows() {
+  return C.stride * kBurrRows + kBurrMore < kMostTail ? C.stride * kBurrRows + kBurrMore : kMostTail - 1;
+}
 FN int stray_rows() { return kStrayRows * tail_rows(); }
 FN int spur_rows() { return short_spur_rows() > kLongSpurRows ? short_spur_rows() : kLongSpurRows; }
 

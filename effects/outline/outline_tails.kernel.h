@@ -15,30 +15,31 @@ OUT_REAL(outline_tails)
 #include "effects/outline/outline_shallow.kernel.h"
 #include "effects/outline/outline_tail.kernel.h"
 
-CONST float kSame = 0.5f;      // pixels beside an end's way, up to which what is behind it is its own line
-CONST float kFirst = -2.5f;    // pixels ahead of an end: from where
-CONST float kLast = -0.7f;     // to where another line is looked for
-CONST float kPast = 2.0f;      // that goes on to there,
-CONST float kApproach = 0.7f;  // as far beside as before, at least: or else the end points to it
-CONST int kPassing = 8;        // in so many rows
-CONST float kAhead = 0.8f;     // pixels ahead of an end, from which on
-CONST float kNear = 2.6f;      // and to which it goes on in what is there,
-CONST float kAside = 1.1f;     // so many aside
-CONST float kTouches = 1.1f;   // pixels from an end at which it touches a line,
-CONST float kCorner = 1.6f;    // and at which a spur does
-CONST float kFills = 1.5f;     // times alongside(), up to where the lines are between which it fills a gap
-CONST float kCrosses = 0.6f;       // pixels from a line, within which it is crossed,
-CONST float kCrossesAlong = 0.8f;  // and along it
-CONST float kLeansOff = 0.4f;      // slope
-CONST float kOnFaith = 2.5f;       // pixels more than these are long
-CONST float kAlike = 0.5f;         // sine between two ways, up to which they are of one line
-CONST int kComing = 8;             // rows, per pixel of stride, that tell the way of a crease,
-CONST float kStraight = 0.6f;      // if they are no farther beside it,
-CONST float kHookOff = 1.0f;       // and how far beside what is a hook is
-CONST float kMoreThanSpeck = 3.0f; // pieces
-CONST float kBack = 0.6f;          // cosine from which on a way is back along the first,
-CONST int kLonger = 2;             // rows that the other one goes on for more
-CONST float kCone = 0.35f;     // pixels beside its way per pixel, and kSame, that they may be
+CONST float kSame = 0.5f;           // pixels beside an end's way, up to which what is behind it is its own line
+CONST float kFirst = -2.5f;         // pixels ahead of an end: from where
+CONST float kLast = -0.7f;          // to where another line is looked for
+CONST float kPast = 2.0f;           // that goes on to there,
+CONST float kApproach = 0.7f;       // as far beside as before, at least: or else the end points to it
+CONST int kPassing = 8;             // in so many rows
+CONST float kAhead = 0.8f;          // pixels ahead of an end, from which on
+CONST float kNear = 2.6f;           // and to which it goes on in what is there,
+CONST float kAside = 1.1f;          // so many aside
+CONST float kTouches = 1.1f;        // pixels from an end at which it touches a line,
+CONST float kTouchesHigh = 0.25f;   // and more per pixel of stride but one,
+CONST float kCorner = 1.6f;         // and at which a spur does
+CONST float kFills = 1.5f;          // times alongside(), up to where the lines are between which it fills a gap
+CONST float kCrosses = 0.6f;        // pixels from a line, within which it is crossed,
+CONST float kCrossesAlong = 0.8f;   // and along it
+CONST float kLeansOff = 0.4f;       // slope
+CONST float kOnFaith = 2.5f;        // pixels more than these are long
+CONST float kAlike = 0.5f;          // sine between two ways, up to which they are of one line
+CONST int kComing = 8;              // rows, per pixel of stride, that tell the way of a crease,
+CONST float kStraight = 0.6f;       // if they are no farther beside it,
+CONST float kHookOff = 1.0f;        // and how far beside what is a hook is
+CONST float kMoreThanSpeck = 3.0f;  // pieces
+CONST float kBack = 0.6f;           // cosine from which on a way is back along the first,
+CONST int kLonger = 2;              // rows that the other one goes on for more
+CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSame, that they may be
 
 // An end of a line.
 struct Tip {
@@ -65,8 +66,8 @@ FN Tip tip_of(Bool asked, Along last, Bool steep, Real towards) {
              object_of(last.x, last.y, last.piece, last.steep));
 }
 
-// Whether an end touches nothing and nothing is ahead of it.
-FN_RARE Bool is_free(Bool asked, Tip end) {
+// Whether an end touches nothing within so many pixels and nothing is ahead of it.
+FN_RARE Bool is_free(Bool asked, Tip end, float touching) {
   Bool free = asked;
   // Around the end, and around a place ahead of it.
   for (int part = 0; part < 2; ++part) {
@@ -84,7 +85,7 @@ FN_RARE Bool is_free(Bool asked, Tip end) {
           Real along = dot(end.way, apart);
           Real off = abs(cross(end.way, apart));
           Bool own = off < kSame && along < kSame;
-          Bool touches = along > -kSame && dot(apart, apart) < kTouches * kTouches && !own;
+          Bool touches = along > -kSame && dot(apart, apart) < touching * touching && !own;
           free = free && !(here && (touches || (along > kAhead && along < kNear && off < kAside)));
         }
   }
@@ -356,8 +357,10 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     if (!some(ends)) continue;
     Tip end = tip_of(ends, here, steep, towards);
     Bool passed = ends && is_shallow(px, py, steep);
-    if (some(passed)) passed = is_free(passed, end);
+    if (some(passed)) passed = is_free(passed, end, kTouches);
     Bool free = passed;
+    if (C.stride > 1 && some(passed))
+      passed = passed && is_free(passed, end, kTouches + kTouchesHigh * float(C.stride - 1));
     if (some(passed)) passed = is_passed(passed, end);
     free = free && !passed;
     Real lost = Real(0.0f);
