@@ -138,15 +138,16 @@ FN_RARE Bool is_passed(Bool asked, Tip end) {
   return passed;
 }
 
-// Whether a piece so far from an end of a few pieces is of a line that they touch or go on to: one that ends there, or
-// is no farther off than `most`.
+// Whether a piece so far from an end of a few pieces is of a line that they touch or go on to: one that ends there and
+// comes the same way, or one no farther off than `most` that does not run alongside.
 FN Bool leads_to(Vec2 way, Vec2 apart, Real piece, int lying, Real most) {
   Real along = dot(way, apart);
-  Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-  Bool faces = piece < 0.0f && abs(cross(way, lean)) < kAlike;
+  Real off = abs(cross(way, apart));
+  Bool alike = abs(cross(way, lean_of(slope_of(piece), steep_of(lying), Real(1.0f)))) < kAlike;
   Bool touches = along > -kSame && dot(apart, apart) < kCorner * kCorner;
-  return touches || (along > 0.0f && along < select(faces, Real(alongside() * kFills), most) &&
-                     abs(cross(way, apart)) < mad(along, Real(kCone), Real(kSame)));
+  Bool near = along < select(piece < 0.0f && alike, Real(alongside() * kFills), most) &&
+              (piece < 0.0f || !alike || off < kOther);
+  return touches || (along > 0.0f && near && off < mad(along, Real(kCone), Real(kSame)));
 }
 
 // Whether what is no more than a few pieces, between two ends, is near another line and not between two, as what fills
