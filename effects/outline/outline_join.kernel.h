@@ -44,7 +44,7 @@ CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what it turn
 CONST float kEven = 0.02f;        // and what a side of it turns that is flat
 CONST float kFirm = 0.7f;         // share of sure, of both
 CONST float kNearly = 0.8f;       // share of the way to it on which its surface is asked
-CONST float kTilted = 3.0f;       // pixel sizes per pixel that its surface may be tilted,
+CONST float kTilted = 6.0f;       // pixel sizes per pixel that its surface may be tilted,
 CONST float kFalls = 12.0f;       // and fall away behind the end of a crease, where another side of it begins
 CONST float kNever = 1e6f;        // the cost of what is not joined
 
