@@ -34,7 +34,8 @@ CONST float kDeep = 3.0f;         // pixel sizes that a surface may be before or
 CONST float kDeeper = 1.0f;       // and more per pixel between them
 CONST int kSamples = 5;           // of it
 CONST int kShort = 3;             // pixels, per pixel of stride,
-CONST int kShortMore = 3;         // and more, of a line that it points to
+CONST int kShortMore = 2;         // and more, of a line that it points to,
+CONST float kShortMost = 1.0f;    // and more if nothing is near, or it is a crease, or meets that at no low angle
 CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
 CONST float kOnFaith = 2.5f;      // pixels more than a crease came straight that it goes on
 CONST float kPointsFar = 0.15f;   // and where it is farther off
@@ -358,15 +359,16 @@ FN_RARE Target target_of(Bool asked, End a) {
   Vec2 at = a.at - Vec2(to_real(a.x), to_real(a.y));
   Real none = Real(0.0f);
   Target target = Target(asked && !asked, asked && !asked, none, Real(kNever), none, at, none);
-  int short_px = kShort * C.stride + kShortMore;
-  Real short_way = Real(float(short_px));
   Bool crease = asked && dot(a.nearer, a.nearer) < kHasSide * kHasSide;
+  int short_px = kShort * C.stride + kShortMore;
+  Real short_way = Real(float(short_px) + kShortMost);
+  Bool sure_way = crease || a.open;
   Coming coming = Coming(Real(0.0f), a.x, a.y, at, at - at);
   if (some(crease)) coming = coming_to(crease, a);
   // A crease of one row, between lines, is the end of one of them.
   Bool leads = asked && (a.open || !crease || coming.rows >= 1.0f);
-  for (int j = -short_px - 1; j <= short_px + 1; ++j)
-    for (int i = -short_px - 1; i <= short_px + 1; ++i)
+  for (int j = -short_px - 2; j <= short_px + 2; ++j)
+    for (int i = -short_px - 2; i <= short_px + 2; ++i)
       for (int lying = 0; lying < 2; ++lying) {
         if (!some(leads)) continue;
         Real piece = piece_at(lying, a.x + Int(i), a.y + Int(j));
@@ -376,6 +378,8 @@ FN_RARE Target target_of(Bool asked, End a) {
         Real along = dot(a.way, apart);
         Real aside = abs(cross(a.way, apart));
         here = here && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
+        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+        here = here && (sure_way || along < short_way - kShortMost || abs(cross(a.way, lean)) > kMeets);
         here = here && (!crease || along < coming.rows + kOnFaith);
         target = better_of(here, target, piece, lying, a.way, apart, along, aside);
       }
