@@ -365,8 +365,9 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     if (some(passed)) passed = is_passed(passed, end);
     free = free && !passed;
     Real lost = Real(0.0f);
-    if (some(free)) free = free && !points_on(free, end, true);
     if (some(free)) lost = burr_of(free, end, here, px, py, Int(side), towards);
+    Bool burr = lost > 0.0f;
+    if (some(burr)) lost = select(points_on(burr, end, true), Real(0.0f), lost);
     code = select(passed, code + (side < 0 ? kPassedBefore : kPassedAfter), code);
     Bool crease = ends && is_crease(piece) && !(lost > 0.0f);
     if (some(crease)) lost = select(crease, hook_of(crease, here, px, py, Int(side), towards), lost);
