@@ -16,6 +16,7 @@ OUT_REAL(outline_below_settled)
 CONST float kPixel = 0.5f;   // of t in its code
 CONST float kFirst = 0.25f;  // code of t = 0
 CONST float kNoPlace = 2.0f;
+CONST float kAgrees = 0.3f;  // pixels between two places of one crease
 
 // The crossing from one of its neighbours, if it lies here and is clearer than v; else v.
 FN Real clearer(Real v, Real before, Real after) {
@@ -47,49 +48,59 @@ FN Real crease_place(Real v) {
   return select(side == Real(kMiddle), (code - side - kFirst) * Real(1.0f / kPixel), Real(kNoPlace));
 }
 
+FN Bool in_own(Real place) { return place >= 0.0f && place < 1.0f; }
+
+// Whether one beside a crease, `before` or `after` by their places, places it where it is.
+FN Bool agreed(Real place, Real before, Real after) {
+  Bool by_before = before < kNoPlace && abs(before - place - 1.0f) < kAgrees;
+  return by_before || (after < kNoPlace && abs(after - place + 1.0f) < kAgrees);
+}
+
 // v, or nothing if it is a clear crease and one beside it, `before` or `after`, knows its place better: one that places
-// it in its own pixel and is clearer, or as clear and the first.
-FN Real known_here(Real v, Real before, Real after) {
+// it in its own pixel and is clearer, or as clear and the first, or else the only one that another agrees with.
+FN Real known_here(Real before2, Real before, Real v, Real after, Real after2) {
   Real place = crease_place(v);
+  Bool look = v > 0.0f && place < kNoPlace;
+  if (!some(look)) return v;
   Real place_before = crease_place(before);
   Real place_after = crease_place(after);
-  Bool by_before = place_before >= 0.0f && place_before < 1.0f && place >= 0.0f;
-  Bool by_after = place_after >= 0.0f && place_after < 1.0f && place < 1.0f;
-  by_before = by_before && clear_of(before) >= clear_of(v);
-  by_after = by_after && (clear_of(after) > clear_of(v) || (place < 0.0f && clear_of(after) == clear_of(v)));
-  return select(v > 0.0f && place < kNoPlace && (by_before || by_after), Real(0.0f), v);
+  Bool is_agreed = agreed(place, place_before, place_after);
+  Bool alike = clear_of(before) == clear_of(v);
+  Bool better = in_own(place) && is_agreed && !agreed(place_before, crease_place(before2), place);
+  Bool by_before = in_own(place_before) && clear_of(before) >= clear_of(v) && !(alike && better);
+  alike = clear_of(after) == clear_of(v);
+  better = place < 0.0f || (in_own(place) && !is_agreed && agreed(place_after, place, crease_place(after2)));
+  Bool by_after = in_own(place_after) && place < 1.0f && (clear_of(after) > clear_of(v) || (alike && better));
+  return select(look && (by_before || by_after), Real(0.0f), v);
+}
+
+// The crossings at the pixel so many after this one, of its row (lying 0) or column (1); 0 outside the picture.
+FN Real crossing_at(int lying, int k) {
+  Bool inside = lying == 0 ? near_inside(k, 0) : near_inside(0, k);
+  return select(inside, lying == 0 ? near_outline_right(k, 0) : near_outline_below(0, k), Real(0.0f));
+}
+
+FN Real settled(int lying) {
+  Real here = crossing_at(lying, 0);
+  Real before = crossing_at(lying, -1);
+  Real after = crossing_at(lying, 1);
+  if (!some(!(to_signed(bits_of(here) | bits_of(before) | bits_of(after)) == Int(0)))) return here;
+  if (C.stride > 1) {
+    Real before3 = crossing_at(lying, -3);
+    Real before2 = crossing_at(lying, -2);
+    Real after2 = crossing_at(lying, 2);
+    Real after3 = crossing_at(lying, 3);
+    Real known_before = known_here(before3, before2, before, here, after);
+    Real known_after = known_here(before, here, after, after2, after3);
+    here = known_here(before2, before, here, after, after2);
+    before = known_before;
+    after = known_after;
+  }
+  Bool inside = lying == 0 ? near_inside(-1, 0) : near_inside(0, -1);
+  return clearer(here_alone(here, inside), before, after);
 }
 
 FN void outline_settle_pixel(Int px, Int py) {
-  Real right = near_outline_right(0, 0);
-  Real below = near_outline_below(0, 0);
-  Real left1 = near_outline_right(-1, 0);
-  Real right1 = near_outline_right(1, 0);
-  Real above1 = near_outline_below(0, -1);
-  Real below1 = near_outline_below(0, 1);
-  left1 = select(near_inside(-1, 0), left1, Real(0.0f));
-  right1 = select(near_inside(1, 0), right1, Real(0.0f));
-  above1 = select(near_inside(0, -1), above1, Real(0.0f));
-  below1 = select(near_inside(0, 1), below1, Real(0.0f));
-  Uint any = bits_of(right) | bits_of(below) | bits_of(left1) | bits_of(right1) | bits_of(above1) | bits_of(below1);
-  if (some(!(to_signed(any) == Int(0)))) {
-    if (C.stride > 1) {
-      Real left2 = select(near_inside(-2, 0), near_outline_right(-2, 0), Real(0.0f));
-      Real above2 = select(near_inside(0, -2), near_outline_below(0, -2), Real(0.0f));
-      Real left = known_here(left1, left2, right);
-      Real here = known_here(right, left1, right1);
-      right1 = known_here(right1, right, select(near_inside(2, 0), near_outline_right(2, 0), Real(0.0f)));
-      left1 = left;
-      right = here;
-      Real above = known_here(above1, above2, below);
-      here = known_here(below, above1, below1);
-      below1 = known_here(below1, below, select(near_inside(0, 2), near_outline_below(0, 2), Real(0.0f)));
-      above1 = above;
-      below = here;
-    }
-    right = clearer(here_alone(right, near_inside(-1, 0)), left1, right1);
-    below = clearer(here_alone(below, near_inside(0, -1)), above1, below1);
-  }
-  store_outline_right_settled(right);
-  store_outline_below_settled(below);
+  store_outline_right_settled(settled(0));
+  store_outline_below_settled(settled(1));
 }
