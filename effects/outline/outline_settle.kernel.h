@@ -16,7 +16,8 @@ OUT_REAL(outline_below_settled)
 CONST float kPixel = 0.5f;   // of t in its code
 CONST float kFirst = 0.25f;  // code of t = 0
 CONST float kNoPlace = 2.0f;
-CONST float kAgrees = 0.3f;  // pixels between two places of one crease
+CONST float kAgrees = 0.3f;     // pixels between two places of one crease,
+CONST float kOneCrease = 1.5f;  // and so many if but one of them is right
 
 // The crossing from one of its neighbours, if it lies here and is clearer than v; else v.
 FN Real clearer(Real v, Real before, Real after) {
@@ -57,7 +58,8 @@ FN Bool agreed(Real place, Real before, Real after) {
 }
 
 // v, or nothing if it is a clear crease and one beside it, `before` or `after`, knows its place better: one that places
-// it in its own pixel and is clearer, or as clear and the first, or else the only one that another agrees with.
+// it in its own pixel and is clearer, or as clear and the first; or of two of which but one is agreed with by another,
+// that one.
 FN Real known_here(Real before2, Real before, Real v, Real after, Real after2) {
   Real place = crease_place(v);
   Bool look = v > 0.0f && place < kNoPlace;
@@ -65,12 +67,17 @@ FN Real known_here(Real before2, Real before, Real v, Real after, Real after2) {
   Real place_before = crease_place(before);
   Real place_after = crease_place(after);
   Bool is_agreed = agreed(place, place_before, place_after);
+  Bool agreed_before = place_before < kNoPlace && agreed(place_before, crease_place(before2), place);
+  Bool agreed_after = place_after < kNoPlace && agreed(place_after, place, crease_place(after2));
+  // Of two places that are apart.
+  Bool less_before = !is_agreed && agreed_before && place - place_before + 1.0f < kOneCrease;
+  Bool less_after = !is_agreed && agreed_after && place_after - place + 1.0f < kOneCrease;
+  Bool better = in_own(place) && is_agreed && !agreed_before;
   Bool alike = clear_of(before) == clear_of(v);
-  Bool better = in_own(place) && is_agreed && !agreed(place_before, crease_place(before2), place);
-  Bool by_before = in_own(place_before) && clear_of(before) >= clear_of(v) && !(alike && better);
+  Bool by_before = clear_of(before) >= clear_of(v) && (less_before || (in_own(place_before) && !(alike && better)));
   alike = clear_of(after) == clear_of(v);
-  better = place < 0.0f || (in_own(place) && !is_agreed && agreed(place_after, place, crease_place(after2)));
-  Bool by_after = in_own(place_after) && place < 1.0f && (clear_of(after) > clear_of(v) || (alike && better));
+  Bool own_after = in_own(place_after) && place < 1.0f && (clear_of(after) > clear_of(v) || (alike && place < 0.0f));
+  Bool by_after = own_after || (clear_of(after) >= clear_of(v) && less_after);
   return select(look && (by_before || by_after), Real(0.0f), v);
 }
 
