@@ -21,6 +21,7 @@ CONST float kLeastFacing = 0.01f;  // as in outline_find
 CONST float kFar = 1e4f;           // pixels: no line
 CONST float kRim = 0.8f;           // of the side: a rim's line lies wholly on one
 CONST float kMostShare = 0.35f;    // of what is thin that a line on either side may cover
+CONST float kBegins = 0.5f;        // pixels between two lines from which on they are narrower
 CONST float kFading = 3.0f;        // a line less sure than a third fades, too
 CONST float kSideEnds = 0.4f;      // a surface ends at a crossing that lies more than this on one side
 
@@ -46,9 +47,9 @@ FN Vec3 met(Real v, int i) {
 }
 
 // What the lines that this pixel sees in one of four directions, along its row (lying 0) or column (1), backward
-// (towards -1) or forward (1), cover of it, 1 and more for all.
+// (towards -1) or forward (1), cover of it, 1 and more for all; below 0 by how many pixels they just do not.
 FN Real seen_cover(int lying, int towards, int sight) {
-  Real covered = Real(0.0f);
+  Real covered = Real(-1.0f);
   Real open = Real(1.0f);
   for (int k = 0; k < sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
@@ -56,8 +57,9 @@ FN Real seen_cover(int lying, int towards, int sight) {
     Bool here = v > 0.0f;
     if (!some(here)) continue;
     Vec3 line = met(v, i);
-    Real cover = min(line.x, line.y) * darkness_of(linked_of(v));
-    covered = max(covered, cover * open);
+    Real inside = min(line.x, line.y);
+    Real cover = select(inside > 0.0f, inside * darkness_of(linked_of(v)), inside);
+    covered = select(here && open > 0.0f, max(covered, cover), covered);
     open = select(here && abs(side_of(v)) > kSideEnds, Real(0.0f), open);
   }
   return covered;
@@ -192,13 +194,20 @@ FN Real ends_or(Real covered, Real spare, Bool ends, Int px, Int py) {
   return covered;
 }
 
-// The cover of pixels that have lines on both sides, `between`; of others it is `covered`.
-FN Real between_lines(Real covered, Bool between, Bool ends, Int px, Int py, int sight) {
+// How far two such covers are of both sides: lines that just do not reach each other begin to be narrower.
+FN Real of_both(Real a, Real b) {
+  return select(max(a, b) > 0.0f, unit_clamp(mad(min(a, b), Real(1.0f / kBegins), Real(1.0f))), Real(0.0f));
+}
+
+// The cover of pixels that have lines on both sides, along their row and their column so far; of others it is
+// `covered`.
+FN Real between_lines(Real covered, Real across, Real along, Bool ends, Int px, Int py, int sight) {
   Vec3 left = seen(0, -1, sight);
   Vec3 right = seen(0, 1, sight);
   Vec3 up = seen(1, -1, sight);
   Vec3 down = seen(1, 1, sight);
-  Real spare = select(between, max(too_wide(left, right), too_wide(up, down)), Real(0.0f));
+  Bool between = max(across, along) > 0.0f;
+  Real spare = max(too_wide(left, right) * across, too_wide(up, down) * along);
   Real less = max(max(cover_of(left, spare), cover_of(right, spare)), max(cover_of(up, spare), cover_of(down, spare)));
   return ends_or(unit_clamp(select(between, less, covered)), spare, ends, px, py);
 }
@@ -242,19 +251,19 @@ FN Real joins_or(Real covered, Uint near, Uint far) {
 // What lines cover of a pixel with such bits around.
 FN Real lines_cover(Uint any, Int px, Int py, int sight) {
   Bool ends = to_signed(any) < Int(0);
-  Real left = Real(0.0f);
-  Real right = Real(0.0f);
+  Real left = Real(-1.0f);
+  Real right = Real(-1.0f);
   if (some(has_line(bits_of(near_outline_around(0, 0))))) {
     left = seen_cover(0, -1, sight);
     right = seen_cover(0, 1, sight);
   }
   Real up = seen_cover(1, -1, sight);
   Real down = seen_cover(1, 1, sight);
-  Real covered = max(max(left, right), max(up, down));
-  Bool across = left > 0.0f && right > 0.0f;
-  Bool along = up > 0.0f && down > 0.0f;
-  if (!some(across || along)) return ends_or(unit_clamp(covered), Real(0.0f), ends, px, py);
-  return between_lines(covered, across || along, ends, px, py, sight);
+  Real covered = max(max(max(left, right), max(up, down)), Real(0.0f));
+  Real across = of_both(left, right);
+  Real along = of_both(up, down);
+  if (!some(max(across, along) > 0.0f)) return ends_or(unit_clamp(covered), Real(0.0f), ends, px, py);
+  return between_lines(covered, across, along, ends, px, py, sight);
 }
 
 FN Real robust_cover(Int px, Int py, int sight) {
