@@ -196,7 +196,7 @@ int find_reach(const void* constants, int) {
   // are as wide as it may be.
   return std::max({5 * stride, 2 * stride + 8, 2 * c.bevel + 1});
 }
-int settle_reach(const void*, int) { return 3; }
+int settle_reach(const void*, int) { return 4; }
 int refine_reach(const void*, int) { return 14; }
 /// What is not sure is followed for nine rows or columns, times the stride, and five more, each 1.5 aside by its lean
 /// and 1.1 beside that; two more where it ends. What is sure for 24, and in each of four hops 2.1 aside. Specks are

@@ -5,8 +5,8 @@
 // Planes of crossings as outline_crossing.kernel.h has them; t is in [0, 1) now, but at the picture's border, where
 // there is no pixel to move to. Of two crossings at one place the clearer one stays, and a faint crease beside a clear
 // crossing is but that one's shadow. In high pictures one crease may be found by several pixels of a stride, which
-// place it up to two pixels apart: one of them stays, or else its line would be drawn double, or its halves be taken to
-// stand for each other.
+// place it up to two pixels apart: one stays, at the mean of these, or else its line would be drawn double, or its
+// halves be taken to stand for each other.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_right_settled)
@@ -16,8 +16,7 @@ OUT_REAL(outline_below_settled)
 CONST float kPixel = 0.5f;   // of t in its code
 CONST float kFirst = 0.25f;  // code of t = 0
 CONST float kNoPlace = 2.0f;
-CONST float kAgrees = 0.3f;     // pixels between two places of one crease,
-CONST float kOneCrease = 1.5f;  // and so many if but one of them is right
+CONST float kOneCrease = 1.5f;  // pixels between two places of one crease
 
 // The crossing from one of its neighbours, if it lies here and is clearer than v; else v.
 FN Real clearer(Real v, Real before, Real after) {
@@ -49,36 +48,32 @@ FN Real crease_place(Real v) {
   return select(side == Real(kMiddle), (code - side - kFirst) * Real(1.0f / kPixel), Real(kNoPlace));
 }
 
-FN Bool in_own(Real place) { return place >= 0.0f && place < 1.0f; }
+// What adds to the mean of the places of one crease: that of one so many pixels on, and 1, if it is near enough.
+FN Vec2 share_of(Real place, Real other, float pixels) {
+  Real there = crease_place(other) + pixels;
+  Bool near = other > 0.0f && there < kNoPlace + pixels && abs(there - place) < kOneCrease;
+  return Vec2(select(near, there, Real(0.0f)), select(near, Real(1.0f), Real(0.0f)));
+}
 
-// Whether one beside a crease, `before` or `after` by their places, places it where it is.
-FN Bool agreed(Real place, Real before, Real after) {
-  Bool by_before = before < kNoPlace && abs(before - place - 1.0f) < kAgrees;
-  return by_before || (after < kNoPlace && abs(after - place + 1.0f) < kAgrees);
+// A clear crease at the mean of the places where it is found by pixels up to two beside.
+FN Real evened(Real before2, Real before, Real v, Real after, Real after2) {
+  Real place = crease_place(v);
+  Vec2 sum = Vec2(place, Real(1.0f)) + share_of(place, before2, -2.0f) + share_of(place, before, -1.0f) +
+             share_of(place, after, 1.0f) + share_of(place, after2, 2.0f);
+  Real mean = clamp(sum.x / sum.y, Real(-0.5f), Real(1.49f));
+  return select(v > 0.0f && place < kNoPlace, mad(mean - place, Real(kPixel), v), v);
 }
 
 // v, or nothing if it is a clear crease and one beside it, `before` or `after`, knows its place better: one that places
-// it in its own pixel and is clearer, or as clear and the first; or of two of which but one is agreed with by another,
-// that one.
-FN Real known_here(Real before2, Real before, Real v, Real after, Real after2) {
+// it in its own pixel and is clearer, or as clear and the first.
+FN Real known_here(Real v, Real before, Real after) {
   Real place = crease_place(v);
-  Bool look = v > 0.0f && place < kNoPlace;
-  if (!some(look)) return v;
   Real place_before = crease_place(before);
   Real place_after = crease_place(after);
-  Bool is_agreed = agreed(place, place_before, place_after);
-  Bool agreed_before = place_before < kNoPlace && agreed(place_before, crease_place(before2), place);
-  Bool agreed_after = place_after < kNoPlace && agreed(place_after, place, crease_place(after2));
-  // Of two places that are apart.
-  Bool less_before = !is_agreed && agreed_before && place - place_before + 1.0f < kOneCrease;
-  Bool less_after = !is_agreed && agreed_after && place_after - place + 1.0f < kOneCrease;
-  Bool better = in_own(place) && is_agreed && !agreed_before;
-  Bool alike = clear_of(before) == clear_of(v);
-  Bool by_before = clear_of(before) >= clear_of(v) && (less_before || (in_own(place_before) && !(alike && better)));
-  alike = clear_of(after) == clear_of(v);
-  Bool own_after = in_own(place_after) && place < 1.0f && (clear_of(after) > clear_of(v) || (alike && place < 0.0f));
-  Bool by_after = own_after || (clear_of(after) >= clear_of(v) && less_after);
-  return select(look && (by_before || by_after), Real(0.0f), v);
+  Bool by_before = place_before >= 0.0f && place_before < 1.0f && clear_of(before) >= clear_of(v);
+  Bool by_after = place_after >= 0.0f && place_after < 1.0f && place < 1.0f;
+  by_after = by_after && (clear_of(after) > clear_of(v) || (place < 0.0f && clear_of(after) == clear_of(v)));
+  return select(v > 0.0f && place < kNoPlace && (by_before || by_after), Real(0.0f), v);
 }
 
 // The crossings at the pixel so many after this one, of its row (lying 0) or column (1); 0 outside the picture.
@@ -93,15 +88,20 @@ FN Real settled(int lying) {
   Real after = crossing_at(lying, 1);
   if (!some(!(to_signed(bits_of(here) | bits_of(before) | bits_of(after)) == Int(0)))) return here;
   if (C.stride > 1) {
+    Real before4 = crossing_at(lying, -4);
     Real before3 = crossing_at(lying, -3);
     Real before2 = crossing_at(lying, -2);
     Real after2 = crossing_at(lying, 2);
     Real after3 = crossing_at(lying, 3);
-    Real known_before = known_here(before3, before2, before, here, after);
-    Real known_after = known_here(before, here, after, after2, after3);
-    here = known_here(before2, before, here, after, after2);
-    before = known_before;
-    after = known_after;
+    Real after4 = crossing_at(lying, 4);
+    Real even_before2 = evened(before4, before3, before2, before, here);
+    Real even_before = evened(before3, before2, before, here, after);
+    Real even = evened(before2, before, here, after, after2);
+    Real even_after = evened(before, here, after, after2, after3);
+    Real even_after2 = evened(here, after, after2, after3, after4);
+    before = known_here(even_before, even_before2, even);
+    here = known_here(even, even_before, even_after);
+    after = known_here(even_after, even, even_after2);
   }
   Bool inside = lying == 0 ? near_inside(-1, 0) : near_inside(0, -1);
   return clearer(here_alone(here, inside), before, after);
