@@ -163,7 +163,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr float kMostStride = 4.0f;
   c.stride = int(std::clamp(std::round(float(info.inner_height()) / kStrideHeight), 1.0f, kMostStride));
   // What is smaller would be all line; of wider lines it would take long to look so far around.
-  constexpr float kSmallWidths = 3.0f, kMostSmall = 6.0f;
+  constexpr float kSmallWidths = 3.0f, kMostSmall = 13.0f;
   c.small = int(std::clamp(std::round(kSmallWidths * c.width_px), 1.0f, kMostSmall));
   constexpr float kBevelHeight = 150.0f;  // of the picture, per pixel of half a wide bevel
   c.bevel = int(std::clamp(std::round(float(info.inner_height()) / kBevelHeight), 3.0f, 16.0f));

@@ -43,6 +43,8 @@ CONST float kClear = 7.0f;            // half of it
 CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
 CONST int kTurns = 1;                 // and one that runs across
 CONST int kAround = 6;                // pixels, times the stride, within which a line has
+CONST float kGapWithin = 2.0f;        // pixels between two parts of one thing
+CONST int kApartFrom = 3;             // pixels, between which and others none are
 CONST float kLeastAround = 6.5f;      // pieces, times the stride, or else it is a speck
 
 // The way along a line from a piece of it, to one side.
@@ -200,32 +202,57 @@ FN Bool speck_around(Bool asked) {
   return asked && count < least;
 }
 
-// Whether all that is around is within C.small pixels in both directions, with none just beyond.
+// A rectangle around this pixel's piece, with all pieces that are no farther from it than kGapWithin.
+struct Within {
+  Real first, last, top, bottom;
+};
+
+FN Bool is_within(Within all, int i, int j, float margin) {
+  Real x = Real(float(i));
+  Real y = Real(float(j));
+  return x >= all.first - margin && x <= all.last + margin && y >= all.top - margin && y <= all.bottom + margin;
+}
+
+// Whether what this piece is part of is smaller than C.small pixels in both directions, with no other near it: it would
+// be all line. All of its pieces see the same, so that it is there or not as a whole.
 FN_RARE Bool small_around(Bool asked) {
-  Bool alone = asked;
-  for (int j = -C.small - 1; j <= C.small + 1; ++j) {
-    if (!some(alone)) continue;
-    Uint any = Uint(0u);
-    for (int i = -C.small - 1; i <= C.small + 1; ++i)
-      if (i < -C.small || i > C.small || j < -C.small || j > C.small)
-        any = any | bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j));
-    alone = alone && !has_piece(any);
+  Bool small = asked;
+  Real zero = Real(0.0f);
+  Within all = Within(zero, zero, zero, zero);
+  // From this row on outward, twice, since what is farther may lead back.
+  for (int k = 0; k < 2 * (2 * C.small + 1); ++k) {
+    if (!some(small)) continue;
+    int from = k < 2 * C.small + 1 ? k : k - (2 * C.small + 1);
+    int j = from % 2 == 0 ? -from / 2 : (from + 1) / 2;
+    for (int side = -1; side <= 1; side += 2)
+      for (int n = 0; n <= C.small; ++n) {
+        int i = side * n;
+        Bool any = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j)));
+        Bool part = any && is_within(all, i, j, kGapWithin);
+        all.first = select(part, min(all.first, Real(float(i))), all.first);
+        all.last = select(part, max(all.last, Real(float(i))), all.last);
+        all.top = select(part, min(all.top, Real(float(j))), all.top);
+        all.bottom = select(part, max(all.bottom, Real(float(j))), all.bottom);
+      }
+    Real most = Real(float(C.small));
+    small = small && all.last - all.first < most && all.bottom - all.top < most;
   }
-  if (!some(alone)) return alone;
-  // The first and the last row and column that have pieces.
-  Real first = Real(0.0f);
-  Real last = Real(0.0f);
-  Real top = Real(0.0f);
-  Real bottom = Real(0.0f);
-  for (int j = -C.small; j <= C.small; ++j)
-    for (int i = -C.small; i <= C.small; ++i) {
-      Bool any = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j)));
-      first = select(any, min(first, Real(float(i))), first);
-      last = select(any, max(last, Real(float(i))), last);
-      top = select(any, min(top, Real(float(j))), top);
-      bottom = select(any, max(bottom, Real(float(j))), bottom);
+  int wide = C.small + kApartFrom;
+  for (int j = -wide; j <= wide; ++j) {
+    if (!some(small)) continue;
+    for (int i = -wide; i <= wide; ++i) {
+      Bool other = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j))) &&
+                   is_within(all, i, j, float(kApartFrom)) && !is_within(all, i, j, 0.0f);
+      small = small && !other;
     }
-  return alone && last - first < Real(float(C.small)) && bottom - top < Real(float(C.small));
+  }
+  return small;
+}
+
+// How many pieces what would be all line has at most, to be asked for.
+FN float most_of_small() {
+  float most = kLeastAround * float(C.stride);
+  return most > 2.0f * float(C.small) ? most : 2.0f * float(C.small);
 }
 
 // A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides.
@@ -259,7 +286,9 @@ FN Real weighed(int lying, Int px, Int py, Real piece, Bool asked) {
   Real sure = floor(share * clamp(rows, Real(0.0f), Real(1.0f)) * kSure + 0.5f);
   Bool kept = asked && sure > kLeastSure;
   brief = kept && line.found < stride * kLeastAround;
-  if (some(brief)) kept = kept && !(speck_around(brief) || small_around(brief));
+  if (some(brief)) kept = kept && !speck_around(brief);
+  brief = kept && line.found < most_of_small();
+  if (some(brief)) kept = kept && !small_around(brief);
   return select(kept, straightened(piece, line, sure), Real(0.0f));
 }
 
@@ -289,8 +318,10 @@ FN Real confirmed(int lying, Int px, Int py, Real piece, Bool asked) {
   }
   Line line = followed(lying, px, py, piece, walked, 0, kFirstHop, kHops);
   piece = select(better, straightened(piece, line, sure_of(piece)), without_mark(piece));
+  Bool small = brief && line.found < most_of_small();
   brief = brief && line.found < Real(kLeastAround * float(C.stride));
-  if (some(brief)) piece = select(speck_around(brief) || small_around(brief), Real(0.0f), piece);
+  if (some(brief)) piece = select(speck_around(brief), Real(0.0f), piece);
+  if (some(small)) piece = select(small_around(small), Real(0.0f), piece);
   return piece;
 }
 
