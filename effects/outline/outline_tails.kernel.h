@@ -38,6 +38,7 @@ CONST float kStraight = 0.6f;       // if they are no farther beside it,
 CONST float kHookOff = 1.0f;        // and how far beside what is a hook is
 CONST float kMoreThanSpeck = 3.0f;  // pieces
 CONST float kBack = 0.6f;           // cosine from which on a way is back along the first,
+CONST int kTrunk = 3;               // rows that a line goes on for beyond a crossing,
 CONST int kLonger = 2;              // rows that the other one goes on for more
 CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSame, that they may be
 
@@ -182,9 +183,10 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
   return near && !(before && after) && !(longer && (before || after));
 }
 
-// Whether a line passes through a place on the way from an end, so many rows and `back` away, from where another one
-// goes on for longer than to there, and not back along the first.
-FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, int rows) {
+// Whether at a place on the way from an end, so many rows and `back` away, lines part: another one goes on from there
+// for longer than to there, neither back that way nor as the first does, which goes on by `beyond`, or 0 if it does
+// not. If it does not, the other goes on to both sides: or else the two are one that turns.
+FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, Vec2 beyond, int rows) {
   Vec2 at = middle_of(last.piece, last.steep, 0.0f);
   Bool found = asked && !asked;
   for (int j = -1; j <= 1; ++j)
@@ -205,16 +207,19 @@ FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, int rows) {
         // A line of its own kind is another one only if it leans otherwise.
         here = here && (!same(last.steep, steep) || abs(slope_of(piece) - last.slope) > kLeansOff);
         if (!some(here)) continue;
+        Bool parts = here && !here;
+        Bool both = here;
         for (int side = -1; side <= 1; side += 2) {
           Real towards = Real(float(side));
-          Bool onward = here && dot(lean, back) * towards < sqrt(dot(back, back)) * kBack;
-          Along other = Along(onward, place_of(piece), slope_of(piece), x, y, steep, piece, Real(kLeastSeen));
+          Along other = Along(here, place_of(piece), slope_of(piece), x, y, steep, piece, Real(kLeastSeen));
           for (int k = 1; k <= rows + kLonger; ++k) {
-            if (!some(other.on)) continue;
-            other = next_along(other, x, y, steep, Int(k * side), towards);
+            if (some(other.on)) other = next_along(other, x, y, steep, Int(k * side), towards);
+            if (k <= kTrunk) both = both && other.on;
           }
-          found = found || other.on;
+          parts = parts || (other.on && dot(lean, back) * towards < sqrt(dot(back, back)) * kBack &&
+                            dot(lean, beyond) * towards <= sqrt(dot(beyond, beyond)) * kBack);
         }
+        found = found || (parts && (both || dot(beyond, beyond) > 0.0f));
       }
   return found;
 }
@@ -293,8 +298,14 @@ FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, 
     if (!some(last.on)) continue;
     last = next_along(last, px, py, steep, side * Int(-k), -towards);
     Bool crossed = last.on;
-    Vec2 back = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py)) - end.at;
-    if (some(crossed)) crossed = is_crossed(crossed, last, back, k);
+    if (some(crossed)) {
+      Vec2 at = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py));
+      Along trunk = last;
+      for (int m = 1; m <= kTrunk; ++m)
+        if (some(trunk.on)) trunk = next_along(trunk, px, py, steep, side * Int(-k - m), -towards);
+      Vec2 beyond = middle_of(trunk.piece, trunk.steep, 0.0f) + Vec2(to_real(trunk.x - px), to_real(trunk.y - py)) - at;
+      crossed = is_crossed(crossed, last, at - end.at, chosen(trunk.on, beyond, at - at), k);
+    }
     rows = select(crossed, Real(float(k)), rows);
     last.on = last.on && !crossed;
   }
