@@ -214,6 +214,7 @@ FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, Vec2 beyond, int rows
           Along other = Along(here, place_of(piece), slope_of(piece), x, y, steep, piece, Real(kLeastSeen));
           for (int k = 1; k <= rows + kLonger; ++k) {
             if (some(other.on)) other = next_along(other, x, y, steep, Int(k * side), towards);
+            other.on = other.on && same(other.steep, steep);
             if (k <= kTrunk) both = both && other.on;
           }
           parts = parts || (other.on && dot(lean, back) * towards < sqrt(dot(back, back)) * kBack &&

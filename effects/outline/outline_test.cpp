@@ -811,6 +811,122 @@ TEST(Outline, LinesThatOverlapAreOneLine) {
     }
 }
 
+TEST(Outline, WhatGoesPastACrossingForAFewRowsIsDropped) {
+  // A step, and another one that comes to it from below and fades beyond.
+  int bare = 0, drawn = 0;
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const bool brief : {true, false}) {
+        const double stride = height > 256 ? 3.0 : 1.0, long_px = brief ? 5.0 + 2.0 * stride : 30.0 * stride;
+        const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          const double beyond = std::clamp(1.0 - v / long_px, 0.0, 1.0);
+          const double more = 14.0 * beyond * std::max(0.0, 1.0 - u / (40.0 * stride));
+          return (v > 0.0 ? 12.0 : 0.0) + (u > 0.0 ? more : 0.0);
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        long past = 0;
+        for (int y = 0; y < lines.height; ++y)
+          for (int x = 0; x < lines.width; ++x) {
+            const dvec2 p = on_relief(angle, lens, x, y);
+            past += p.y > 3.5 && std::fabs(p.x) < 5.0 && lines.at(x, y) > kLine;
+          }
+        if (brief)
+          bare += past == 0;
+        else
+          drawn += past > 40;
+      }
+  EXPECT_GE(bare, 10) << "of 18";  // where the two meet at a low angle to rows and columns a part can stay
+  EXPECT_EQ(drawn, 18);
+}
+
+TEST(Outline, LinesThatTurnAreWhole) {
+  // A shore that turns to the side and back within a few pixels.
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const double aside : {5.0, 7.0, 9.0, 12.0}) {
+        const Lens lens{160, height, true};
+        const Scene scene =
+            relief(angle, lens, [=](double u, double v) { return v > (u > 0.0 ? aside : 0.0) ? 12.0 : 0.0; });
+        Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        for (int y = 0; y < lines.height; ++y)
+          for (int x = 0; x < lines.width; ++x)
+            if (glm::length(on_relief(angle, lens, x, y)) > 60.0) lines.at(x, y) = 0.0f;
+        EXPECT_LE(count(lines) - largest_set(lines), 3) << height << " high, " << angle << " degrees, " << aside;
+      }
+}
+
+TEST(Outline, ShortStrokesAloneOnASurfaceAreDropped) {
+  int bare = 0, drawn = 0;
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const bool brief : {true, false}) {
+        const double stride = height > 256 ? 3.0 : 1.0, half_px = (brief ? 7.0 : 30.0) * stride;
+        const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          const double fades = std::max(0.0, 1.0 - v / (40.0 * stride));
+          return v > 0.0 ? 14.0 * fades * std::max(0.0, 1.0 - std::fabs(u) / half_px) : 0.0;
+        });
+        const long all = count(lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}}));
+        if (brief)
+          bare += all == 0;
+        else
+          drawn += all > 60;
+      }
+  EXPECT_GE(bare, 16) << "of 18";
+  EXPECT_EQ(drawn, 18);
+}
+
+TEST(Outline, LinesOfPolesAreEven) {
+  // A pole that widens slowly: its lines get narrower where they would meet, and nowhere at once.
+  for (const double angle : {0.5, 89.5, 90.0})
+    for (const double width : {2.0, 2.05, 3.0}) {
+      const Lens lens{256, 1024, true};
+      const Scene scene = relief(angle, lens, [=](double u, double v) {
+        return std::fabs(v) < width * (0.9 + 0.5 * std::clamp(u / 200.0 + 0.5, 0.0, 1.0)) ? 30.0 : 0.0;
+      });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", fmt::format("{}", width)}});
+      double before = -1.0, jump = 0.0;
+      for (const auto& [u, px] : widths_along(lines, angle, lens, 1.0, 0.0, 88.0, 8.0)) {
+        if (before >= 0.0) jump = std::max(jump, std::fabs(px - before));
+        before = px;
+      }
+      EXPECT_LT(jump, 0.2 * width) << angle << " degrees, width " << width;
+    }
+}
+
+TEST(Outline, ARimBesideACreaseIsAsWideEverywhere) {
+  // A step, and before its foot the surface bends: what is found there is the other line's in some rows.
+  for (const double angle : {2.5, 4.0, 8.0, 82.0, 86.0})
+    for (const double apart_px : {1.4, 1.7, 2.0, 2.3}) {
+      const Lens lens{160, 2160, true};
+      const double a = radians(angle), pixel = lens.pixel();
+      const dvec3 up(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+      const Scene scene = [=](const dvec3& origin, const dvec3& direction) {
+        const double v = ((origin.y - kOffY) * std::cos(a) - (origin.x - kOffX) * std::sin(a)) / pixel;
+        const double below = std::max(0.0, -apart_px - v);
+        Hit hit;
+        hit.distance = (kFocus + origin.z - (v > 0.0 ? 14.0 : -0.8 * below) * pixel) / -direction.z;
+        hit.normal = below > 0.0 ? glm::normalize(front - 0.8 * up) : front;
+        return hit;
+      };
+      const Plane lines = lines_of(seen(lens, scene), {{"width", "4"}});
+      double least = 1e9, most = 0.0;
+      std::map<int, double> widths;
+      for (int y = 0; y < lines.height; ++y)
+        for (int x = 0; x < lines.width; ++x) {
+          const dvec2 p = on_relief(angle, lens, x, y);
+          if (std::fabs(p.x) < 60.0 && p.y > 1.0 && p.y < 12.0)
+            widths[int(std::floor(p.x / 2.0))] += 0.5 * lines.at(x, y);
+        }
+      for (const auto& [u, px] : widths) {
+        least = std::min(least, px);
+        most = std::max(most, px);
+      }
+      EXPECT_LT(most - least, 1.6) << angle << " degrees, " << apart_px << " apart: " << least << " to " << most;
+    }
+}
+
 TEST(Outline, FaintPartsBetweenOthersAreAsWide) {
   // A step that is but just one for a few pixels; where it is for many, the line fades.
   for (const int height : {256, 2160})
@@ -1345,6 +1461,33 @@ TEST(Outline, WhatWouldBeAllLineHasNone) {
         const Plane lines = lines_of(g, {{"width", "2"}});
         EXPECT_EQ(count(lines) > 0, wide_px > 8.0) << height << " high, " << wide_px << " wide, " << aside << " aside";
       }
+}
+
+TEST(Outline, SmallThingsAreAllThereOrNot) {
+  // Of wide lines what would be all line is wider, and another thing may be near.
+  for (const double wide_px : {4.0, 6.0, 8.0, 10.0, 15.0, 20.0})
+    for (const double near_px : {6.0, 9.0, 12.0}) {
+      const Lens lens{128, 2160, true};
+      const dvec3 front(0, 0, 1), side(1, 0, 0), center(0, 0, -kFocus);
+      const double edge = (0.5 * wide_px + near_px) * lens.pixel();
+      const GBuffer g = seen(lens, together({sphere(center, 0.5 * wide_px * lens.pixel(), 1),
+                                             convex_solid({{front, -kFocus}, {-side, -edge}}, 2),
+                                             convex_solid({{front, -kFocus - 1.0}}, 0)}));
+      const Plane lines = lines_of(g, {{"width", "4"}});
+      long ball = 0, ring = 0;
+      for (int y = 0; y < lines.height; ++y)
+        for (int x = 0; x < lines.width; ++x) {
+          if (g.layers[0].plane("object_id").at(x, y) != 1.0f) continue;
+          ball += 1;
+          ring += lines.at(x, y) > kLine;
+        }
+      const std::string what = fmt::format("{} wide, {} from another: {} of {} pixels", wide_px, near_px, ring, ball);
+      if (wide_px < 11.0)
+        EXPECT_EQ(ring, 0) << what;
+      else
+        EXPECT_GT(ring, ball / 2) << what;
+      EXPECT_GT(count(lines) - ring, 250) << what;
+    }
 }
 
 TEST(Outline, FoldsHaveALineWithoutConvexEdges) {
