@@ -205,9 +205,14 @@ int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);
 }
-/// A line is followed as `link_reach` has it: for up to eight rows from one beside an end, for four before each end of
-/// a few rows.
-int tails_reach(const void* constants, int) { return 28 + 2 * static_cast<const OutlineConstants*>(constants)->stride; }
+/// A line is followed from its end for twice a tail's rows and one, or for eight, times the stride, each 2.6 aside;
+/// from there what is beside, or as far ahead as ends are joined, and a line there for as many rows as a burr may have.
+int tails_reach(const void* constants, int) {
+  const auto& c = *static_cast<const OutlineConstants*>(constants);
+  const int tail = std::min(std::min(6 * c.stride, 16) + 4, 16), burr = std::min(2 * c.stride + 4, 15) + 2;
+  const int back = std::max(2 * tail + 1, 8 * c.stride);
+  return int(std::ceil(2.6f * float(back))) + std::max(c.join, int(std::ceil(2.6f * float(burr)))) + 12;
+}
 /// What is faint is followed for 16 rows, times the stride; from there a line is looked for as far as ends are joined,
 /// and from another faint one, that goes on there, once more the same.
 int trim_reach(const void* constants, int) {
