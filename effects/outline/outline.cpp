@@ -162,9 +162,10 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   constexpr float kStrideHeight = 810.0f;  // of the picture, per pixel of stride: what is an edge is one at any size
   constexpr float kMostStride = 4.0f;
   c.stride = int(std::clamp(std::round(float(info.inner_height()) / kStrideHeight), 1.0f, kMostStride));
-  // What is smaller would be all line; of wider lines it would take long to look so far around.
-  constexpr float kSmallWidths = 3.0f, kMostSmall = 13.0f;
-  c.small = int(std::clamp(std::round(kSmallWidths * c.width_px), 1.0f, kMostSmall));
+  // What is smaller would be all line. As many, and three around it, as lanes look around at once; where the stride is
+  // one, as many as outline_refine tells short lines by.
+  constexpr float kSmallWidths = 3.0f, kMostSmall = 13.0f, kMostSmallLow = 6.0f;
+  c.small = int(std::clamp(std::round(kSmallWidths * c.width_px), 1.0f, c.stride > 1 ? kMostSmall : kMostSmallLow));
   constexpr float kBevelHeight = 150.0f;  // of the picture, per pixel of half a wide bevel
   c.bevel = int(std::clamp(std::round(float(info.inner_height()) / kBevelHeight), 3.0f, 16.0f));
   constexpr float kEvenly = 0.4f;  // of the same turn in every step
@@ -179,7 +180,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const int cap = 1 + int(std::ceil(0.5f * c.width_px));
   c.around = std::max({c.sight, c.join / 2 + cap, c.onward + cap});
   // Three windows so far apart from each other leave no gap: apart is at most 2 gather + 1.
-  c.gather = std::max({c.sight, c.join / 2 + cap, (c.around + 1) / 3});
+  constexpr int kShort = 3, kShortMore = 3;  // pixels to a line ahead, per pixel of stride and more: see outline_join
+  c.gather = std::max({c.sight, std::max(c.join / 2, kShort * c.stride + kShortMore) + cap, (c.around + 1) / 3});
   c.apart = std::max(c.around - c.gather, 1);
 }
 
@@ -200,7 +202,7 @@ int settle_reach(const void*, int) { return 4; }
 int refine_reach(const void*, int) { return 14; }
 /// What is not sure is followed for nine rows or columns, times the stride, and five more, each 1.5 aside by its lean
 /// and 1.1 beside that; two more where it ends. What is sure for 24, and in each of four hops 2.1 aside. Specks are
-/// told within six pixels, times the stride, and what is small within seven.
+/// told within six pixels, times the stride, and what is small within sixteen.
 int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);

@@ -59,7 +59,8 @@ FN Real seen_cover(int lying, int towards, int sight) {
     Vec3 line = met(v, i);
     Real inside = min(line.x, line.y);
     Real cover = select(inside > 0.0f, inside * darkness_of(linked_of(v)), inside);
-    covered = select(here && open > 0.0f, max(covered, cover), covered);
+    Bool drawn = here && linked_of(v) > 0.0f;
+    covered = select(drawn && open > 0.0f, max(covered, cover), covered);
     open = select(here && abs(side_of(v)) > kSideEnds, Real(0.0f), open);
   }
   return covered;
@@ -194,7 +195,8 @@ FN Real ends_or(Real covered, Real spare, Bool ends, Int px, Int py) {
   return covered;
 }
 
-// How far two such covers are of both sides: lines that just do not reach each other begin to be narrower.
+// How far two such covers are of both sides: lines that just do not reach each other begin to be narrower, as far as
+// this pixel sees both.
 FN Real of_both(Real a, Real b) {
   return select(max(a, b) > 0.0f, unit_clamp(mad(min(a, b), Real(1.0f / kBegins), Real(1.0f))), Real(0.0f));
 }

@@ -5,6 +5,7 @@
 
 CONST float kLeastSeen = 4.5f;   // sure_of from which on a piece counts
 CONST int kBefore = 4;           // rows (columns) before an end that tell its way,
+CONST int kComing = 8;           // rows, per pixel of stride, of a crease that tell the way that it comes
 CONST float kNearEnough = 0.4f;  // pixels beside where the next is expected, at which no other is looked for
 CONST float kAstray = 1.1f;      // pixels from where the next is expected: more is another line
 CONST float kHasSide = 0.05f;    // of nearer surfaces
@@ -107,6 +108,17 @@ FN Along next_along(Along from, Int X, Int Y, Bool steep, Int row, Real towards)
   return next;
 }
 
+// The middle of the stroke at a place along a line, from pixel (X, Y).
+FN Vec2 middle_at(Along here, Int X, Int Y, float width) {
+  return middle_of(here.piece, here.steep, width) + Vec2(to_real(here.x - X), to_real(here.y - Y));
+}
+
+// Whether the next place along a line, in row `row`, is in the picture: at its border no line ends.
+FN Bool goes_inside(Along last, Int X, Int Y, Bool steep, Int row, Real towards) {
+  Int across = to_int(floor(mad(last.slope, towards, last.place) + 0.5f));
+  return in_picture(X + select(steep, across, row), Y + select(steep, row, across));
+}
+
 // The way of a line at its end `at`, outward: from the mean of its strokes' middles in the few rows (columns) before
 // it, since the end's own piece knows that from too few. 0 where there are none.
 FN Vec2 way_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards, Vec2 at, float width) {
@@ -116,7 +128,7 @@ FN Vec2 way_of(Bool asked, Int X, Int Y, Real piece, Bool steep, Real towards, V
   for (int k = 1; k <= kBefore; ++k) {
     if (!some(before.on)) continue;
     before = next_along(before, X, Y, steep, to_int(-towards * float(k)), -towards);
-    Vec2 middle = middle_of(before.piece, before.steep, width) + Vec2(to_real(before.x - X), to_real(before.y - Y));
+    Vec2 middle = middle_at(before, X, Y, width);
     sum = chosen(before.on, sum + middle, sum);
     count = select(before.on, count + 1.0f, count);
   }

@@ -37,10 +37,9 @@ CONST int kShort = 3;             // pixels, per pixel of stride,
 CONST int kShortMore = 2;         // and more, of a line that it points to,
 CONST float kShortMost = 1.0f;    // and more if nothing is near, or it is a crease, or meets that at no low angle
 CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
-CONST float kOnFaith = 2.5f;      // pixels more than a crease came straight that it goes on
 CONST float kPointsFar = 0.15f;   // and where it is farther off
-CONST int kComing = 8;            // rows, per pixel of stride, of a crease that tell the way to there;
-CONST float kMeets = 0.5f;        // sine of the angle at which that meets a line of its own object at least
+CONST float kOnFaith = 2.5f;      // pixels more than a crease came straight, that it goes on to what is near
+CONST float kMeets = 0.5f;        // sine of the angle at which that way meets a line of its own object at least
 CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what it turns along the way,
 CONST float kEven = 0.02f;        // and what a side of it turns that is flat
 CONST float kFirm = 0.7f;         // share of sure, of both
@@ -319,8 +318,7 @@ FN_RARE Coming coming_to(Bool asked, End a) {
     before = next;
     found.rows = select(here, Real(float(k)), found.rows);
     if (k > all) continue;
-    Vec2 middle =
-        middle_of(before.piece, before.steep, C.width_px) + Vec2(to_real(before.x - a.x), to_real(before.y - a.y));
+    Vec2 middle = middle_at(before, a.x, a.y, C.width_px);
     Real one = select(here, Real(1.0f), Real(0.0f));
     if (k == all / 2) {
       found.x = select(before.on, before.x, found.x);

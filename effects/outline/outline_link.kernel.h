@@ -43,9 +43,10 @@ CONST float kClear = 7.0f;            // half of it
 CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
 CONST int kTurns = 1;                 // and one that runs across
 CONST int kAround = 6;                // pixels, times the stride, within which a line has
-CONST float kGapWithin = 2.0f;        // pixels between two parts of one thing
-CONST int kApartFrom = 3;             // pixels, between which and others none are
 CONST float kLeastAround = 6.5f;      // pieces, times the stride, or else it is a speck
+CONST float kGapWithin = 2.0f;        // pixels between two parts of what may be small,
+CONST int kApartFrom = 3;             // and around it, within which no other thing is
+CONST int kSweeps = 6;                // over what is around, to find all of it: most take two
 
 // The way along a line from a piece of it, to one side.
 struct Way {
@@ -214,19 +215,20 @@ FN Bool is_within(Within all, int i, int j, float margin) {
 }
 
 // Whether what this piece is part of is smaller than C.small pixels in both directions, with no other near it: it would
-// be all line. All of its pieces see the same, so that it is there or not as a whole.
+// be all line. All pieces of one outline see the same, so that it is there or not as a whole.
 FN_RARE Bool small_around(Bool asked) {
   Bool small = asked;
   Real zero = Real(0.0f);
   Within all = Within(zero, zero, zero, zero);
-  // From this row on outward, twice, since what is farther may lead back.
-  for (int k = 0; k < 2 * (2 * C.small + 1); ++k) {
-    if (!some(small)) continue;
-    int from = k < 2 * C.small + 1 ? k : k - (2 * C.small + 1);
-    int j = from % 2 == 0 ? -from / 2 : (from + 1) / 2;
-    for (int side = -1; side <= 1; side += 2)
-      for (int n = 0; n <= C.small; ++n) {
-        int i = side * n;
+  // From this row on outward, until nothing is added, since what is farther may lead back.
+  Bool grows = asked;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    if (!some(small && grows)) continue;
+    Real before = all.last - all.first + all.bottom - all.top;
+    for (int k = 0; k < 2 * C.small + 1; ++k) {
+      if (!some(small)) continue;
+      int j = k % 2 == 0 ? -(k / 2) : (k + 1) / 2;
+      for (int i = -C.small; i <= C.small; ++i) {
         Bool any = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j)));
         Bool part = any && is_within(all, i, j, kGapWithin);
         all.first = select(part, min(all.first, Real(float(i))), all.first);
@@ -234,8 +236,10 @@ FN_RARE Bool small_around(Bool asked) {
         all.top = select(part, min(all.top, Real(float(j))), all.top);
         all.bottom = select(part, max(all.bottom, Real(float(j))), all.bottom);
       }
-    Real most = Real(float(C.small));
-    small = small && all.last - all.first < most && all.bottom - all.top < most;
+      Real most = Real(float(C.small));
+      small = small && all.last - all.first < most && all.bottom - all.top < most;
+    }
+    grows = all.last - all.first + all.bottom - all.top > before;
   }
   int wide = C.small + kApartFrom;
   for (int j = -wide; j <= wide; ++j) {

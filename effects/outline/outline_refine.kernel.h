@@ -24,7 +24,7 @@ CONST int kBeside = 4;              // pixels from a clear crossing within which
 CONST int kShadow = 2;              // and within which it is but that one's shadow
 CONST float kNoShadow = 2.5f;       // how clear a faint crease is that is none: outline_find's kHidden, not its kNarrow
 CONST float kPart = 1.25f;          // pixels from something clearer, within which a crossing is a part of that, and
-CONST float kPartShort = 2.25f;     // if it is short: as far as that one's line covers it,
+CONST float kPartShort = 2.25f;     // if it is short, or where strides are longer: as far as that one's line covers it,
 CONST float kRoomBeside = 0.25f;    // pixels that are to be left between two lines, of which one is hidden in part
 CONST float kCovers = 0.5f;         // which is its width less this
 CONST int kBesideHigh = 14;         // pixels looked at in high pictures, where a soft crease
@@ -94,9 +94,11 @@ FN Vec2 follow(int lying, int row, Real offset, Bool alive, Real side, Bool clea
   Bool like_back = back && of_one_kind(before, side);
   Bool like_on = on && of_one_kind(after, side);
   Bool like_ahead = ahead && of_one_kind(straight, side);
-  Bool instead =
-      (like_back && clear_of(before) >= clear_of(straight)) || (like_on && clear_of(after) >= clear_of(straight));
-  ahead = ahead && (like_ahead || !instead);
+  Bool back_wins =
+      like_back && clear_of(before) >= clear_of(straight) && (like_on || !on || clear_of(before) >= clear_of(after));
+  Bool on_wins =
+      like_on && clear_of(after) >= clear_of(straight) && (like_back || !back || clear_of(after) >= clear_of(before));
+  ahead = ahead && (like_ahead || !(back_wins || on_wins));
   back = back && (like_back || !(like_on && clear_of(after) >= clear_of(before)));
   on = on && (like_on || !(like_back && clear_of(before) >= clear_of(after)));
   Bool none = lone && !(back || on || ahead);

@@ -16,6 +16,8 @@ OUT_REAL(outline_below_settled)
 CONST float kPixel = 0.5f;   // of t in its code
 CONST float kFirst = 0.25f;  // code of t = 0
 CONST float kNoPlace = 2.0f;
+CONST float kLeastPlace = -0.5f;  // of what its code has
+CONST float kMostPlace = 1.49f;
 CONST float kOneCrease = 1.5f;  // pixels between two places of one crease
 
 // The crossing from one of its neighbours, if it lies here and is clearer than v; else v.
@@ -60,12 +62,12 @@ FN Real evened(Real before2, Real before, Real v, Real after, Real after2) {
   Real place = crease_place(v);
   Vec2 sum = Vec2(place, Real(1.0f)) + share_of(place, before2, -2.0f) + share_of(place, before, -1.0f) +
              share_of(place, after, 1.0f) + share_of(place, after2, 2.0f);
-  Real mean = clamp(sum.x / sum.y, Real(-0.5f), Real(1.49f));
+  Real mean = clamp(sum.x / sum.y, Real(kLeastPlace), Real(kMostPlace));
   return select(v > 0.0f && place < kNoPlace, mad(mean - place, Real(kPixel), v), v);
 }
 
 // v, or nothing if it is a clear crease and one beside it, `before` or `after`, knows its place better: one that places
-// it in its own pixel and is clearer, or as clear and the first.
+// it in its own pixel and is clearer, or as clear and the first, or where v lies.
 FN Real known_here(Real v, Real before, Real after) {
   Real place = crease_place(v);
   Real place_before = crease_place(before);

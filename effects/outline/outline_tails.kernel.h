@@ -4,7 +4,8 @@
 //
 // A tail goes, in a few rows, to an end that touches nothing and has nothing ahead, while another line of its object,
 // the nearer surface not on the other side, runs beside it and on past that. A spur is but a few pieces, near another
-// line, that lead nowhere.
+// line, that lead nowhere. A burr is what goes on past a crossing for a few rows. A hook is where a crease leaves its
+// way in its last rows. A stray is a stroke alone on its surface.
 //
 // outline_tails: as outline_tail.kernel.h has it.
 IN_REAL(depth)
@@ -28,19 +29,18 @@ CONST float kTouches = 1.1f;        // pixels from an end at which it touches a 
 CONST float kTouchesHigh = 0.25f;   // and more per pixel of stride but one,
 CONST float kCorner = 1.6f;         // and at which a spur does
 CONST float kFills = 1.5f;          // times alongside(), up to where the lines are between which it fills a gap
+CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSame, that they may be
+CONST float kOnFaith = 2.5f;        // pixels more than a spur is long, up to where a line is that does not end there
+CONST float kAlike = 0.5f;          // sine between two ways, up to which they are of one line
 CONST float kCrosses = 0.6f;        // pixels from a line, within which it is crossed,
 CONST float kCrossesAlong = 0.8f;   // and along it
-CONST float kLeansOff = 0.4f;       // slope
-CONST float kOnFaith = 2.5f;        // pixels more than these are long
-CONST float kAlike = 0.5f;          // sine between two ways, up to which they are of one line
-CONST int kComing = 8;              // rows, per pixel of stride, that tell the way of a crease,
-CONST float kStraight = 0.6f;       // if they are no farther beside it,
-CONST float kHookOff = 1.0f;        // and how far beside what is a hook is
-CONST float kMoreThanSpeck = 3.0f;  // pieces
-CONST float kBack = 0.6f;           // cosine from which on a way is back along the first,
-CONST int kTrunk = 3;               // rows that a line goes on for beyond a crossing,
-CONST int kLonger = 2;              // rows that the other one goes on for more
-CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSame, that they may be
+CONST float kLeansOff = 0.4f;       // between two slopes, from which on pieces of one kind are of two lines
+CONST float kBack = 0.6f;           // cosine from which on a way is back along a line,
+CONST int kTrunk = 3;               // rows that this goes on for beyond a crossing,
+CONST int kLonger = 2;              // and that the other one goes on for more than a burr
+CONST float kMoreThanSpeck = 3.0f;  // pieces of a line that an end points to, at least
+CONST float kStraight = 0.6f;       // pixels beside the way of a crease, up to which it comes straight,
+CONST float kHookOff = 1.0f;        // and from which on its last rows are a hook
 
 // An end of a line.
 struct Tip {
@@ -130,8 +130,7 @@ FN_RARE Bool is_passed(Bool asked, Tip end) {
   for (int k = 1; k <= kPassing; ++k) {
     if (!some(passing.on)) continue;
     passing = next_along(passing, x, y, steep, to_int(towards * float(k)), towards);
-    Vec2 apart = middle_of(passing.piece, passing.steep, 0.0f) - end.at +
-                 Vec2(to_real(passing.x - end.x), to_real(passing.y - end.y));
+    Vec2 apart = middle_at(passing, end.x, end.y, 0.0f) - end.at;
     Bool past = passing.on && dot(end.way, apart) > kPast;
     passing.on = passing.on && !past;
     passed = passed || (past && cross(end.way, apart) * aside > aside * aside * kApproach);
@@ -225,32 +224,52 @@ FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, Vec2 beyond, int rows
   return found;
 }
 
-// Whether an end points to a line no farther off than ends are joined, other than its own, of which more than a speck
-// is ahead; or, if that alone is asked for, to one that ends there and comes the same way.
-FN_RARE Bool points_on(Bool asked, Tip end, bool to_end) {
-  Bool found = asked && !asked;
+// A piece near an end, as that sees it.
+struct Seen {
+  Bool touches;  // and it is not what leads there
+  Bool ahead;    // no farther off than ends are joined
+};
+
+FN Seen seen_from(Tip end, Real piece, int lying, int i, int j) {
+  Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
+  Real along = dot(end.way, apart);
+  Real off = abs(cross(end.way, apart));
+  Bool own = off < kSame && along < kSame;
+  return Seen(along > -kSame && dot(apart, apart) < kCorner * kCorner && !own,
+              along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame)));
+}
+
+// Whether an end points to another line, of which more than a speck is ahead.
+FN_RARE Bool points_on(Bool asked, Tip end) {
   Real count = Real(0.0f);
+  for (int j = -C.join; j <= C.join; ++j)
+    for (int i = -C.join; i <= C.join; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && count < kMoreThanSpeck;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
+        Bool here = look && seen(piece);
+        if (!some(here)) continue;
+        Seen line = seen_from(end, piece, lying, i, j);
+        count = select(here && (line.touches || line.ahead), count + 1.0f, count);
+      }
+  return count >= kMoreThanSpeck;
+}
+
+// Whether an end faces that of another line, which comes the same way.
+FN_RARE Bool faces_end(Bool asked, Tip end) {
+  Bool found = asked && !asked;
   for (int j = -C.join; j <= C.join; ++j)
     for (int i = -C.join; i <= C.join; ++i)
       for (int lying = 0; lying < 2; ++lying) {
         Bool look = asked && !found;
         if (!some(look)) continue;
         Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
-        Bool here = look && seen(piece);
+        Bool here = look && seen(piece) && piece < 0.0f;
         if (!some(here)) continue;
-        Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
-        Real along = dot(end.way, apart);
-        Real off = abs(cross(end.way, apart));
-        Bool touches = along > -kSame && dot(apart, apart) < kCorner * kCorner && !(off < kSame && along < kSame);
-        Bool ahead = along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame));
-        if (to_end) {
-          Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-          found = found || (here && ahead && piece < 0.0f && abs(cross(end.way, lean)) < kAlike &&
-                            dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide);
-        } else {
-          count = select(here && (touches || ahead), count + 1.0f, count);
-          found = found || count >= kMoreThanSpeck;
-        }
+        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+        found = found || (here && seen_from(end, piece, lying, i, j).ahead && abs(cross(end.way, lean)) < kAlike &&
+                          dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide);
       }
   return found;
 }
@@ -281,11 +300,19 @@ FN_RARE Bool has_other(Bool asked, Along here) {
   return found;
 }
 
-// Whether what has two such ends is alone on its surface.
-FN_RARE Bool is_stray(Bool asked, Tip up, Tip down, Bool up_steep, Bool down_steep) {
-  Bool stray = asked && within_one(up, up_steep) && within_one(down, down_steep) && up.object == down.object;
-  if (some(stray)) stray = stray && !points_on(stray, up, false);
-  if (some(stray)) stray = stray && !points_on(stray, down, false);
+// Whether what has two such ends, of which one is of `last`, is alone on its surface. Each end tells of the half of it
+// that outline_trim follows to there.
+FN_RARE Bool is_stray(Bool asked, Tip up, Tip down, Along last, Int px, Int py, Bool steep, Int side, Real towards) {
+  Bool stray = asked && within_one(up, steep) && within_one(down, last.steep) && up.object == down.object;
+  if (some(stray)) stray = stray && !points_on(stray, up);
+  if (some(stray)) stray = stray && !points_on(stray, down);
+  Along way = Along(stray, place_of(up.piece), slope_of(up.piece), px, py, steep, up.piece, Real(0.0f));
+  for (int k = 1; k <= stray_rows() + 1; ++k) {
+    if (!some(way.on)) continue;
+    stray = stray && !has_other(way.on, way);
+    way = next_along(way, px, py, steep, side * Int(-k), -towards);
+    way.on = way.on && stray;
+  }
   return stray;
 }
 
@@ -300,11 +327,11 @@ FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, 
     last = next_along(last, px, py, steep, side * Int(-k), -towards);
     Bool crossed = last.on;
     if (some(crossed)) {
-      Vec2 at = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py));
+      Vec2 at = middle_at(last, px, py, 0.0f);
       Along trunk = last;
       for (int m = 1; m <= kTrunk; ++m)
         if (some(trunk.on)) trunk = next_along(trunk, px, py, steep, side * Int(-k - m), -towards);
-      Vec2 beyond = middle_of(trunk.piece, trunk.steep, 0.0f) + Vec2(to_real(trunk.x - px), to_real(trunk.y - py)) - at;
+      Vec2 beyond = middle_at(trunk, px, py, 0.0f) - at;
       crossed = is_crossed(crossed, last, at - end.at, chosen(trunk.on, beyond, at - at), k);
     }
     rows = select(crossed, Real(float(k)), rows);
@@ -326,7 +353,7 @@ FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towa
     if (!some(last.on)) continue;
     last = next_along(last, px, py, steep, side * Int(-k), -towards);
     last.on = last.on && is_crease(last.piece);
-    Vec2 at = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py));
+    Vec2 at = middle_at(last, px, py, 0.0f);
     if (k > all / 2) far = far + at;
     if (k > all / 4 && k <= all / 2) near = near + at;
   }
@@ -342,19 +369,13 @@ FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towa
   for (int k = 0; k <= all; ++k) {
     if (!some(last.on)) continue;
     if (k > 0) last = next_along(last, px, py, steep, side * Int(-k), -towards);
-    Vec2 at = middle_of(last.piece, last.steep, 0.0f) + Vec2(to_real(last.x - px), to_real(last.y - py));
+    Vec2 at = middle_at(last, px, py, 0.0f);
     Real off = abs(cross(way, at - near));
     if (k <= all / 4) rows = select(off > kHookOff, Real(float(k + 1)), rows);
     if (k > all / 4) straight = straight && off < kStraight;
     last.on = last.on && straight;
   }
   return select(straight, rows, Real(0.0f));
-}
-
-// Whether the next place along a line, in row `row`, is in the picture: at its border no line ends.
-FN Bool goes_inside(Along last, Int X, Int Y, Bool steep, Int row, Real towards) {
-  Int across = to_int(floor(mad(last.slope, towards, last.place) + 0.5f));
-  return in_picture(X + select(steep, across, row), Y + select(steep, row, across));
 }
 
 // What is to be told of the ends of this pixel's piece of one kind.
@@ -379,7 +400,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     Real lost = Real(0.0f);
     if (some(free)) lost = burr_of(free, end, here, px, py, Int(side), towards);
     Bool burr = lost > 0.0f;
-    if (some(burr)) lost = select(points_on(burr, end, true), Real(0.0f), lost);
+    if (some(burr)) lost = select(faces_end(burr, end), Real(0.0f), lost);
     code = select(passed, code + (side < 0 ? kPassedBefore : kPassedAfter), code);
     Bool crease = ends && is_crease(piece) && !(lost > 0.0f);
     if (some(crease)) lost = select(crease, hook_of(crease, here, px, py, Int(side), towards), lost);
@@ -399,15 +420,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
       Tip other = tip_of(brief, last, steep, -towards);
       Bool alone = brief && stray;
       Bool spur = brief && !stray;
-      if (some(alone)) alone = is_stray(alone, end, other, steep, last.steep);
-      Along way = here;
-      way.on = alone;
-      for (int k = 1; k <= stray_rows(); ++k) {
-        if (!some(way.on)) continue;
-        alone = alone && !has_other(way.on, way);
-        way = next_along(way, px, py, steep, Int(-k * side), -towards);
-        way.on = way.on && alone;
-      }
+      if (some(alone)) alone = is_stray(alone, end, other, last, px, py, steep, Int(side), towards);
       spur = spur && (!longer || (within_one(end, steep) && within_one(other, last.steep)));
       if (some(spur)) spur = is_spur(spur, longer, end, other);
       brief = alone || spur;

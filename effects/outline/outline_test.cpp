@@ -861,7 +861,7 @@ TEST(Outline, ShortStrokesAloneOnASurfaceAreDropped) {
   for (const int height : {256, 2160})
     for (const double angle : kReliefAngles)
       for (const bool brief : {true, false}) {
-        const double stride = height > 256 ? 3.0 : 1.0, half_px = (brief ? 7.0 : 30.0) * stride;
+        const double stride = height > 256 ? 3.0 : 1.0, half_px = (brief ? 6.0 : 30.0) * stride;
         const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
         const Scene scene = relief(angle, lens, [=](double u, double v) {
           const double fades = std::max(0.0, 1.0 - v / (40.0 * stride));

@@ -1,7 +1,7 @@
-// Tails and spurs dropped, as outline_tails tells them, and what is faint between two lines made as sure as they: a
-// fold between two rims of a mesh's triangles is a crease, clear in some rows and faint in others. What is faint and
-// short and leads nowhere is dropped, too, and what is so faint beside another line that it would be specks. What is
-// left of two lines that overlapped outline_join joins.
+// Tails, spurs, burrs, hooks and strays dropped, as outline_tails tells them, and what is faint between two lines made
+// as sure as they: a fold between two rims of a mesh's triangles is a crease, clear in some rows and faint in others.
+// What is faint and short and leads nowhere is dropped, too, and what is so faint beside another line that it would be
+// specks. What is left of two lines that overlapped outline_join joins.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them.
 IN_REAL(outline_steep_linked)
@@ -26,7 +26,7 @@ CONST float kOwn = 0.8f;       // nor so many aside is of the line itself
 
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
 FN Bool end_around() {
-  int rows = tail_rows();
+  int rows = tail_rows() < kMostTail ? tail_rows() + 1 : kMostTail;
   Uint any = Uint(0u);
   for (int j = -rows; j <= rows; ++j)
     for (int i = -rows; i <= rows; ++i) any = any | bits_of(near_outline_tails(i, j));
@@ -59,7 +59,7 @@ FN_RARE Bool has_beside(Bool asked, Real piece, int lying, float least) {
 
 // What leads from a piece, to one side, to an end that outline_tails tells of.
 struct Tail {
-  Bool lost;    // it is of a spur or a burr
+  Bool lost;    // it is of what is dropped: a spur, a burr, a hook or a stray
   Bool passed;  // another line goes on beside and past that end,
   Bool near;    // which is no more than a tail's rows away
   Bool last;    // what follows is lost
@@ -91,8 +91,8 @@ FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side
               lost > 0.0f && to_real(rows) == lost);
 }
 
-// This pixel's piece, or nothing if it is of a spur or a burr, or of a tail, or between two, and has the other line
-// beside it; of what is left of these, marked as an end: it is one where the rest is dropped.
+// This pixel's piece, or nothing if it is lost, or of a tail, or between two, and has the other line beside it; of what
+// is left of these, marked as an end: it is one where the rest is dropped.
 FN_RARE Real without_tails(Bool asked, Int px, Int py, Real piece, int lying) {
   Tail up = tail_at(asked, px, py, piece, lying, -1);
   Tail down = tail_at(asked, px, py, piece, lying, 1);
