@@ -8,8 +8,10 @@ CONST int kTail = 6;                // rows, per pixel of stride, of a tail,
 CONST int kTailMore = 4;            // and more, of what is between two,
 CONST int kMostTail = 16;           // and at most
 CONST float kSpurRows = 1.5f;       // rows, per pixel of stride, between the ends of a spur,
-CONST int kLongSpurRows = 4;        // and, whatever the stride, of one that is within one object and leads nowhere
-CONST int kStrayRows = 2;           // times the rows of what is between two tails: a stray's, less these, lest its
+CONST int kLongSpurRows = 2;        // rows, per pixel of stride, of one that is within one object and leads nowhere,
+CONST int kLongSpurMore = 2;        // and more
+CONST int kLeastStray = 4;          // rows beyond which what is near no line may be a stray,
+CONST int kStrayRows = 2;           // and up to which: times those of what is between two tails, less these, lest its
 CONST int kStrayLess = 2;           // middle, where it leans, be too far from both ends where those are kMostTail
 CONST int kBurrRows = 2;            // rows, per pixel of stride, of a burr,
 CONST int kBurrMore = 4;            // and more
@@ -40,7 +42,7 @@ FN int burr_rows() {
   return C.stride * kBurrRows + kBurrMore < kMostTail ? C.stride * kBurrRows + kBurrMore : kMostTail - 1;
 }
 FN int stray_rows() { return kStrayRows * tail_rows() - (tail_rows() < kMostTail ? 0 : kStrayLess); }
-FN int spur_rows() { return short_spur_rows() > kLongSpurRows ? short_spur_rows() : kLongSpurRows; }
+FN int spur_rows() { return C.stride * kLongSpurRows + kLongSpurMore; }
 
 // The way on from the last place along a line that began in a piece of a kind: 1 if it would go on in the next row
 // (column) of its last piece's kind, -1 in the one before.

@@ -31,6 +31,7 @@ CONST float kCorner = 1.6f;         // and at which a spur does
 CONST float kFills = 1.5f;          // times alongside(), up to where the lines are between which it fills a gap
 CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSame, that they may be
 CONST float kOnFaith = 2.5f;        // pixels more than a spur is long, up to where a line is that does not end there
+CONST float kAcross = 0.7f;         // sine between a spur and a line, from which on that runs across it
 CONST float kAlike = 0.5f;          // sine between two ways, up to which they are of one line
 CONST float kCrosses = 0.6f;        // pixels from a line, within which it is crossed,
 CONST float kCrossesAlong = 0.8f;   // and along it
@@ -150,8 +151,15 @@ FN Bool leads_to(Vec2 way, Vec2 apart, Real piece, int lying, Real most) {
   return touches || (along > 0.0f && near && off < mad(along, Real(kCone), Real(kSame)));
 }
 
+// Whether a piece so far from a place, by which a line passes that runs across `way`: 1, or -1 if one ends there; or 0.
+FN Real passes_by(Vec2 way, Vec2 apart, Real piece, int lying) {
+  Bool near = dot(apart, apart) < kCorner * kCorner;
+  Bool across = abs(cross(way, lean_of(slope_of(piece), steep_of(lying), Real(1.0f)))) > kAcross;
+  return select(near && piece < 0.0f, Real(-1.0f), select(near && across, Real(1.0f), Real(0.0f)));
+}
+
 // Whether what is no more than a few pieces, between two ends, is near another line and not between two, as what fills
-// a gap is; of what is longer, whether neither end leads to any.
+// a gap is; of what is longer, whether neither end leads to any, or one only to the side of a line that passes by.
 FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
   Vec2 to = down.at - up.at + Vec2(to_real(down.x - up.x), to_real(down.y - up.y));
   Vec2 arm = to * Real(0.5f);
@@ -163,6 +171,9 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
   Bool near = asked && !asked;
   Bool before = near;
   Bool after = near;
+  Vec2 along = arm * (Real(1.0f) / sqrt(extent));
+  Real by_before = Real(0.0f);
+  Real by_after = Real(0.0f);
   int wide = int(alongside() * kFills) + spur_rows() / 2 + 3;
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i)
@@ -178,8 +189,13 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
         near = near || (here && dot(off, off) < alongside() * alongside());
         before = before || (here && leads_to(up.way, apart + arm, piece, lying, most));
         after = after || (here && leads_to(down.way, apart - arm, piece, lying, most));
+        Real by = select(here, passes_by(along, apart + arm, piece, lying), Real(0.0f));
+        by_before = select(by < 0.0f || by_before < 0.0f, Real(-1.0f), max(by, by_before));
+        by = select(here, passes_by(along, apart - arm, piece, lying), Real(0.0f));
+        by_after = select(by < 0.0f || by_after < 0.0f, Real(-1.0f), max(by, by_after));
       }
-  return near && !(before && after) && !(longer && (before || after));
+  Bool leads = (before && !(by_before > 0.0f)) || (after && !(by_after > 0.0f));
+  return near && !(before && after) && !(longer && leads);
 }
 
 // Whether at a place on the way from an end, so many rows and `back` away, lines part: another one goes on from there
@@ -415,11 +431,11 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     }
     Bool brief = ends && !last.on && goes_inside(last, px, py, steep, (rows + Int(1)) * Int(-side), -towards);
     Bool longer = rows > Int(short_spur_rows());
-    Bool stray = rows > Int(spur_rows());
+    Bool stray = rows > Int(kLeastStray);
     if (some(brief)) {
       Tip other = tip_of(brief, last, steep, -towards);
       Bool alone = brief && stray;
-      Bool spur = brief && !stray;
+      Bool spur = brief && !(rows > Int(spur_rows()));
       if (some(alone)) alone = is_stray(alone, end, other, last, px, py, steep, Int(side), towards);
       spur = spur && (!longer || (within_one(end, steep) && within_one(other, last.steep)));
       if (some(spur)) spur = is_spur(spur, longer, end, other);
