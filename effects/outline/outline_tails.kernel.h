@@ -325,7 +325,7 @@ FN_RARE Bool is_stray(Bool asked, Tip up, Tip down, Along last, Int px, Int py, 
   Along way = Along(stray, place_of(up.piece), slope_of(up.piece), px, py, steep, up.piece, Real(0.0f));
   for (int k = 1; k <= stray_rows() + 1; ++k) {
     if (!some(way.on)) continue;
-    stray = stray && !has_other(way.on, way);
+    stray = stray && !(has_other(way.on, way) && !is_crease(way.piece));
     way = next_along(way, px, py, steep, side * Int(-k), -towards);
     way.on = way.on && stray;
   }
