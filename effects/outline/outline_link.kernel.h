@@ -40,6 +40,7 @@ CONST float kEnds = 12.5f;            // from the middle: a surface ends there, 
 CONST float kLeastSure = 1.5f;        // of kSure: what is fainter is not seen
 CONST float kUpright = 0.14f;         // slope: seven rows to a step
 CONST float kClear = 7.0f;            // half of it
+CONST int kRimRows = 6;               // rows, per pixel of stride, from a rim, within which a crease leans to its side
 CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
 CONST int kTurns = 1;                 // and one that runs across
 CONST int kAround = 6;                // pixels, times the stride, within which a line has
@@ -54,6 +55,7 @@ struct Way {
   Real place, slope;  // of its last piece: beside the first one, and how it leans
   Real sure, level;   // of that
   Real row;           // of that, counted from the first
+  Real rim;           // of the first rim that a crease goes on in, level less the middle's, less the farther it is
 };
 
 // What was seen along a line.
@@ -73,6 +75,7 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
   Bool crease = side == Real(kMiddle);
   Bool found = from.on && !from.on;
   Real nearest = Real(kAstray);
+  Real rim = Real(0.0f);
   Real beside = select(expected - first < 0.5f, Real(-1.0f), Real(1.0f));
   for (int k = 0; k <= 2; ++k) {
     Int column = to_int(k == 0 ? first : k == 1 ? first + beside : first - beside);
@@ -98,8 +101,14 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
     next.slope = select(here, slope_of(piece), next.slope);
     next.sure = select(here, sure, next.sure);
     next.level = select(here, select(mixed, side, other), next.level);
+    // The rim's line lies beside its place: it leans so much less as that is beyond the crease's.
+    Real beyond = select(other > side, place - expected, expected - place);
+    Real leans = clamp(mad(beyond, Real(-2.0f / (C.width_px > 1.0f ? C.width_px : 1.0f)), Real(1.0f)), Real(0.0f), Real(1.0f));
+    rim = select(here && mixed, (other - side) * leans, select(here, Real(0.0f), rim));
     found = found || here;
   }
+  Real near = max(Real(1.0f) - Real(float(rows) / float(kRimRows * C.stride)), Real(0.0f));
+  next.rim = select(found && crease && from.rim == Real(0.0f), rim * near, next.rim);
   next.on = found || (from.on && away_rows < most_gap);
   next.row = select(found, Real(float(rows)), next.row);
   return next;
@@ -112,7 +121,7 @@ FN Line followed(int lying, Int px, Int py, Real piece, Bool asked, int near, in
   Real place = place_of(piece);
   Real sure = sure_of(piece);
   Real none = Real(0.0f);
-  Way way = Way(asked, place, slope_of(piece), sure, side, none);
+  Way way = Way(asked, place, slope_of(piece), sure, side, none, none);
   Line line = Line(way, way, Real(1.0f), Real(1.0f), sure, side, none, none, none, none);
   Bool straight = asked;
   Real bend = select(side == Real(kMiddle), Real(kStraightCrease), Real(kStraight));
@@ -259,12 +268,14 @@ FN float most_of_small() {
   return most > 2.0f * float(C.small) ? most : 2.0f * float(C.small);
 }
 
-// A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides.
+// A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides. A crease that
+// goes on in a rim leans to that one's side the more the nearer that is, lest the line step aside there.
 FN Real straightened(Real piece, Line line, Real sure) {
   Real mean = (line.places + place_of(piece)) / (line.pairs + line.pairs + 1.0f);
   mean = clamp(mean, Real(-0.5f), Real(1.499f));
   Real slope = select(line.pairs > 0.5f, line.moments / max(line.squares, Real(1.0f)), slope_of(piece));
-  Real found = packed_piece(mean, slope, floor(line.sides / line.found + 0.5f), sure);
+  Real level = clamp(line.sides / line.found + line.up.rim + line.down.rim, Real(0.0f), Real(kMiddle + kWholeSide));
+  Real found = packed_piece(mean, slope, floor(level + 0.5f), sure);
   return select(piece < 0.0f, -found, found);
 }
 
