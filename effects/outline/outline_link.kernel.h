@@ -103,7 +103,8 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
     next.level = select(here, select(mixed, side, other), next.level);
     // The rim's line lies beside its place: it leans so much less as that is beyond the crease's.
     Real beyond = select(other > side, place - expected, expected - place);
-    Real leans = clamp(mad(beyond, Real(-2.0f / (C.width_px > 1.0f ? C.width_px : 1.0f)), Real(1.0f)), Real(0.0f), Real(1.0f));
+    Real leans =
+        clamp(mad(beyond, Real(-2.0f / (C.width_px > 1.0f ? C.width_px : 1.0f)), Real(1.0f)), Real(0.0f), Real(1.0f));
     rim = select(here && mixed, (other - side) * leans, select(here, Real(0.0f), rim));
     found = found || here;
   }
@@ -268,8 +269,8 @@ FN float most_of_small() {
   return most > 2.0f * float(C.small) ? most : 2.0f * float(C.small);
 }
 
-// A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides. A crease that
-// goes on in a rim leans to that one's side the more the nearer that is, lest the line step aside there.
+// A piece with the place and the slope of its line, as far as that is straight, and the mean of its sides. A crease
+// that goes on in a rim leans to that one's side the more the nearer that is, lest the line step aside there.
 FN Real straightened(Real piece, Line line, Real sure) {
   Real mean = (line.places + place_of(piece)) / (line.pairs + line.pairs + 1.0f);
   mean = clamp(mean, Real(-0.5f), Real(1.499f));

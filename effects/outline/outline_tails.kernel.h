@@ -151,16 +151,18 @@ FN Bool leads_to(Vec2 way, Vec2 apart, Real piece, int lying, Real most) {
   return touches || (along > 0.0f && near && off < mad(along, Real(kCone), Real(kSame)));
 }
 
-// Whether a piece so far from a place, by which a line passes that runs across `way`: 1, or -1 if one ends there; or 0.
-FN Real passes_by(Vec2 way, Vec2 apart, Real piece, int lying) {
-  Bool near = dot(apart, apart) < kCorner * kCorner;
-  Bool across = abs(cross(way, lean_of(slope_of(piece), steep_of(lying), Real(1.0f)))) > kAcross;
-  return select(near && piece < 0.0f, Real(-1.0f), select(near && across, Real(1.0f), Real(0.0f)));
+// What is known of lines at a place: 1 if one passes by that runs across `way`, -1 if one ends there, or else 0. known:
+// so far. apart: of another piece, from that place.
+FN Real passes_by(Bool here, Real known, Vec2 way, Vec2 apart, Real piece, int lying) {
+  Bool near = here && dot(apart, apart) < kCorner * kCorner &&
+              abs(cross(way, lean_of(slope_of(piece), steep_of(lying), Real(1.0f)))) > kAcross;
+  return select(near && !(known < 0.0f), select(piece < 0.0f, Real(-1.0f), Real(1.0f)), known);
 }
 
 // Whether what is no more than a few pieces, between two ends, is near another line and not between two, as what fills
-// a gap is; of what is longer, whether neither end leads to any, or one only to the side of a line that passes by.
-FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
+// a gap is; of what is longer, whether neither end leads to any, or one only to the side of a line that passes by; of
+// what is longer yet, whether one does.
+FN_RARE Bool is_spur(Bool asked, Bool longer, Bool longest, Tip up, Tip down) {
   Vec2 to = down.at - up.at + Vec2(to_real(down.x - up.x), to_real(down.y - up.y));
   Vec2 arm = to * Real(0.5f);
   Real extent = max(dot(arm, arm), Real(1e-6f));
@@ -185,17 +187,16 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Tip up, Tip down) {
         if (!some(here)) continue;
         Vec2 apart = apart_from(middle, piece, lying, x + Int(i), y + Int(j), 0.0f);
         Vec2 off = apart - arm * clamp(dot(arm, apart) / extent, Real(-1.0f), Real(1.0f));
+        by_before = passes_by(here, by_before, along, apart + arm, piece, lying);
+        by_after = passes_by(here, by_after, along, apart - arm, piece, lying);
         here = here && dot(off, off) > kOther * kOther;
         near = near || (here && dot(off, off) < alongside() * alongside());
         before = before || (here && leads_to(up.way, apart + arm, piece, lying, most));
         after = after || (here && leads_to(down.way, apart - arm, piece, lying, most));
-        Real by = select(here, passes_by(along, apart + arm, piece, lying), Real(0.0f));
-        by_before = select(by < 0.0f || by_before < 0.0f, Real(-1.0f), max(by, by_before));
-        by = select(here, passes_by(along, apart - arm, piece, lying), Real(0.0f));
-        by_after = select(by < 0.0f || by_after < 0.0f, Real(-1.0f), max(by, by_after));
       }
   Bool leads = (before && !(by_before > 0.0f)) || (after && !(by_after > 0.0f));
-  return near && !(before && after) && !(longer && leads);
+  Bool stands = by_before > 0.0f || by_after > 0.0f;
+  return near && !(before && after) && !(longer && leads) && (stands || !longest);
 }
 
 // Whether at a place on the way from an end, so many rows and `back` away, lines part: another one goes on from there
@@ -438,7 +439,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
       Bool spur = brief && !(rows > Int(spur_rows()));
       if (some(alone)) alone = is_stray(alone, end, other, last, px, py, steep, Int(side), towards);
       spur = spur && (!longer || (within_one(end, steep) && within_one(other, last.steep)));
-      if (some(spur)) spur = is_spur(spur, longer, end, other);
+      if (some(spur)) spur = is_spur(spur, longer, stray, end, other);
       brief = alone || spur;
     }
     lost = select(brief, min(to_real(rows) + 1.0f, Real(kMostLost)), lost);
