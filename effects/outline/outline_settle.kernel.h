@@ -3,10 +3,10 @@
 // that are two apart, and no longer be taken for one line.
 //
 // Planes of crossings as outline_crossing.kernel.h has them; t is in [0, 1) now, but at the picture's border, where
-// there is no pixel to move to. Of two crossings at one place the clearer one stays, and a faint crease beside a clear
-// crossing is but that one's shadow. In high pictures one crease may be found by several pixels of a stride, which
-// place it up to two pixels apart: one stays, at the mean of these, or else its line would be drawn double, or its
-// halves be taken to stand for each other.
+// there is no pixel to move to. Of two crossings at one place the clearer one stays; a faint crease beside a clear
+// crossing is but that one's shadow, and one beside a clear rim, on its nearer side, is covered by that one's line. In
+// high pictures one crease may be found by several pixels of a stride, which place it up to two pixels apart: one
+// stays, at the mean of these, or else its line would be drawn double, or its halves be taken to stand for each other.
 IN_REAL(outline_right)
 IN_REAL(outline_below)
 OUT_REAL(outline_right_settled)
@@ -15,6 +15,7 @@ OUT_REAL(outline_below_settled)
 
 CONST float kPixel = 0.5f;   // of t in its code
 CONST float kFirst = 0.25f;  // code of t = 0
+CONST float kRim = 32.0f;    // of a code, from the middle: the line lies on one side
 CONST float kNoPlace = 2.0f;
 CONST float kLeastPlace = -0.5f;  // of what its code has
 CONST float kMostPlace = 1.49f;
@@ -32,7 +33,8 @@ FN Real clearer(Real v, Real before, Real after) {
   moved = select(after < 0.0f, after - kPixel, after + kPixel);
   better = from_after && (v == Real(0.0f) || clear_of(after) > clear_of(v));
   v = select(better, moved, v);
-  Bool shadow = v < 0.0f && floor(code_of(v)) == Real(kMiddle) && (before > 0.0f || after > 0.0f);
+  Bool crease = floor(code_of(v)) == Real(kMiddle);
+  Bool shadow = v < 0.0f && crease && (before > 0.0f || after > 0.0f);
   return select(shadow, Real(0.0f), v);
 }
 
@@ -78,6 +80,24 @@ FN Real known_here(Real v, Real before, Real after) {
   return select(v > 0.0f && place < kNoPlace && (by_before || by_after), Real(0.0f), v);
 }
 
+// Whether a crease goes on in the row (column) so many after this one, at most a pixel beside.
+FN Bool crease_in(int lying, int row) {
+  Bool found = Real(0.0f) > 1.0f;
+  for (int k = -1; k <= 1; ++k) {
+    Real v = lying == 0 ? near_outline_right(k, row) : near_outline_below(row, k);
+    found = found || floor(code_of(v)) == Real(kMiddle);
+  }
+  return found;
+}
+
+// v, or nothing if it is of a crease that runs along beside a clear rim, `before` or `after`, on its nearer side.
+FN Real apart_from_rims(int lying, Real v, Real before, Real after) {
+  Bool covered = floor(code_of(v)) == Real(kMiddle) && ((before > 0.0f && code_of(before) < kMiddle - kRim) ||
+                                                        (after > 0.0f && code_of(after) > kMiddle + kRim));
+  if (some(covered)) covered = covered && crease_in(lying, -1) && crease_in(lying, 1);
+  return select(covered, Real(0.0f), v);
+}
+
 // The crossings at the pixel so many after this one, of its row (lying 0) or column (1); 0 outside the picture.
 FN Real crossing_at(int lying, int k) {
   Bool inside = lying == 0 ? near_inside(k, 0) : near_inside(0, k);
@@ -106,7 +126,7 @@ FN Real settled(int lying) {
     after = known_here(even_after, even, even_after2);
   }
   Bool inside = lying == 0 ? near_inside(-1, 0) : near_inside(0, -1);
-  return clearer(here_alone(here, inside), before, after);
+  return apart_from_rims(lying, clearer(here_alone(here, inside), before, after), before, after);
 }
 
 FN void outline_settle_pixel(Int px, Int py) {
