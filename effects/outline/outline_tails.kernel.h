@@ -361,6 +361,7 @@ FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, 
 FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towards) {
   Bool steep = here.steep;
   int all = kComing * C.stride;
+  Bool is_rim = !is_crease(here.piece);
   Vec2 zero = Vec2(Real(0.0f), Real(0.0f));
   Vec2 far = zero;
   Vec2 near = zero;
@@ -369,7 +370,7 @@ FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towa
   for (int k = 1; k <= all; ++k) {
     if (!some(last.on)) continue;
     last = next_along(last, px, py, steep, side * Int(-k), -towards);
-    last.on = last.on && is_crease(last.piece);
+    last.on = last.on && (is_rim || is_crease(last.piece));
     Vec2 at = middle_at(last, px, py, 0.0f);
     if (k > all / 2) far = far + at;
     if (k > all / 4 && k <= all / 2) near = near + at;
@@ -419,8 +420,8 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     Bool burr = lost > 0.0f;
     if (some(burr)) lost = select(faces_end(burr, end), Real(0.0f), lost);
     code = select(passed, code + (side < 0 ? kPassedBefore : kPassedAfter), code);
-    Bool crease = ends && is_crease(piece) && !(lost > 0.0f);
-    if (some(crease)) lost = select(crease, hook_of(crease, here, px, py, Int(side), towards), lost);
+    Bool hook = ends && (free || is_crease(piece)) && !(lost > 0.0f);
+    if (some(hook)) lost = select(hook, hook_of(hook, here, px, py, Int(side), towards), lost);
     // The other end, if it is near.
     Along last = here;
     last.on = ends;
