@@ -166,6 +166,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   // one, as many as outline_refine tells short lines by.
   constexpr float kSmallWidths = 3.0f, kMostSmall = 13.0f, kMostSmallLow = 6.0f;
   c.small = int(std::clamp(std::round(kSmallWidths * c.width_px), 1.0f, c.stride > 1 ? kMostSmall : kMostSmallLow));
+  constexpr float kBarHeight = 114.0f;  // of the picture, per pixel of half a bar whose front is round
+  c.bar = int(std::clamp(std::round(float(info.inner_height()) / kBarHeight), 3.0f, 15.0f));
   constexpr float kBevelHeight = 150.0f;  // of the picture, per pixel of half a wide bevel
   c.bevel = int(std::clamp(std::round(float(info.inner_height()) / kBevelHeight), 3.0f, 16.0f));
   constexpr float kEvenly = 0.4f;  // of the same turn in every step
@@ -196,7 +198,7 @@ int find_reach(const void* constants, int) {
   // Means of normals from four to five strides off; along a fold's side, of kRoom strides and pixels and kFootRoom
   // more, depths three pixels and normals kTurnWithin beyond its end, which begins one pixel off. A wide bevel's sides
   // are as wide as it may be.
-  return std::max({5 * stride, 2 * stride + 8, 2 * c.bevel + 1});
+  return std::max({5 * stride, 2 * stride + 8, 2 * c.bevel + 1, c.bar + 1});
 }
 int settle_reach(const void*, int) { return 4; }
 int refine_reach(const void*, int) { return 14; }

@@ -39,6 +39,7 @@ struct OutlineConstants {
   float r, g, b, opacity;
   int stride;        // pixels between the normals that creases are told by
   int small;         // pixels in both directions that what stands alone must be larger than
+  int bar;           // pixels from a soft crease to the rims beside it, at most, that have lines in its stead
   int bevel;         // pixels from a wide bevel's crease to the sides that it lies between, at most
   float bevel_step;  // squared share of its turn in a step, at least
   float depth;

@@ -55,6 +55,7 @@ CONST float kBevel = 0.25f;      // of the turn within five steps, what lies bey
 CONST float kRound = 0.6f;       // and from which on it is a round thing, which has 0.8
 CONST float kNarrow = 0.3f;      // how clear a soft crease beside a rim is at most: not enough where all of it is
 CONST float kHidden = 0.45f;     // and one of which another object hides a part: outline_refine tells them apart
+CONST float kTurnsAway = 1.5f;   // squared, from a side's normal to where it has ended: 75 degrees
 CONST float kSoftClear = 0.9f;   // how clear a soft crease is at most in high pictures, where outline_refine asks more
 CONST float kInPlace = 0.8f;     // and at least, to be drawn there, where another object hides a part of its bevel
 CONST float kTooWide = 0.8f;     // of a wide bevel's turn, squared, at most within five strides
@@ -333,6 +334,19 @@ FN Vec3 mean_normal(int k, int l, int i, int j, int stride) {
   return sum * Real(1.0f / float(stride));
 }
 
+// Whether a crease's side, seen from pixel (k, l) by steps of (i, j), ends at a rim before there is room for lines at
+// both. normal: of the side.
+FN Bool ends_within(Bool asked, int k, int l, int i, int j, Vec3 normal) {
+  Bool ends = asked && !asked;
+  for (int m = 1; m <= C.bar; ++m) {
+    Bool look = asked && !ends;
+    if (!some(look)) continue;
+    ends = ends || (look && (!goes_on(k + (m - 1) * i, l + (m - 1) * j, k + m * i, l + m * j, 1) ||
+                             square(near_normal(k + m * i, l + m * j) - normal) > kTurnsAway));
+  }
+  return ends;
+}
+
 // How clear a crease is by its squared chord, beyond 0 and 1 too.
 FN Real turned_enough(Real turn) { return (turn - Real(C.crease_chord)) / Real(C.crease_chord * kTurnRange) + 0.5f; }
 
@@ -408,6 +422,9 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride, Bool partly) {
   Bool hides = (roomy_a || hidden_a) && (roomy_b || hidden_b);
   steady = select(roomy_a && roomy_b, steady, min(steady, select(hides, Real(kHidden), Real(kNarrow))));
   steady = select((before2 || hidden_a) && (after2 || hidden_b) && (before3 || after3), steady, Real(0.0f));
+  Bool soft = peak && !sharp && steady > kNarrow;
+  if (some(soft)) soft = soft && ends_within(soft, 0, 0, -i, -j, a2) && ends_within(soft, i, j, i, j, b2);
+  steady = select(soft, min(steady, Real(kNarrow)), steady);
   if (C.stride > 1) steady = min(steady, Real(kSoftClear));
   steady = select(sharp, Real(1.0f), steady);
   Real clear = clamp(min(turned_enough(turn), steady), Real(0.0f), Real(1.0f));
