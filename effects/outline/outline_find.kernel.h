@@ -423,7 +423,18 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride, Bool partly) {
   steady = select(roomy_a && roomy_b, steady, min(steady, select(hides, Real(kHidden), Real(kNarrow))));
   steady = select((before2 || hidden_a) && (after2 || hidden_b) && (before3 || after3), steady, Real(0.0f));
   Bool soft = peak && !sharp && steady > kNarrow;
-  if (some(soft)) soft = soft && ends_within(soft, 0, 0, -i, -j, a2) && ends_within(soft, i, j, i, j, b2);
+  if (some(soft)) {
+    // Also the other way, if the crease is seen there, too: to what leans that way is shorter.
+    Bool bar = soft && ends_within(soft, 0, 0, -i, -j, a2) && ends_within(soft, i, j, i, j, b2);
+    Bool rest = soft && !bar;
+    if (some(rest)) {
+      Vec3 before = near_normal(-2 * sj, -2 * si);
+      Vec3 after = near_normal(2 * sj, 2 * si);
+      rest = rest && square(after - before) > Real(C.crease_chord * kFaintTurn);
+      bar = bar || (ends_within(rest, 0, 0, -j, -i, before) && ends_within(rest, 0, 0, j, i, after));
+    }
+    soft = soft && bar;
+  }
   steady = select(soft, min(steady, Real(kNarrow)), steady);
   if (C.stride > 1) steady = min(steady, Real(kSoftClear));
   steady = select(sharp, Real(1.0f), steady);

@@ -41,6 +41,9 @@ CONST float kLeastSure = 1.5f;        // of kSure: what is fainter is not seen
 CONST float kUpright = 0.14f;         // slope: seven rows to a step
 CONST float kClear = 7.0f;            // half of it
 CONST int kRimRows = 6;               // rows, per pixel of stride, from a rim, within which a crease leans to its side
+CONST float kPartlyRim = 8.0f;        // of level, from the middle, of a rim that a crease leans to; what
+                                      // has no more rows than the stride is of one that it meets
+CONST float kSameWay = 0.2f;          // between the slopes of a crease and a rim that it goes on in
 CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
 CONST int kTurns = 1;                 // and one that runs across
 CONST int kAround = 6;                // pixels, times the stride, within which a line has
@@ -55,7 +58,8 @@ struct Way {
   Real place, slope;  // of its last piece: beside the first one, and how it leans
   Real sure, level;   // of that
   Real row;           // of that, counted from the first
-  Real rim;           // of the first rim that a crease goes on in, level less the middle's, less the farther it is
+  Real rims;          // so many rows of a rim that a crease goes on in
+  Real rim;           // of the rims that a crease goes on in, level less the middle's, less the farther they are
 };
 
 // What was seen along a line.
@@ -105,11 +109,14 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
     Real beyond = select(other > side, place - expected, expected - place);
     Real leans =
         clamp(mad(beyond, Real(-2.0f / (C.width_px > 1.0f ? C.width_px : 1.0f)), Real(1.0f)), Real(0.0f), Real(1.0f));
-    rim = select(here && mixed, (other - side) * leans, select(here, Real(0.0f), rim));
+    Bool onward = mixed && abs(other - side) > kPartlyRim && abs(slope_of(piece) - from.slope) < kSameWay;
+    rim = select(here, select(onward, (other - side) * leans, Real(0.0f)), rim);
     found = found || here;
   }
   Real near = max(Real(1.0f) - Real(float(rows) / float(kRimRows * C.stride)), Real(0.0f));
-  next.rim = select(found && crease && from.rim == Real(0.0f), rim * near, next.rim);
+  rim = rim * near;
+  next.rims = select(found && abs(rim) > 0.0f, from.rims + 1.0f, select(found, Real(0.0f), from.rims));
+  next.rim = select(found && crease && next.rims > Real(float(C.stride)) && abs(rim) > abs(from.rim), rim, next.rim);
   next.on = found || (from.on && away_rows < most_gap);
   next.row = select(found, Real(float(rows)), next.row);
   return next;
@@ -122,7 +129,7 @@ FN Line followed(int lying, Int px, Int py, Real piece, Bool asked, int near, in
   Real place = place_of(piece);
   Real sure = sure_of(piece);
   Real none = Real(0.0f);
-  Way way = Way(asked, place, slope_of(piece), sure, side, none, none);
+  Way way = Way(asked, place, slope_of(piece), sure, side, none, none, none);
   Line line = Line(way, way, Real(1.0f), Real(1.0f), sure, side, none, none, none, none);
   Bool straight = asked;
   Real bend = select(side == Real(kMiddle), Real(kStraightCrease), Real(kStraight));

@@ -1592,6 +1592,133 @@ TEST(Outline, BevelsBesideARimAreInItsLine) {
       }
 }
 
+TEST(Outline, ShortStrokesOnTheSideOfALineAreDropped) {
+  // A fold that begins at a deep rim and fades; of what is brief five eighths are a jump: 4 and 8 rows.
+  int bare = 0, drawn = 0;
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const bool brief : {true, false}) {
+        const double stride = height > 256 ? 3.0 : 1.0;
+        const double fades_px = brief ? (height > 256 ? 12.0 : 6.0) : 60.0 * stride;
+        const Lens lens{160, height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          if (v > 0.0) return 24.0;
+          return u > 0.0 ? 8.0 * std::max(0.0, 1.0 + v / fades_px) : 0.0;
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        const long beside = count(lines, [&](int x, int y) { return on_relief(angle, lens, x, y).y < -2.0; });
+        if (brief)
+          bare += beside == 0;
+        else
+          drawn += beside > 20;
+      }
+  EXPECT_EQ(bare, 18);
+  EXPECT_EQ(drawn, 18);
+}
+
+/// A face and, beyond its edge, another one that falls off from it, in every other part of its length up to so many
+/// pixels deeper.
+Scene stepped_edge(double angle_deg, double deeper_px, double part_px, const Lens& lens) {
+  const double a = radians(angle_deg), pixel = lens.pixel();
+  const dvec3 fallen = glm::normalize(dvec3(std::sin(a), -std::cos(a), 1.0));
+  const Scene flat = relief(angle_deg, lens, [=](double u, double v) {
+    return v > 0.0 ? 0.0 : v - deeper_px * std::max(0.0, std::sin(std::numbers::pi * u / part_px));
+  });
+  return [=](const dvec3& origin, const dvec3& direction) {
+    Hit hit = flat(origin, direction);
+    const double v = (origin.y - kOffY) / pixel * std::cos(a) - (origin.x - kOffX) / pixel * std::sin(a);
+    if (v < 0.0) hit.normal = fallen;
+    return hit;
+  };
+}
+
+TEST(Outline, EdgesThatAreNowARimDoNotStepAside) {
+  // A rim's line lies on one side and a crease's in the middle: half of the width lies between the two.
+  for (const int height : {256, 2160})
+    for (const double angle : {2.0, 88.0, 182.0, 268.0}) {
+      const Lens lens{160, height, true};
+      const Scene scene = stepped_edge(angle, 12.0, 40.0, lens);
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "8"}});
+      std::map<int, dvec2> sums;
+      for (int y = 0; y < lines.height; ++y)
+        for (int x = 0; x < lines.width; ++x) {
+          const dvec2 p = on_relief(angle, lens, x, y);
+          if (std::fabs(p.y) < 12.0 && std::fabs(p.x) < 60.0)
+            sums[int(std::floor(p.x / 2.0))] += dvec2(p.y, 1.0) * double(lines.at(x, y));
+        }
+      double step = 0.0, least = 1e9, most = -1e9, before = 1e9;
+      for (const auto& [u, sum] : sums) {
+        const double middle = sum.x / sum.y;
+        if (before < 1e8) step = std::max(step, std::fabs(middle - before));
+        least = std::min(least, middle), most = std::max(most, middle), before = middle;
+      }
+      EXPECT_LE(step, height > 256 ? 1.0 : 1.7) << height << " high, " << angle << " degrees";
+      EXPECT_GE(most - least, 3.0) << "or else this is no such edge: " << height << " high, " << angle << " degrees";
+    }
+}
+
+/// A bar with flat sides and a round front between them, before a plane: its width and the round part's, in pixels.
+Scene round_bar(double angle_deg, double width_px, double round_px, const Lens& lens) {
+  const double a = radians(angle_deg), pixel = lens.pixel();
+  const double radius = 0.5 * round_px / std::sin(radians(45.0));
+  const auto depth = [=](double v) {  // below the front, in pixels
+    const double round = std::min(std::fabs(v), 0.5 * round_px);
+    return radius - std::sqrt(radius * radius - round * round) + std::max(std::fabs(v) - 0.5 * round_px, 0.0);
+  };
+  const Scene flat =
+      relief(angle_deg, lens, [=](double, double v) { return std::fabs(v) < 0.5 * width_px ? 40.0 - depth(v) : 0.0; });
+  return [=](const dvec3& origin, const dvec3& direction) {
+    Hit hit = flat(origin, direction);
+    const double v = (origin.y - kOffY) / pixel * std::cos(a) - (origin.x - kOffX) / pixel * std::sin(a);
+    if (std::fabs(v) > 0.5 * width_px) return hit;
+    const double slope = std::clamp(v / radius, -std::sin(radians(45.0)), std::sin(radians(45.0)));
+    const double front = std::sqrt(1.0 - slope * slope);
+    hit.normal = {-std::sin(a) * slope, std::cos(a) * slope, front};
+    return hit;
+  };
+}
+
+TEST(Outline, BarsWithARoundFrontHaveTheirRimsAlone) {
+  for (const int height : {1024, 2160})
+    for (const double angle : {0.0, 5.0, 30.0, 60.0, 90.0}) {
+      const double scale = height / 1024.0;
+      for (const double width : {9.0, std::fmod(angle, 90.0) > 10.0 ? 11.0 : 13.0}) {
+        const Lens lens{160, height, true};
+        const Plane lines =
+            lines_of(seen(lens, round_bar(angle, width * scale, 6.0 * scale, lens)), {{"ids", "none"}, {"width", "2"}});
+        long inner = 0, rims = 0;
+        // Beyond the picture's border nothing tells that a bar ends.
+        const int border = int(width * scale);
+        for (int y = border; y < lines.height - border; ++y)
+          for (int x = border; x < lines.width - border; ++x) {
+            const double v = std::fabs(on_relief(angle, lens, x, y).y);
+            if (lines.at(x, y) > 0.0f) (v < 0.5 * width * scale - 3.5 ? inner : rims) += 1;
+          }
+        EXPECT_EQ(inner, 0) << height << " high, " << angle << " degrees, " << width;
+        EXPECT_GT(rims, 300) << height << " high, " << angle << " degrees, " << width;
+      }
+      // One with room for three lines has them.
+      const Lens lens{160, height, true};
+      const Plane lines =
+          lines_of(seen(lens, round_bar(angle, 32.0 * scale, 4.0 * scale, lens)), {{"ids", "none"}, {"width", "2"}});
+      EXPECT_GT(count(lines, [&](int x, int y) { return std::fabs(on_relief(angle, lens, x, y).y) < 3.0; }), 150)
+          << height << " high, " << angle << " degrees";
+    }
+}
+
+TEST(Outline, CreasesUnderARimsLineAreNotDrawn) {
+  // A strip of a pixel between the face and its rim.
+  for (const bool orthographic : {false, true})
+    for (const double angle : {3.0, 9.0, 16.0, 74.0, 86.0})
+      for (const double bevel_px : {0.7, 0.9, 1.1}) {
+        const Straight straight{true, angle};
+        const Lens lens{256, 256, orthographic};
+        const Plane lines = lines_of(seen(lens, bevelled_rim(angle, bevel_px, lens)), {{"width", "1"}});
+        const Profile p = profile_of(lines, straight, lens, 1.0);
+        EXPECT_NEAR(p.mean, 1.0, 0.15) << angle << " degrees, " << bevel_px << " px, " << orthographic;
+      }
+}
+
 TEST(Outline, LinesOfTheInitialWidthAreTheFastOnes) {
   const Effect& outline = *find_effect("outline");
   OutlineConstants constants;
