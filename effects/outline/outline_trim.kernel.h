@@ -22,6 +22,7 @@ CONST float kBesideIt = 1.2f;  // but not what is so many aside and runs alongsi
 CONST float kAlongIt = 0.3f;   // with less than this between the two ways, sine;
 CONST float kOnward = 1.0f;    // what is not so many ahead
 CONST float kAlike = 0.5f;     // between ways, sine: more is another line's
+CONST int kDot = 2;            // rows that are left at the end of what is dropped, at most, and are dropped, too
 CONST float kOwn = 0.8f;       // nor so many aside is of the line itself
 
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
@@ -33,9 +34,8 @@ FN Bool end_around() {
   return !(to_signed(any) == Int(0));
 }
 
-// Whether another line, surer than `least`, is beside this pixel's piece.
-FN_RARE Bool has_beside(Bool asked, Real piece, int lying, float least) {
-  Bool steep = steep_of(lying);
+// Whether another line, surer than `least`, is beside the piece of pixel (X, Y).
+FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float least) {
   Vec2 way = lean_of(slope_of(piece), steep, Real(1.0f));
   Vec2 at = middle_of(piece, steep, 0.0f);
   Vec2 nearer = nearer_of(piece, steep);
@@ -46,8 +46,8 @@ FN_RARE Bool has_beside(Bool asked, Real piece, int lying, float least) {
       for (int kind = 0; kind < 2; ++kind) {
         Bool look = asked && !found;
         if (!some(look)) continue;
-        Real other = kind == 0 ? near_outline_steep_linked(i, j) : near_outline_flat_linked(i, j);
-        Bool here = look && seen(other) && sure_of(other) > least && stands_for(other, piece) && near_inside(i, j);
+        Real other = piece_at(kind, X + Int(i), Y + Int(j));
+        Bool here = look && seen(other) && sure_of(other) > least && stands_for(other, piece);
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, other, kind, Int(i), Int(j), 0.0f);
         Real off = abs(cross(way, apart));
@@ -63,6 +63,7 @@ struct Tail {
   Bool passed;  // another line goes on beside and past that end,
   Bool near;    // which is no more than a tail's rows away
   Bool last;    // what follows is lost
+  Int rows;     // to that end
 };
 
 FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side) {
@@ -88,19 +89,7 @@ FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side
   Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
   Bool passed = (back && before) || (!back && told >= kPassedAfter);
   return Tail(to_real(rows) < lost, passed, passed && rows <= Int(short_tail_rows()),
-              lost > 0.0f && to_real(rows) == lost);
-}
-
-// This pixel's piece, or nothing if it is lost, or of a tail, or between two, and has the other line beside it; of what
-// is left of these, marked as an end: it is one where the rest is dropped.
-FN_RARE Real without_tails(Bool asked, Int px, Int py, Real piece, int lying) {
-  Tail up = tail_at(asked, px, py, piece, lying, -1);
-  Tail down = tail_at(asked, px, py, piece, lying, 1);
-  Bool dropped = up.lost || down.lost;
-  Bool tail = up.near || down.near || (up.passed && down.passed);
-  Bool ask = tail && !dropped;
-  if (some(ask)) dropped = dropped || has_beside(ask, piece, lying, kLeastSeen);
-  return select(dropped, Real(0.0f), select(tail || up.last || down.last, -abs(piece), piece));
+              lost > 0.0f && to_real(rows) == lost, rows);
 }
 
 // How sure the surest piece is of those at pixel (X, Y) and near it that are not behind what leads there, nor of it
@@ -174,10 +163,50 @@ FN_RARE Ahead ahead_of(Bool asked, Along end, Vec2 at, Vec2 way) {
   return found;
 }
 
+// Whether of a tail that ends so near, to one side, with nothing ahead, what leads there is dropped: what is left would
+// be a dot.
+FN_RARE Bool is_dot(Bool asked, Tail tail, Int px, Int py, Real piece, int lying, int side) {
+  Bool steep = steep_of(lying);
+  Along back = Along(asked && tail.near && tail.rows < Int(kDot), place_of(piece), slope_of(piece), px, py, steep,
+                     piece, Real(0.0f));
+  Bool dot = asked && !asked;
+  for (int k = 1; k <= kDot; ++k) {
+    if (!some(back.on)) continue;
+    back = next_along(back, px, py, steep, Int(-k * side), Real(float(-side)));
+    if (some(back.on))
+      dot = dot || (back.on && has_beside(back.on, back.x, back.y, back.piece, back.steep, kLeastSeen));
+  }
+  if (some(dot)) {
+    Real towards = Real(float(side));
+    Along last = Along(dot, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
+    for (int k = 1; k <= kDot; ++k)
+      if (some(last.on)) last = next_along(last, px, py, steep, Int(k * side), towards);
+    Ahead ahead = ahead_of(dot, last, middle_of(last.piece, last.steep, 0.0f), lean_of(last.slope, steep, towards));
+    dot = dot && !(ahead.sure || ahead.faint.on);
+  }
+  return dot;
+}
+
+// This pixel's piece, or nothing if it is lost, or of a tail, or between two, and has the other line beside it; of what
+// is left of these, marked as an end: it is one where the rest is dropped.
+FN_RARE Real without_tails(Bool asked, Int px, Int py, Real piece, int lying) {
+  Tail up = tail_at(asked, px, py, piece, lying, -1);
+  Tail down = tail_at(asked, px, py, piece, lying, 1);
+  Bool dropped = up.lost || down.lost;
+  Bool tail = up.near || down.near || (up.passed && down.passed);
+  Bool ask = tail && !dropped;
+  if (some(ask)) dropped = dropped || has_beside(ask, px, py, piece, steep_of(lying), kLeastSeen);
+  ask = ask && !dropped;
+  if (some(ask)) dropped = dropped || is_dot(ask, up, px, py, piece, lying, -1);
+  if (some(ask)) dropped = dropped || is_dot(ask, down, px, py, piece, lying, 1);
+  return select(dropped, Real(0.0f), select(tail || up.last || down.last, -abs(piece), piece));
+}
+
 // Where a line leads that is faint, to one side of it.
 struct Led {
   Bool on;       // to a line that is sure,
   Bool ends;     // it ends with none near,
+  Bool weakly;   // or only with what is faint, too,
   Int rows;      // so many rows away
   Along onward;  // and a faint one goes on from there,
   Real towards;  // to this side of that
@@ -204,13 +233,14 @@ FN_RARE Led led_to(Along from, Real towards) {
   Int beyond = (rows + Int(1)) * side;
   ends = ends && in_picture(from.x + select(steep, across, beyond), from.y + select(steep, beyond, across));
   last.on = ends && !ends;
-  Led led = Led(found, ends, rows, last, towards);
+  Led led = Led(found, ends, ends && !ends, rows, last, towards);
   if (some(ends)) {
     Vec2 way = lean_of(last.slope, steep, towards);
     Vec2 at = middle_of(last.piece, last.steep, 0.0f);
     Real met = meets(ends, last.x, last.y, at, way);
     led.on = found || (ends && met > kWhole);
     led.ends = ends && !(met > 0.0f);
+    led.weakly = ends && !led.on && !led.ends;
     Bool look = ends && !led.on;
     if (some(look)) {
       Ahead ahead = ahead_of(look, last, at, way);
@@ -233,7 +263,10 @@ FN_RARE Led led_on(Bool asked, Int px, Int py, Real piece, int lying, int side) 
     Bool on = led.onward.on && second.on;
     led.on = led.on || on;
     Real apart = max(abs(to_real(led.onward.x - px)), abs(to_real(led.onward.y - py)));
-    led.rows = select(on, to_int(apart) + second.rows, led.rows);
+    // What meets but a faint line that leads nowhere leads nowhere.
+    Bool nowhere = led.weakly && led.onward.on && !second.on && second.ends;
+    led.ends = led.ends || nowhere;
+    led.rows = select(on || nowhere, to_int(apart) + second.rows, led.rows);
   }
   return led;
 }
@@ -243,7 +276,7 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   Bool faint = on && sure_of(piece) < kWhole;
   // What is so faint beside another line would be specks.
   Bool hair = faint && sure_of(piece) < kHair;
-  if (some(hair)) hair = hair && has_beside(hair, piece, lying, kHair);
+  if (some(hair)) hair = hair && has_beside(hair, px, py, piece, steep_of(lying), kHair);
   if (some(faint)) {
     Led up = led_on(faint, px, py, piece, lying, -1);
     faint = faint && (up.on || up.ends);
