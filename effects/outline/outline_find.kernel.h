@@ -13,8 +13,9 @@
 //   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
 //             a sharp edge or a bevelled one; noise, roughness and round things are none. In high pictures the same
 //             within five strides, so that what is an edge is one at any resolution; wider bevels between flat sides
-//             lie where the normal is halfway between theirs. Of the two edges of a fold, with
-//             a steep side of a few pixels between them, the nearer one is clear and the one at its foot faint
+//             lie where the normal is halfway between theirs. A soft one with a rim near on either side is the round
+//             front of a bar. Of the two edges of a fold, with a steep side of a few pixels between them, the nearer
+//             one is clear and the one at its foot faint
 //   an id     another object or material
 // A crease lies where its two planes meet, to a fraction of a pixel; a jump lies halfway until outline_refine.
 // Most pixels have no edge: each kind asks first for what it cannot be without.

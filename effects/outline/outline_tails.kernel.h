@@ -4,8 +4,9 @@
 //
 // A tail goes, in a few rows, to an end that touches nothing and has nothing ahead, while another line of its object,
 // the nearer surface not on the other side, runs beside it and on past that. A spur is but a few pieces, near another
-// line, that lead nowhere. A burr is what goes on past a crossing for a few rows. A hook is where a crease leaves its
-// way in its last rows. A stray is a stroke alone on its surface.
+// line, that lead nowhere, or stand on its side. A burr is what goes on past a crossing for a few rows. A hook is where
+// a crease, or a rim that ends free, leaves its way in its last rows. A stray is a stroke alone on its surface; one of
+// a crease may run beside other lines.
 //
 // outline_tails: as outline_tail.kernel.h has it.
 IN_REAL(depth)
@@ -357,7 +358,8 @@ FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, 
   return rows;
 }
 
-// How many rows of a crease, from its end on, are a hook: they leave the way that it came straight.
+// How many rows of a crease, or of a line that begins as a rim, from its end on, are a hook: they leave the way that it
+// came straight.
 FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towards) {
   Bool steep = here.steep;
   int all = kComing * C.stride;

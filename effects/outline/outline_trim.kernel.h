@@ -169,22 +169,22 @@ FN_RARE Bool is_dot(Bool asked, Tail tail, Int px, Int py, Real piece, int lying
   Bool steep = steep_of(lying);
   Along back = Along(asked && tail.near && tail.rows < Int(kDot), place_of(piece), slope_of(piece), px, py, steep,
                      piece, Real(0.0f));
-  Bool dot = asked && !asked;
+  Bool left = asked && !asked;
   for (int k = 1; k <= kDot; ++k) {
     if (!some(back.on)) continue;
     back = next_along(back, px, py, steep, Int(-k * side), Real(float(-side)));
     if (some(back.on))
-      dot = dot || (back.on && has_beside(back.on, back.x, back.y, back.piece, back.steep, kLeastSeen));
+      left = left || (back.on && has_beside(back.on, back.x, back.y, back.piece, back.steep, kLeastSeen));
   }
-  if (some(dot)) {
+  if (some(left)) {
     Real towards = Real(float(side));
-    Along last = Along(dot, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
+    Along last = Along(left, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
     for (int k = 1; k <= kDot; ++k)
       if (some(last.on)) last = next_along(last, px, py, steep, Int(k * side), towards);
-    Ahead ahead = ahead_of(dot, last, middle_of(last.piece, last.steep, 0.0f), lean_of(last.slope, steep, towards));
-    dot = dot && !(ahead.sure || ahead.faint.on);
+    Ahead ahead = ahead_of(left, last, middle_of(last.piece, last.steep, 0.0f), lean_of(last.slope, steep, towards));
+    left = left && !(ahead.sure || ahead.faint.on);
   }
-  return dot;
+  return left;
 }
 
 // This pixel's piece, or nothing if it is lost, or of a tail, or between two, and has the other line beside it; of what
