@@ -425,13 +425,14 @@ FN Vec2 crease_between(Int px, Int py, int i, int j, int stride, Bool partly) {
   steady = select((before2 || hidden_a) && (after2 || hidden_b) && (before3 || after3), steady, Real(0.0f));
   Bool soft = peak && !sharp && steady > kNarrow;
   if (some(soft)) {
-    // Also the other way, if the crease is seen there, too: to what leans that way is shorter.
+    // Also along the other axis, if the crease is seen there, too: the way across a leaning bar may be shorter.
     Bool bar = soft && ends_within(soft, 0, 0, -i, -j, a2) && ends_within(soft, i, j, i, j, b2);
     Bool rest = soft && !bar;
     if (some(rest)) {
       Vec3 before = near_normal(-2 * sj, -2 * si);
       Vec3 after = near_normal(2 * sj, 2 * si);
-      rest = rest && square(after - before) > Real(C.crease_chord * kFaintTurn);
+      rest = rest && square(after - before) > Real(C.crease_chord * kFaintTurn) &&
+             goes_on(0, 0, -2 * sj, -2 * si, 2 * stride) && goes_on(0, 0, 2 * sj, 2 * si, 2 * stride);
       bar = bar || (ends_within(rest, 0, 0, -j, -i, before) && ends_within(rest, 0, 0, j, i, after));
     }
     soft = soft && bar;

@@ -197,7 +197,7 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Bool longest, Tip up, Tip down) {
       }
   Bool leads = (before && !(by_before > 0.0f)) || (after && !(by_after > 0.0f));
   Bool stands = by_before > 0.0f || by_after > 0.0f;
-  return near && !(before && after) && !(longer && leads) && (stands || !longest);
+  return near && !(before && after) && !(longer && leads) && (stands || !(longest && longer));
 }
 
 // Whether at a place on the way from an end, so many rows and `back` away, lines part: another one goes on from there

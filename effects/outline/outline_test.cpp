@@ -1648,6 +1648,7 @@ TEST(Outline, EdgesThatAreNowARimDoNotStepAside) {
         }
       double step = 0.0, least = 1e9, most = -1e9, before = 1e9;
       for (const auto& [u, sum] : sums) {
+        ASSERT_GT(sum.y, 0.0) << "a gap: " << height << " high, " << angle << " degrees";
         const double middle = sum.x / sum.y;
         if (before < 1e8) step = std::max(step, std::fabs(middle - before));
         least = std::min(least, middle), most = std::max(most, middle), before = middle;

@@ -171,6 +171,7 @@ FN_RARE Bool is_dot(Bool asked, Tail tail, Int px, Int py, Real piece, int lying
                      piece, Real(0.0f));
   Bool left = asked && !asked;
   for (int k = 1; k <= kDot; ++k) {
+    back.on = back.on && tail.rows + Int(k) <= Int(kDot);
     if (!some(back.on)) continue;
     back = next_along(back, px, py, steep, Int(-k * side), Real(float(-side)));
     if (some(back.on))
@@ -263,7 +264,7 @@ FN_RARE Led led_on(Bool asked, Int px, Int py, Real piece, int lying, int side) 
     Bool on = led.onward.on && second.on;
     led.on = led.on || on;
     Real apart = max(abs(to_real(led.onward.x - px)), abs(to_real(led.onward.y - py)));
-    // What meets but a faint line that leads nowhere leads nowhere.
+    // What meets but faint lines, and goes on in one that leads nowhere, leads nowhere.
     Bool nowhere = led.weakly && led.onward.on && !second.on && second.ends;
     led.ends = led.ends || nowhere;
     led.rows = select(on || nowhere, to_int(apart) + second.rows, led.rows);
