@@ -9,7 +9,11 @@ IN_REAL(outline_flat_linked)
 IN_REAL(outline_tails)
 OUT_REAL(outline_steep_trimmed)
 OUT_REAL(outline_flat_trimmed)
-#include "effects/outline/outline_tail.kernel.h"
+FN Real steep_at(Int x, Int y) { return load_outline_steep_linked(x, y); }
+FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
+FN Real told_at(Int x, Int y) { return load_outline_tails(x, y); }
+FN Real told_near(int i, int j) { return near_outline_tails(i, j); }
+#include "effects/outline/outline_lost.kernel.h"
 
 CONST int kBetween = 16;       // rows, per pixel of stride, of what is faint between two lines,
 CONST int kNowhere = 20;       // and of what leads nowhere
@@ -24,15 +28,6 @@ CONST float kOnward = 1.0f;    // what is not so many ahead
 CONST float kAlike = 0.5f;     // between ways, sine: more is another line's
 CONST int kDot = 2;            // rows that are left at the end of what is dropped, at most, and are dropped, too
 CONST float kOwn = 0.8f;       // nor so many aside is of the line itself
-
-// Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
-FN Bool end_around() {
-  int rows = tail_rows() < kMostTail ? tail_rows() + 1 : kMostTail;
-  Uint any = Uint(0u);
-  for (int j = -rows; j <= rows; ++j)
-    for (int i = -rows; i <= rows; ++i) any = any | bits_of(near_outline_tails(i, j));
-  return !(to_signed(any) == Int(0));
-}
 
 // Whether another line, surer than `least`, is beside the piece of pixel (X, Y).
 FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float least) {
@@ -55,41 +50,6 @@ FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float 
         found = found || (here && abs(dot(way, apart)) < kAbreast && off > kOther && off < alongside());
       }
   return found;
-}
-
-// What leads from a piece, to one side, to an end that outline_tails tells of.
-struct Tail {
-  Bool lost;    // it is of what is dropped: a spur, a burr, a hook or a stray
-  Bool passed;  // another line goes on beside and past that end,
-  Bool near;    // which is no more than a tail's rows away
-  Bool last;    // what follows is lost
-  Int rows;     // to that end
-};
-
-FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side) {
-  Bool steep = steep_of(lying);
-  Real towards = Real(float(side));
-  Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
-  Bool ends = asked && !asked;
-  Int rows = Int(0);
-  for (int k = 1; k <= tail_rows() + 1; ++k) {
-    if (!some(last.on)) continue;
-    Along next = next_along(last, px, py, steep, Int(k * side), towards);
-    ends = ends || (last.on && !next.on);
-    last = next;
-    rows = select(last.on, Int(k), rows);
-  }
-  Real told = Real(0.0f);
-  if (some(ends)) told = select(ends, load_outline_tails(last.x, last.y), told);
-  told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));
-  Bool back = towards_at(last, steep, towards) < 0.0f;
-  Real lost = select(back, floor(told / kLostBefore), floor(told / kLostAfter));
-  lost = lost - floor(lost / (kMostLost + 1.0f)) * (kMostLost + 1.0f);
-  told = told - floor(told / kLostBefore) * kLostBefore;
-  Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
-  Bool passed = (back && before) || (!back && told >= kPassedAfter);
-  return Tail(to_real(rows) < lost, passed, passed && rows <= Int(short_tail_rows()),
-              lost > 0.0f && to_real(rows) == lost, rows);
 }
 
 // How sure the surest piece is of those at pixel (X, Y) and near it that are not behind what leads there, nor of it

@@ -1,0 +1,47 @@
+// What leads to ends that outline_tails or outline_strays tells of. The text before has that plane as told_at(x, y) and,
+// from this pixel, told_near(i, j), and what outline_tail.kernel.h asks for.
+#include "effects/outline/outline_tail.kernel.h"
+
+// Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
+FN Bool end_around() {
+  int rows = tail_rows() < kMostTail ? tail_rows() + 1 : kMostTail;
+  Uint any = Uint(0u);
+  for (int j = -rows; j <= rows; ++j)
+    for (int i = -rows; i <= rows; ++i) any = any | bits_of(told_near(i, j));
+  return !(to_signed(any) == Int(0));
+}
+
+// What leads from a piece, to one side, to an end that is told of.
+struct Tail {
+  Bool lost;    // it is of what is dropped: a spur, a burr, a hook or a stray
+  Bool passed;  // another line goes on beside and past that end,
+  Bool near;    // which is no more than a tail's rows away
+  Bool last;    // what follows is lost
+  Int rows;     // to that end
+};
+
+FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side) {
+  Bool steep = steep_of(lying);
+  Real towards = Real(float(side));
+  Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
+  Bool ends = asked && !asked;
+  Int rows = Int(0);
+  for (int k = 1; k <= tail_rows() + 1; ++k) {
+    if (!some(last.on)) continue;
+    Along next = next_along(last, px, py, steep, Int(k * side), towards);
+    ends = ends || (last.on && !next.on);
+    last = next;
+    rows = select(last.on, Int(k), rows);
+  }
+  Real told = Real(0.0f);
+  if (some(ends)) told = select(ends, told_at(last.x, last.y), told);
+  told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));
+  Bool back = towards_at(last, steep, towards) < 0.0f;
+  Real lost = select(back, floor(told / kLostBefore), floor(told / kLostAfter));
+  lost = lost - floor(lost / (kMostLost + 1.0f)) * (kMostLost + 1.0f);
+  told = told - floor(told / kLostBefore) * kLostBefore;
+  Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
+  Bool passed = (back && before) || (!back && told >= kPassedAfter);
+  return Tail(to_real(rows) < lost, passed, passed && rows <= Int(short_tail_rows()),
+              lost > 0.0f && to_real(rows) == lost, rows);
+}

@@ -1,0 +1,218 @@
+// Ends of lines as outline_tails and outline_strays see them: what an end points to, touches or faces, and what short
+// strokes with two of them are. The text before has what outline_tail.kernel.h asks for, and depth and object_id.
+#include "effects/outline/outline_tail.kernel.h"
+
+CONST float kSame = 0.5f;           // pixels beside an end's way, up to which what is behind it is its own line
+CONST float kCorner = 1.6f;         // pixels from an end at which a spur touches a line
+CONST float kFills = 1.5f;          // times alongside(), up to where the lines are between which it fills a gap
+CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSame, that they may be
+CONST float kOnFaith = 2.5f;        // pixels more than a spur is long, up to where a line is that does not end there
+CONST float kAcross = 0.7f;         // sine between a spur and a line, from which on that runs across it
+CONST float kAlike = 0.5f;          // sine between two ways, up to which they are of one line
+CONST float kMoreThanSpeck = 3.0f;  // pieces of a line that an end points to, at least
+
+// An end of a line.
+struct Tip {
+  Int x, y;     // pixel of its piece,
+  Real piece;   // that
+  Vec2 at;      // where it crosses, from that pixel
+  Vec2 way;     // unit vector, outward
+  Vec2 nearer;  // to its nearer surface,
+  Real object;  // and that one's object
+};
+
+// The object of a piece's nearer surface.
+FN Real object_of(Int x, Int y, Real piece, Bool steep) {
+  Bool other = side_of(piece) < -kHasSide;
+  return load_object_id(x + select(steep && other, Int(1), Int(0)), y + select(!steep && other, Int(1), Int(0)));
+}
+
+// The end at a place along a line that began in a piece of one kind, from which it does not go on.
+FN Tip tip_of(Bool asked, Along last, Bool steep, Real towards) {
+  Vec2 at = middle_of(last.piece, last.steep, 0.0f);
+  Vec2 way = way_of(asked, last.x, last.y, last.piece, last.steep, towards_at(last, steep, towards), at, 0.0f);
+  way = chosen(dot(way, way) > 0.5f, way, lean_of(last.slope, steep, towards));
+  return Tip(last.x, last.y, last.piece, at, way, nearer_of(last.piece, last.steep),
+             object_of(last.x, last.y, last.piece, last.steep));
+}
+
+// Whether a piece so far from an end of a few pieces is of a line that they touch or go on to: one that ends there and
+// comes the same way, or one no farther off than `most` that does not run alongside.
+FN Bool leads_to(Vec2 way, Vec2 apart, Real piece, int lying, Real most) {
+  Real along = dot(way, apart);
+  Real off = abs(cross(way, apart));
+  Bool alike = abs(cross(way, lean_of(slope_of(piece), steep_of(lying), Real(1.0f)))) < kAlike;
+  Bool touches = along > -kSame && dot(apart, apart) < kCorner * kCorner;
+  Bool near = along < select(piece < 0.0f && alike, Real(alongside() * kFills), most) &&
+              (piece < 0.0f || !alike || off < kOther);
+  return touches || (along > 0.0f && near && off < mad(along, Real(kCone), Real(kSame)));
+}
+
+// What is known of lines at a place: 1 if one passes by that runs across `way`, -1 if one ends there, or else 0. known:
+// so far. apart: of another piece, from that place.
+FN Real passes_by(Bool here, Real known, Vec2 way, Vec2 apart, Real piece, int lying) {
+  Bool near = here && dot(apart, apart) < kCorner * kCorner &&
+              abs(cross(way, lean_of(slope_of(piece), steep_of(lying), Real(1.0f)))) > kAcross;
+  return select(near && !(known < 0.0f), select(piece < 0.0f, Real(-1.0f), Real(1.0f)), known);
+}
+
+// Whether what is no more than a few pieces, between two ends, is near another line and not between two, as what fills
+// a gap is; of what is longer, whether neither end leads to any, or one only to the side of a line that passes by; of
+// what is longer yet, whether one does.
+FN_RARE Bool is_spur(Bool asked, Bool longer, Bool longest, Tip up, Tip down) {
+  Vec2 to = down.at - up.at + Vec2(to_real(down.x - up.x), to_real(down.y - up.y));
+  Vec2 arm = to * Real(0.5f);
+  Real extent = max(dot(arm, arm), Real(1e-6f));
+  Real most = sqrt(extent) * 2.0f + kOnFaith;
+  Vec2 middle = up.at + arm;
+  Int x = to_int(floor(middle.x + 0.5f));
+  Int y = to_int(floor(middle.y + 0.5f));
+  Bool near = asked && !asked;
+  Bool before = near;
+  Bool after = near;
+  Vec2 along = arm * (Real(1.0f) / sqrt(extent));
+  Real by_before = Real(0.0f);
+  Real by_after = Real(0.0f);
+  int wide = int(alongside() * kFills) + spur_rows() / 2 + 3;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !(before && after);
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, up.x + x + Int(i), up.y + y + Int(j));
+        Bool here = look && seen(piece);
+        if (!some(here)) continue;
+        Vec2 apart = apart_from(middle, piece, lying, x + Int(i), y + Int(j), 0.0f);
+        Vec2 off = apart - arm * clamp(dot(arm, apart) / extent, Real(-1.0f), Real(1.0f));
+        by_before = passes_by(here, by_before, along, apart + arm, piece, lying);
+        by_after = passes_by(here, by_after, along, apart - arm, piece, lying);
+        here = here && dot(off, off) > kOther * kOther;
+        near = near || (here && dot(off, off) < alongside() * alongside());
+        before = before || (here && leads_to(up.way, apart + arm, piece, lying, most));
+        after = after || (here && leads_to(down.way, apart - arm, piece, lying, most));
+      }
+  Bool leads = (before && !(by_before > 0.0f)) || (after && !(by_after > 0.0f));
+  Bool stands = by_before > 0.0f || by_after > 0.0f;
+  return near && !(before && after) && !(longer && leads) && (stands || !(longest && longer));
+}
+
+// A piece near an end, as that sees it.
+struct Seen {
+  Bool touches;  // and it is not what leads there
+  Bool ahead;    // no farther off than ends are joined
+};
+
+FN Seen seen_from(Tip end, Real piece, int lying, int i, int j) {
+  Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
+  Real along = dot(end.way, apart);
+  Real off = abs(cross(end.way, apart));
+  Bool own = off < kSame && along < kSame;
+  return Seen(along > -kSame && dot(apart, apart) < kCorner * kCorner && !own,
+              along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame)));
+}
+
+// Whether an end points to another line, of which more than a speck is ahead.
+FN_RARE Bool points_on(Bool asked, Tip end) {
+  Real count = Real(0.0f);
+  for (int j = -C.join; j <= C.join; ++j)
+    for (int i = -C.join; i <= C.join; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && count < kMoreThanSpeck;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
+        Bool here = look && seen(piece);
+        if (!some(here)) continue;
+        Seen line = seen_from(end, piece, lying, i, j);
+        count = select(here && (line.touches || line.ahead), count + 1.0f, count);
+      }
+  return count >= kMoreThanSpeck;
+}
+
+// Whether an end faces that of another line, which comes the same way.
+FN_RARE Bool faces_end(Bool asked, Tip end) {
+  Bool found = asked && !asked;
+  for (int j = -C.join; j <= C.join; ++j)
+    for (int i = -C.join; i <= C.join; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
+        Bool here = look && seen(piece) && piece < 0.0f;
+        if (!some(here)) continue;
+        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+        found = found || (here && seen_from(end, piece, lying, i, j).ahead && abs(cross(end.way, lean)) < kAlike &&
+                          dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide);
+      }
+  return found;
+}
+
+// Whether a piece is within one object.
+FN Bool within_one(Tip end, Bool steep) {
+  return load_object_id(end.x, end.y) ==
+         load_object_id(end.x + select(steep, Int(1), Int(0)), end.y + select(steep, Int(0), Int(1)));
+}
+
+// Whether any other line is beside a piece.
+FN_RARE Bool has_other(Bool asked, Along here) {
+  Vec2 at = middle_of(here.piece, here.steep, 0.0f);
+  Vec2 way = lean_of(slope_of(here.piece), here.steep, Real(1.0f));
+  Bool found = asked && !asked;
+  int wide = int(alongside());
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, here.x + Int(i), here.y + Int(j));
+        Bool other = look && is_piece(piece);
+        if (!some(other)) continue;
+        Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), 0.0f);
+        found = found || (other && abs(cross(way, apart)) > kOther && abs(dot(way, apart)) < kOther);
+      }
+  return found;
+}
+
+// Whether what has two such ends, of which one is of `last`, is alone on its surface. Each end tells of the half of it
+// that outline_trim follows to there.
+FN_RARE Bool is_stray(Bool asked, Tip up, Tip down, Along last, Int px, Int py, Bool steep, Int side, Real towards) {
+  Bool stray = asked && within_one(up, steep) && within_one(down, last.steep) && up.object == down.object;
+  if (some(stray)) stray = stray && !points_on(stray, up);
+  if (some(stray)) stray = stray && !points_on(stray, down);
+  Along way = Along(stray, place_of(up.piece), slope_of(up.piece), px, py, steep, up.piece, Real(0.0f));
+  for (int k = 1; k <= stray_rows() + 1; ++k) {
+    if (!some(way.on)) continue;
+    stray = stray && !(has_other(way.on, way) && !is_crease(way.piece));
+    way = next_along(way, px, py, steep, side * Int(-k), -towards);
+    way.on = way.on && stray;
+  }
+  return stray;
+}
+
+// How many rows of a line, from its end on, are a short stroke that is to be dropped: all, if it is a spur or a stray.
+// left: of what trimming left, where a spur is only what neither leads to anything nor faces an end.
+FN_RARE Real stroke_of(Tip end, Along from, Int px, Int py, Int side, Real towards, bool left) {
+  Bool steep = from.steep;
+  Along last = from;
+  Int rows = Int(0);
+  for (int k = 1; k <= stray_rows() + 1; ++k) {
+    if (!some(last.on)) continue;
+    last = next_along(last, px, py, steep, side * Int(-k), -towards);
+    rows = select(last.on, Int(k), rows);
+  }
+  Bool brief = from.on && !last.on && goes_inside(last, px, py, steep, side * (Int(-1) - rows), -towards);
+  if (!some(brief)) return Real(0.0f);
+  Tip other = tip_of(brief, last, steep, -towards);
+  Bool longer = brief;
+  if (!left) longer = rows > Int(short_spur_rows());
+  Bool stray = rows > Int(kLeastStray);
+  Bool alone = brief && stray;
+  if (some(alone)) alone = is_stray(alone, end, other, last, px, py, steep, side, towards);
+  Bool spur = brief && !(rows > Int(spur_rows()));
+  spur = spur && (!longer || (within_one(end, steep) && within_one(other, last.steep)));
+  if (some(spur)) spur = is_spur(spur, longer, stray, end, other);
+  if (left) {
+    if (some(spur)) spur = spur && !faces_end(spur, end);
+    if (some(spur)) spur = spur && !faces_end(spur, other);
+  }
+  return select(alone || spur, min(to_real(rows) + 1.0f, Real(kMostLost)), Real(0.0f));
+}
