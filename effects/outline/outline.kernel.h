@@ -25,6 +25,9 @@ CONST float kBegins = 0.5f;        // pixels between two lines from which on the
 CONST float kFading = 3.0f;        // a line less sure than a third fades, too
 CONST float kSideEnds = 0.4f;      // a surface ends at a crossing that lies more than this on one side
 
+// Whether a piece's line lies so much on one side; one of a crease that leans to it ends no surface.
+FN Bool lies_on_one(Real v, float most) { return abs(side_of(v)) > most && !leans(v); }
+
 FN Real unit_clamp(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
 
 // The cosine of a line's lean.
@@ -61,7 +64,7 @@ FN Real seen_cover(int lying, int towards, int sight) {
     Real cover = select(inside > 0.0f, inside * darkness_of(linked_of(v)), inside);
     Bool drawn = here && linked_of(v) > 0.0f;
     covered = select(drawn && open > 0.0f, max(covered, cover), covered);
-    open = select(here && abs(side_of(v)) > kSideEnds, Real(0.0f), open);
+    open = select(here && lies_on_one(v, kSideEnds), Real(0.0f), open);
   }
   return covered;
 }
@@ -80,14 +83,13 @@ FN Vec3 seen(int lying, int towards, int sight) {
     if (!some(here)) continue;
     Vec3 line = met(v, i);
     Real sure = linked_of(v);
-    Real side = abs(side_of(v));
-    Bool rim = side > kRim && line.z > 0.0f;
+    Bool rim = lies_on_one(v, kRim) && line.z > 0.0f;
     Real cover = select(rim, line.x, min(line.x, line.y)) * darkness_of(sure);
     covered = max(covered, cover * open);
     Bool first = sure > 0.0f && distance == Real(kFar);
     lean = select(first, slope_of(v), lean);
     distance = select(first, select(rim, line.z, Real(kFar + 1.0f)), distance);
-    open = select(here && side > kSideEnds, Real(0.0f), open);
+    open = select(here && lies_on_one(v, kSideEnds), Real(0.0f), open);
   }
   return Vec3(covered, distance, lean);
 }
@@ -137,7 +139,7 @@ FN Real end_cover(Real v, Real across, Real along, Real depth1, Real depth2, Rea
   Real inner = min(unit_clamp(wide + 0.5f - distance), unit_clamp(off + narrow + 0.5f));
   Real outer = unit_clamp(narrow + 0.5f - distance);
   Real cover = select(off > 0.0f, inner, outer) * darkness_of(sure);
-  return select((behind || other) && (off > 0.0f || side < kSideEnds), Real(0.0f), cover);
+  return select((behind || other) && (off > 0.0f || !lies_on_one(v, kSideEnds)), Real(0.0f), cover);
 }
 
 // This pixel's nearness, and how it changes by one pixel to the right and down on its own plane.

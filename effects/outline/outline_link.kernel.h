@@ -58,8 +58,9 @@ struct Way {
   Real place, slope;  // of its last piece: beside the first one, and how it leans
   Real sure, level;   // of that
   Real row;           // of that, counted from the first
-  Real rims;          // so many rows of a rim that a crease goes on in
-  Real rim;           // of the rims that a crease goes on in, level less the middle's, less the farther they are
+  Real rims;          // so many rows of a rim that a crease goes on in,
+  Real leans;         // and how far it leans to that by where the first of them is
+  Real rim;           // of the rims that a crease goes on in, level less the middle's, less by that
 };
 
 // What was seen along a line.
@@ -80,6 +81,7 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
   Bool found = from.on && !from.on;
   Real nearest = Real(kAstray);
   Real rim = Real(0.0f);
+  Real aside = rim;  // how far the rim is beyond where the crease is expected
   Real beside = select(expected - first < 0.5f, Real(-1.0f), Real(1.0f));
   for (int k = 0; k <= 2; ++k) {
     Int column = to_int(k == 0 ? first : k == 1 ? first + beside : first - beside);
@@ -105,17 +107,18 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
     next.slope = select(here, slope_of(piece), next.slope);
     next.sure = select(here, sure, next.sure);
     next.level = select(here, select(mixed, side, other), next.level);
+    Bool onward = mixed && abs(other - side) > kPartlyRim && abs(slope_of(piece) - from.slope) < kSameWay;
+    rim = select(here, select(onward, other - side, Real(0.0f)), rim);
     // The rim's line lies beside its place: it leans so much less as that is beyond the crease's.
     Real beyond = select(other > side, place - expected, expected - place);
-    Real leans =
-        clamp(mad(beyond, Real(-2.0f / (C.width_px > 1.0f ? C.width_px : 1.0f)), Real(1.0f)), Real(0.0f), Real(1.0f));
-    Bool onward = mixed && abs(other - side) > kPartlyRim && abs(slope_of(piece) - from.slope) < kSameWay;
-    rim = select(here, select(onward, (other - side) * leans, Real(0.0f)), rim);
+    aside = select(here, beyond, aside);
     found = found || here;
   }
-  Real near = max(Real(1.0f) - Real(float(rows) / float(kRimRows * C.stride)), Real(0.0f));
-  rim = rim * near;
   next.rims = select(found && abs(rim) > 0.0f, from.rims + 1.0f, select(found, Real(0.0f), from.rims));
+  Real near = max(Real(1.0f) - Real(float(rows) / float(kRimRows * C.stride)), Real(0.0f));
+  Real wide = Real(2.0f / (C.width_px > 1.0f ? C.width_px : 1.0f));
+  next.leans = select(from.rims < 0.5f, near * clamp(Real(1.0f) - aside * wide, Real(0.0f), Real(1.0f)), from.leans);
+  rim = rim * next.leans;
   next.rim = select(found && crease && next.rims > Real(float(C.stride)) && abs(rim) > abs(from.rim), rim, next.rim);
   next.on = found || (from.on && away_rows < most_gap);
   next.row = select(found, Real(float(rows)), next.row);
@@ -129,7 +132,7 @@ FN Line followed(int lying, Int px, Int py, Real piece, Bool asked, int near, in
   Real place = place_of(piece);
   Real sure = sure_of(piece);
   Real none = Real(0.0f);
-  Way way = Way(asked, place, slope_of(piece), sure, side, none, none, none);
+  Way way = Way(asked, place, slope_of(piece), sure, side, none, none, none, none);
   Line line = Line(way, way, Real(1.0f), Real(1.0f), sure, side, none, none, none, none);
   Bool straight = asked;
   Real bend = select(side == Real(kMiddle), Real(kStraightCrease), Real(kStraight));
@@ -284,6 +287,7 @@ FN Real straightened(Real piece, Line line, Real sure) {
   Real slope = select(line.pairs > 0.5f, line.moments / max(line.squares, Real(1.0f)), slope_of(piece));
   Real level = clamp(line.sides / line.found + line.up.rim + line.down.rim, Real(0.0f), Real(kMiddle + kWholeSide));
   Real found = packed_piece(mean, slope, floor(level + 0.5f), sure);
+  found = select(abs(line.up.rim) > 0.0f || abs(line.down.rim) > 0.0f, leaning(found), found);
   return select(piece < 0.0f, -found, found);
 }
 

@@ -1,5 +1,5 @@
-// What leads to ends that outline_tails or outline_strays tells of. The text before has that plane as told_at(x, y) and,
-// from this pixel, told_near(i, j), and what outline_tail.kernel.h asks for.
+// What leads to ends that outline_tails or outline_strays tells of. The text before has that plane as told_at(x, y)
+// and, from this pixel, told_near(i, j), and what outline_tail.kernel.h asks for.
 #include "effects/outline/outline_tail.kernel.h"
 
 // Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.

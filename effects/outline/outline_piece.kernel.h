@@ -4,7 +4,8 @@
 // 0 is none; kOnlyEnds a place where a surface ends but no line is drawn; beyond is a piece, below 0 where a line ends.
 // Its bits, from the lowest: 8 for t, -1/2 to 3/2 from this pixel to its neighbour; 8 for the slope, in pixels aside
 // per row (column); 7 for the level, 0 to 64: on whose side, as outline_find has it; 5 for how sure, kSure and more for
-// what is short and may be a speck. The bit of 2^1 makes it a number that every machine keeps as it is.
+// what is short and may be a speck; 1 for a crease that leans to the side of the rim that it goes on in. The bit of 2^1
+// makes it a number that every machine keeps as it is.
 
 CONST float kOnlyEnds = 2.0f;  // no bit set
 CONST float kSure = 15.0f;
@@ -36,6 +37,10 @@ FN Real sure_of(Real piece) {
 }
 // The same piece, whether it may be a speck or not.
 FN Real without_mark(Real piece) { return real_of_bits(bits_of(piece) & Uint(0xf7ffffffu)); }
+
+// The same piece, of a crease that leans; and whether one does.
+FN Real leaning(Real piece) { return real_of_bits(bits_of(piece) | Uint(0x10000000u)); }
+FN Bool leans(Real piece) { return !(to_signed(bits_of(piece) & Uint(0x10000000u)) == Int(0)); }
 
 // The same piece, as sure as can be.
 FN Real without_doubt(Real piece) { return real_of_bits((bits_of(piece) & Uint(0xf07fffffu)) | Uint(0x07800000u)); }

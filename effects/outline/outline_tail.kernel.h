@@ -1,6 +1,6 @@
-// What the passes that tell what is to be dropped and those that drop it know of it: see outline_tails. Places are those
-// of crossings, so that what is a tail does not depend on the line's width. The text before has steep_at(x, y) and
-// flat_at(x, y), as outline_end.kernel.h asks.
+// What the passes that tell what is to be dropped and those that drop it know of it: see outline_tails. Places are
+// those of crossings, so that what is a tail does not depend on the line's width. The text before has steep_at(x, y)
+// and flat_at(x, y), as outline_end.kernel.h asks.
 #include "effects/outline/outline_end.kernel.h"
 
 CONST int kTail = 6;                // rows, per pixel of stride, of a tail,
@@ -19,7 +19,8 @@ CONST float kAlongside = 2.0f;      // pixels beside a line, per pixel of stride
 CONST float kAlongsideMore = 1.4f;  // and more, up to which another one runs along
 CONST float kOther = 0.9f;          // and from which on, or else it is the same
 
-// outline_tails, outline_strays: 0, or the sum of these, of ends of this pixel's steep piece; times kOfFlat of its flat one.
+// outline_tails, outline_strays: 0, or the sum of these, of ends of this pixel's steep piece; times kOfFlat of its flat
+// one.
 CONST float kPassedBefore = 1.0f;  // the line ends above (to the left), and is a tail
 CONST float kPassedAfter = 2.0f;   // below (to the right)
 CONST float kLostBefore = 4.0f;    // times how many rows are to be dropped of the line that ends above, and

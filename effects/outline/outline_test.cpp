@@ -1632,6 +1632,30 @@ Scene stepped_edge(double angle_deg, double deeper_px, double part_px, const Len
   };
 }
 
+TEST(Outline, DashesThatTrimmingLeavesAreDropped) {
+  // A short jump with a shorter one beside it, which is no line of its own: alone the first is a stray.
+  int bare = 0, drawn = 0;
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const bool brief : {true, false}) {
+        const double stride = height > 256 ? 3.0 : 1.0;
+        const double half_px = brief ? (height > 256 ? 11.0 : 7.0) : 24.0 * stride, apart_px = 1.8 + 0.5 * stride;
+        const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          const auto side = [u](double half) { return std::clamp(8.0 * (half - std::fabs(u)), 0.0, 8.0); };
+          return (v > 0.0 ? side(half_px) : 0.0) + (v > apart_px ? side(0.5 * half_px) : 0.0);
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        const long near = count(lines, [&](int x, int y) { return std::fabs(on_relief(angle, lens, x, y).y) < 6.0; });
+        if (brief)
+          bare += near == 0;
+        else
+          drawn += near > 40;
+      }
+  EXPECT_GE(bare, 12) << "of 18";  // some along rows, columns and halfway between keep both
+  EXPECT_EQ(drawn, 18);
+}
+
 TEST(Outline, EdgesThatAreNowARimDoNotStepAside) {
   // A rim's line lies on one side and a crease's in the middle: half of the width lies between the two.
   for (const int height : {256, 2160})
