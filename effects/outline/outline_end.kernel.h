@@ -5,7 +5,7 @@
 
 CONST float kLeastSeen = 4.5f;   // sure_of from which on a piece counts
 CONST int kBefore = 4;           // rows (columns) before an end that tell its way,
-CONST int kComing = 8;           // rows, per pixel of stride, of a crease that tell the way that it comes
+CONST int kComing = 8;           // rows, per pixel of stride, of a line that tell the way that it comes
 CONST float kNearEnough = 0.4f;  // pixels beside where the next is expected, at which no other is looked for
 CONST float kAstray = 1.1f;      // pixels from where the next is expected: more is another line
 CONST float kHasSide = 0.05f;    // of nearer surfaces

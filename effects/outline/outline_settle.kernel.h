@@ -15,7 +15,7 @@ OUT_REAL(outline_below_settled)
 
 CONST float kPixel = 0.5f;   // of t in its code
 CONST float kFirst = 0.25f;  // code of t = 0
-CONST float kRim = 32.0f;    // of a code, from the middle: the line lies on one side
+CONST float kRim = 32.0f;    // of a code, from the middle, half-way to one side: more is a rim
 CONST float kNoPlace = 2.0f;
 CONST float kLeastPlace = -0.5f;  // of what its code has
 CONST float kMostPlace = 1.49f;
@@ -33,8 +33,7 @@ FN Real clearer(Real v, Real before, Real after) {
   moved = select(after < 0.0f, after - kPixel, after + kPixel);
   better = from_after && (v == Real(0.0f) || clear_of(after) > clear_of(v));
   v = select(better, moved, v);
-  Bool crease = floor(code_of(v)) == Real(kMiddle);
-  Bool shadow = v < 0.0f && crease && (before > 0.0f || after > 0.0f);
+  Bool shadow = v < 0.0f && floor(code_of(v)) == Real(kMiddle) && (before > 0.0f || after > 0.0f);
   return select(shadow, Real(0.0f), v);
 }
 

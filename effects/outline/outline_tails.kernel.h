@@ -35,7 +35,7 @@ CONST float kLeansOff = 0.4f;      // between two slopes, from which on pieces o
 CONST float kBack = 0.6f;          // cosine from which on a way is back along a line,
 CONST int kTrunk = 3;              // rows that this goes on for beyond a crossing,
 CONST int kLonger = 2;             // and that the other one goes on for more than a burr
-CONST float kStraight = 0.6f;      // pixels beside the way of a crease, up to which it comes straight,
+CONST float kStraight = 0.6f;      // pixels beside the way of a line, up to which it comes straight,
 CONST float kHookOff = 1.0f;       // and from which on its last rows are a hook
 
 // Whether an end touches nothing within so many pixels and nothing is ahead of it.

@@ -25,9 +25,9 @@ CONST float kAsideOf = 2.0f;   // and so many aside;
 CONST float kBesideIt = 1.2f;  // but not what is so many aside and runs alongside,
 CONST float kAlongIt = 0.3f;   // with less than this between the two ways, sine;
 CONST float kOnward = 1.0f;    // what is not so many ahead
+CONST float kOwn = 0.8f;       // nor so many aside is of the line itself
 CONST float kAlike = 0.5f;     // between ways, sine: more is another line's
 CONST int kDot = 2;            // rows that are left at the end of what is dropped, at most, and are dropped, too
-CONST float kOwn = 0.8f;       // nor so many aside is of the line itself
 
 // Whether another line, surer than `least`, is beside the piece of pixel (X, Y).
 FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float least) {
@@ -148,8 +148,8 @@ FN_RARE Bool is_dot(Bool asked, Tail tail, Int px, Int py, Real piece, int lying
   return left;
 }
 
-// This pixel's piece, or nothing if it is lost, or of a tail, or between two, and has the other line beside it; of what
-// is left of these, marked as an end: it is one where the rest is dropped.
+// This pixel's piece, or nothing if it is lost, or a dot, or of a tail, or between two, and has the other line beside
+// it; of what is left of these, marked as an end: it is one where the rest is dropped.
 FN_RARE Real without_tails(Bool asked, Int px, Int py, Real piece, int lying) {
   Tail up = tail_at(asked, px, py, piece, lying, -1);
   Tail down = tail_at(asked, px, py, piece, lying, 1);
