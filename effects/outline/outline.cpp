@@ -231,8 +231,10 @@ int trim_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return 2 * (int(std::ceil(2.6f * 16.0f * float(c.stride))) + std::max(c.stride, c.join) + 4);
 }
-/// A piece's line is followed to its end, for as many rows as a tail has and one, each 2.6 aside.
-int drop_reach(const void*, int) { return int(std::ceil(2.6f * 17.0f)) + 1; }
+/// A line is followed from its end for as many rows as a stray may have and one, each 2.6 aside; what is beside, too.
+int strays_reach(const void*, int) { return int(std::ceil(2.6f * 63.0f)) + 18; }
+/// A piece's line is followed to its end, for half as many.
+int drop_reach(const void*, int) { return int(std::ceil(2.6f * 33.0f)) + 1; }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What
 /// lies between ends is asked from the middle of the one's stroke to the other's. A crease is followed back as far as
 /// it may go on, and half-way back, and as far as it may go on, is asked what lies four halves of a bevel beside it.
@@ -311,33 +313,33 @@ const Effect& effect_outline() {
                   .spirv = kTrimSpirv,
                   .needed = is_robust,
                   .reach = trim_reach},
-                 {.name = "outline_strays",
-                  .inputs = {"object_id", "outline_steep_trimmed", "outline_flat_trimmed"},
-                  .outputs = {"outline_strays"},
-                  .scalar = run_scalar_outline_strays,
-                  .lanes = run_lanes_outline_strays,
-                  .spirv = kStraysSpirv,
-                  .needed = is_robust,
-                  .reach = tails_reach},
-                 {.name = "outline_drop",
-                  .inputs = {"outline_steep_trimmed", "outline_flat_trimmed", "outline_strays"},
-                  .outputs = {"outline_steep_left", "outline_flat_left"},
-                  .scalar = run_scalar_outline_drop,
-                  .lanes = run_lanes_outline_drop,
-                  .spirv = kDropSpirv,
-                  .needed = is_robust,
-                  .reach = drop_reach},
                  {.name = "outline_join",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_left",
-                             "outline_flat_left"},
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_trimmed",
+                             "outline_flat_trimmed"},
                   .outputs = {"outline_join"},
                   .scalar = run_scalar_outline_join,
                   .lanes = run_lanes_outline_join,
                   .spirv = kJoinSpirv,
                   .needed = is_robust,
                   .reach = join_reach},
+                 {.name = "outline_strays",
+                  .inputs = {"object_id", "outline_steep_trimmed", "outline_flat_trimmed", "outline_join"},
+                  .outputs = {"outline_strays"},
+                  .scalar = run_scalar_outline_strays,
+                  .lanes = run_lanes_outline_strays,
+                  .spirv = kStraysSpirv,
+                  .needed = is_robust,
+                  .reach = strays_reach},
+                 {.name = "outline_drop",
+                  .inputs = {"outline_steep_trimmed", "outline_flat_trimmed", "outline_join", "outline_strays"},
+                  .outputs = {"outline_steep_left", "outline_flat_left", "outline_join_left"},
+                  .scalar = run_scalar_outline_drop,
+                  .lanes = run_lanes_outline_drop,
+                  .spirv = kDropSpirv,
+                  .needed = is_robust,
+                  .reach = drop_reach},
                  {.name = "outline_gather",
-                  .inputs = {"outline_join"},
+                  .inputs = {"outline_join_left"},
                   .outputs = {"outline_around"},
                   .scalar = run_scalar_outline_gather,
                   .lanes = run_lanes_outline_gather,
@@ -354,7 +356,7 @@ const Effect& effect_outline() {
                   .reach = spread_reach},
                  {.name = "outline",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_left",
-                             "outline_flat_left", "outline_join", "outline_around", "outline_near", "lit.r", "lit.g",
+                             "outline_flat_left", "outline_join_left", "outline_around", "outline_near", "lit.r", "lit.g",
                              "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,

@@ -9,7 +9,7 @@ IN_VECTOR(normal)
 IN_REAL(object_id)
 IN_REAL(outline_steep_left)
 IN_REAL(outline_flat_left)
-IN_REAL(outline_join)
+IN_REAL(outline_join_left)
 IN_REAL(outline_around)
 IN_REAL(outline_near)
 INOUT_COLOR(lit)
@@ -221,7 +221,7 @@ FN Real between_lines(Real covered, Real across, Real along, Bool ends, Int px, 
 FN Real joins_cover(int middle, int j, bool far) {
   Real covered = Real(0.0f);
   for (int i = middle - C.gather; i <= middle + C.gather; ++i) {
-    Real join = near_outline_join(i, j);
+    Real join = near_outline_join_left(i, j);
     Bool here = far ? has_far_join(bits_of(join)) : has_join(bits_of(join));
     if (some(here)) here = here && near_inside(i, j);
     if (!some(here)) continue;

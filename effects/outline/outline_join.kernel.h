@@ -11,11 +11,11 @@
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)
-IN_REAL(outline_steep_left)
-IN_REAL(outline_flat_left)
+IN_REAL(outline_steep_trimmed)
+IN_REAL(outline_flat_trimmed)
 OUT_REAL(outline_join)
-FN Real steep_at(Int x, Int y) { return load_outline_steep_left(x, y); }
-FN Real flat_at(Int x, Int y) { return load_outline_flat_left(x, y); }
+FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
+FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 #include "effects/outline/outline_end.kernel.h"
 #include "effects/outline/outline_shallow.kernel.h"
 
@@ -473,8 +473,8 @@ FN Ends joined(Int px, Int py, int lying, Real piece, int side, Ends ends) {
 }
 
 FN void outline_join_pixel(Int px, Int py) {
-  Real steep = near_outline_steep_left(0, 0);
-  Real lower = near_outline_flat_left(0, 0);
+  Real steep = near_outline_steep_trimmed(0, 0);
+  Real lower = near_outline_flat_trimmed(0, 0);
   Bool any = is_piece(steep) || is_piece(lower);
   Real coded = Real(0.0f);
   if (some(any)) {

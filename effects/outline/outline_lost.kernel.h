@@ -20,13 +20,13 @@ struct Tail {
   Int rows;     // to that end
 };
 
-FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side) {
+FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side, int most) {
   Bool steep = steep_of(lying);
   Real towards = Real(float(side));
   Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
   Bool ends = asked && !asked;
   Int rows = Int(0);
-  for (int k = 1; k <= tail_rows() + 1; ++k) {
+  for (int k = 1; k <= most + 1; ++k) {
     if (!some(last.on)) continue;
     Along next = next_along(last, px, py, steep, Int(k * side), towards);
     ends = ends || (last.on && !next.on);

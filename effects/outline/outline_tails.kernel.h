@@ -29,6 +29,7 @@ CONST float kNear = 2.6f;          // and to which it goes on in what is there,
 CONST float kAside = 1.1f;         // so many aside
 CONST float kTouches = 1.1f;       // pixels from an end at which it touches a line,
 CONST float kTouchesHigh = 0.25f;  // and more per pixel of stride but one,
+CONST float kMoreThanSpeck = 3.0f;  // pieces of a line that an end points to, at least
 CONST float kCrosses = 0.6f;       // pixels from a line, within which it is crossed,
 CONST float kCrossesAlong = 0.8f;  // and along it
 CONST float kLeansOff = 0.4f;      // between two slopes, from which on pieces of one kind are of two lines
@@ -151,6 +152,58 @@ FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, Vec2 beyond, int rows
   return found;
 }
 
+// Whether an end points to another line, of which more than a speck is ahead.
+FN_RARE Bool points_on(Bool asked, Tip end) {
+  Real count = Real(0.0f);
+  for (int j = -C.join; j <= C.join; ++j)
+    for (int i = -C.join; i <= C.join; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && count < kMoreThanSpeck;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
+        Bool here = look && seen(piece);
+        if (!some(here)) continue;
+        Seen line = seen_from(end, piece, lying, i, j);
+        count = select(here && (line.touches || line.ahead), count + 1.0f, count);
+      }
+  return count >= kMoreThanSpeck;
+}
+
+// Whether an end faces that of another line, which comes the same way.
+FN_RARE Bool faces_end(Bool asked, Tip end) {
+  Bool found = asked && !asked;
+  for (int j = -C.join; j <= C.join; ++j)
+    for (int i = -C.join; i <= C.join; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Bool look = asked && !found;
+        if (!some(look)) continue;
+        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
+        Bool here = look && seen(piece) && piece < 0.0f;
+        if (!some(here)) continue;
+        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+        found = found || (here && seen_from(end, piece, lying, i, j).ahead && abs(cross(end.way, lean)) < kAlike &&
+                          dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide);
+      }
+  return found;
+}
+
+// How many rows of a line, from its end on, are a short stroke that is to be dropped: all, if it is a spur or a stray.
+// Each end tells of the half of it that outline_trim follows to there.
+FN_RARE Real stroke_of(Tip end, Along from, Int px, Int py, Int side, Real towards) {
+  Stroke stroke = stroke_from(from, px, py, side, towards, stray_rows());
+  if (!some(stroke.on)) return Real(0.0f);
+  Bool longer = stroke.rows > Int(short_spur_rows());
+  Bool stray = stroke.rows > Int(kLeastStray);
+  Bool alone = stroke.on && stray;
+  if (some(alone)) alone = is_alone(alone, end, stroke, from, px, py, side, towards, stray_rows());
+  if (some(alone)) alone = alone && !points_on(alone, end);
+  if (some(alone)) alone = alone && !points_on(alone, stroke.other);
+  Bool spur = stroke.on && !(stroke.rows > Int(spur_rows()));
+  spur = spur && (!longer || (within_one(end, from.steep) && within_one(stroke.other, stroke.steep)));
+  if (some(spur)) spur = is_spur(spur, longer, stray, end, stroke.other);
+  return select(alone || spur, min(to_real(stroke.rows) + 1.0f, Real(kMostLost)), Real(0.0f));
+}
+
 // How many rows of a line, from its end on, are a burr: a line that they cross is so near.
 FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, Real towards) {
   Bool steep = here.steep;
@@ -243,7 +296,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     if (some(hook)) lost = select(hook, hook_of(hook, here, px, py, Int(side), towards), lost);
     Along from = here;
     from.on = ends;
-    Real stroke = stroke_of(end, from, px, py, Int(side), towards, false);
+    Real stroke = stroke_of(end, from, px, py, Int(side), towards);
     lost = select(stroke > 0.0f, stroke, lost);
     code = mad(lost, Real(side < 0 ? kLostBefore : kLostAfter), code);
   }

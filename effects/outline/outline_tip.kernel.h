@@ -1,5 +1,5 @@
-// Ends of lines as outline_tails and outline_strays see them: what an end points to, touches or faces, and what short
-// strokes with two of them are. The text before has what outline_tail.kernel.h asks for, and depth and object_id.
+// Ends of lines as outline_tails and outline_strays see them: what they see of other lines, and what short strokes
+// with two of them are. The text before has what outline_tail.kernel.h asks for, and depth and object_id.
 #include "effects/outline/outline_tail.kernel.h"
 
 CONST float kSame = 0.5f;           // pixels beside an end's way, up to which what is behind it is its own line
@@ -9,7 +9,6 @@ CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSam
 CONST float kOnFaith = 2.5f;        // pixels more than a spur is long, up to where a line is that does not end there
 CONST float kAcross = 0.7f;         // sine between a spur and a line, from which on that runs across it
 CONST float kAlike = 0.5f;          // sine between two ways, up to which they are of one line
-CONST float kMoreThanSpeck = 3.0f;  // pieces of a line that an end points to, at least
 
 // An end of a line.
 struct Tip {
@@ -111,41 +110,6 @@ FN Seen seen_from(Tip end, Real piece, int lying, int i, int j) {
               along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame)));
 }
 
-// Whether an end points to another line, of which more than a speck is ahead.
-FN_RARE Bool points_on(Bool asked, Tip end) {
-  Real count = Real(0.0f);
-  for (int j = -C.join; j <= C.join; ++j)
-    for (int i = -C.join; i <= C.join; ++i)
-      for (int lying = 0; lying < 2; ++lying) {
-        Bool look = asked && count < kMoreThanSpeck;
-        if (!some(look)) continue;
-        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
-        Bool here = look && seen(piece);
-        if (!some(here)) continue;
-        Seen line = seen_from(end, piece, lying, i, j);
-        count = select(here && (line.touches || line.ahead), count + 1.0f, count);
-      }
-  return count >= kMoreThanSpeck;
-}
-
-// Whether an end faces that of another line, which comes the same way.
-FN_RARE Bool faces_end(Bool asked, Tip end) {
-  Bool found = asked && !asked;
-  for (int j = -C.join; j <= C.join; ++j)
-    for (int i = -C.join; i <= C.join; ++i)
-      for (int lying = 0; lying < 2; ++lying) {
-        Bool look = asked && !found;
-        if (!some(look)) continue;
-        Real piece = piece_at(lying, end.x + Int(i), end.y + Int(j));
-        Bool here = look && seen(piece) && piece < 0.0f;
-        if (!some(here)) continue;
-        Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-        found = found || (here && seen_from(end, piece, lying, i, j).ahead && abs(cross(end.way, lean)) < kAlike &&
-                          dot(nearer_of(piece, steep_of(lying)), end.nearer) > -kHasSide);
-      }
-  return found;
-}
-
 // Whether a piece is within one object.
 FN Bool within_one(Tip end, Bool steep) {
   return load_object_id(end.x, end.y) ==
@@ -172,47 +136,39 @@ FN_RARE Bool has_other(Bool asked, Along here) {
   return found;
 }
 
-// Whether what has two such ends, of which one is of `last`, is alone on its surface. Each end tells of the half of it
-// that outline_trim follows to there.
-FN_RARE Bool is_stray(Bool asked, Tip up, Tip down, Along last, Int px, Int py, Bool steep, Int side, Real towards) {
-  Bool stray = asked && within_one(up, steep) && within_one(down, last.steep) && up.object == down.object;
-  if (some(stray)) stray = stray && !points_on(stray, up);
-  if (some(stray)) stray = stray && !points_on(stray, down);
-  Along way = Along(stray, place_of(up.piece), slope_of(up.piece), px, py, steep, up.piece, Real(0.0f));
-  for (int k = 1; k <= stray_rows() + 1; ++k) {
-    if (!some(way.on)) continue;
-    stray = stray && !(has_other(way.on, way) && !is_crease(way.piece));
-    way = next_along(way, px, py, steep, side * Int(-k), -towards);
-    way.on = way.on && stray;
-  }
-  return stray;
-}
+// What leads from an end to another one that is near.
+struct Stroke {
+  Bool on;     // it does, and this is not the picture's border
+  Tip other;   // end,
+  Bool steep;  // kind of its piece,
+  Int rows;    // rows (columns) from the first end to it
+};
 
-// How many rows of a line, from its end on, are a short stroke that is to be dropped: all, if it is a spur or a stray.
-// left: of what trimming left, where a spur is only what neither leads to anything nor faces an end.
-FN_RARE Real stroke_of(Tip end, Along from, Int px, Int py, Int side, Real towards, bool left) {
-  Bool steep = from.steep;
+// The stroke from the end of a line, to one side, if it has no more than `most` rows and one.
+FN Stroke stroke_from(Along from, Int px, Int py, Int side, Real towards, int most) {
   Along last = from;
   Int rows = Int(0);
-  for (int k = 1; k <= stray_rows() + 1; ++k) {
+  for (int k = 1; k <= most + 1; ++k) {
     if (!some(last.on)) continue;
-    last = next_along(last, px, py, steep, side * Int(-k), -towards);
+    last = next_along(last, px, py, from.steep, side * Int(-k), -towards);
     rows = select(last.on, Int(k), rows);
   }
-  Bool brief = from.on && !last.on && goes_inside(last, px, py, steep, side * (Int(-1) - rows), -towards);
-  if (!some(brief)) return Real(0.0f);
-  Tip other = tip_of(brief, last, steep, -towards);
-  Bool longer = brief;
-  if (!left) longer = rows > Int(short_spur_rows());
-  Bool stray = rows > Int(kLeastStray);
-  Bool alone = brief && stray;
-  if (some(alone)) alone = is_stray(alone, end, other, last, px, py, steep, side, towards);
-  Bool spur = brief && !(rows > Int(spur_rows()));
-  spur = spur && (!longer || (within_one(end, steep) && within_one(other, last.steep)));
-  if (some(spur)) spur = is_spur(spur, longer, stray, end, other);
-  if (left) {
-    if (some(spur)) spur = spur && !faces_end(spur, end);
-    if (some(spur)) spur = spur && !faces_end(spur, other);
+  Bool brief = from.on && !last.on && goes_inside(last, px, py, from.steep, side * (Int(-1) - rows), -towards);
+  return Stroke(brief, tip_of(brief, last, from.steep, -towards), last.steep, rows);
+}
+
+// Whether a stroke from an end is alone on its surface; one of a crease may have other lines beside it.
+FN_RARE Bool is_alone(Bool asked, Tip end, Stroke stroke, Along from, Int px, Int py, Int side, Real towards,
+                      int most) {
+  Tip other = stroke.other;
+  Bool alone = asked && within_one(end, from.steep) && within_one(other, stroke.steep) && end.object == other.object;
+  Along way = from;
+  way.on = alone;
+  for (int k = 1; k <= most + 1; ++k) {
+    if (!some(way.on)) continue;
+    alone = alone && !(has_other(way.on, way) && !is_crease(way.piece));
+    way = next_along(way, px, py, from.steep, side * Int(-k), -towards);
+    way.on = way.on && alone;
   }
-  return select(alone || spur, min(to_real(rows) + 1.0f, Real(kMostLost)), Real(0.0f));
+  return alone;
 }
