@@ -17,6 +17,8 @@ UMBRAGE_DECLARE_KERNEL(outline_link)
 UMBRAGE_DECLARE_KERNEL(outline_tails)
 UMBRAGE_DECLARE_KERNEL(outline_trim)
 UMBRAGE_DECLARE_KERNEL(outline_strays)
+UMBRAGE_DECLARE_KERNEL(outline_strays_row)
+UMBRAGE_DECLARE_KERNEL(outline_strays_near)
 UMBRAGE_DECLARE_KERNEL(outline_drop)
 UMBRAGE_DECLARE_KERNEL(outline_join)
 UMBRAGE_DECLARE_KERNEL(outline_gather)
@@ -47,6 +49,12 @@ constexpr std::uint32_t kTrimSpirv[] = {
 };
 constexpr std::uint32_t kStraysSpirv[] = {
 #include "spirv/outline_strays.inc"
+};
+constexpr std::uint32_t kStraysRowSpirv[] = {
+#include "spirv/outline_strays_row.inc"
+};
+constexpr std::uint32_t kStraysNearSpirv[] = {
+#include "spirv/outline_strays_near.inc"
 };
 constexpr std::uint32_t kDropSpirv[] = {
 #include "spirv/outline_drop.inc"
@@ -233,8 +241,9 @@ int trim_reach(const void* constants, int) {
 }
 /// A line is followed from its end for as many rows as a stray may have and one, each 2.6 aside; what is beside, too.
 int strays_reach(const void*, int) { return int(std::ceil(2.6f * 63.0f)) + 18; }
+int strays_near_reach(const void*, int) { return 16; }
 /// A piece's line is followed to its end, for half as many.
-int drop_reach(const void*, int) { return int(std::ceil(2.6f * 33.0f)) + 1; }
+int drop_reach(const void*, int) { return int(std::ceil(2.6f * 33.0f)) + 2; }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What
 /// lies between ends is asked from the middle of the one's stroke to the other's. A crease is followed back as far as
 /// it may go on, and half-way back, and as far as it may go on, is asked what lies four halves of a bevel beside it.
@@ -330,8 +339,25 @@ const Effect& effect_outline() {
                   .spirv = kStraysSpirv,
                   .needed = is_robust,
                   .reach = strays_reach},
+                 {.name = "outline_strays_row",
+                  .inputs = {"outline_strays"},
+                  .outputs = {"outline_strays_row"},
+                  .scalar = run_scalar_outline_strays_row,
+                  .lanes = run_lanes_outline_strays_row,
+                  .spirv = kStraysRowSpirv,
+                  .needed = is_robust,
+                  .reach = own_row},
+                 {.name = "outline_strays_near",
+                  .inputs = {"outline_strays_row"},
+                  .outputs = {"outline_strays_near"},
+                  .scalar = run_scalar_outline_strays_near,
+                  .lanes = run_lanes_outline_strays_near,
+                  .spirv = kStraysNearSpirv,
+                  .needed = is_robust,
+                  .reach = strays_near_reach},
                  {.name = "outline_drop",
-                  .inputs = {"outline_steep_trimmed", "outline_flat_trimmed", "outline_join", "outline_strays"},
+                  .inputs = {"outline_steep_trimmed", "outline_flat_trimmed", "outline_join", "outline_strays",
+                             "outline_strays_near"},
                   .outputs = {"outline_steep_left", "outline_flat_left", "outline_join_left"},
                   .scalar = run_scalar_outline_drop,
                   .lanes = run_lanes_outline_drop,
@@ -356,8 +382,8 @@ const Effect& effect_outline() {
                   .reach = spread_reach},
                  {.name = "outline",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_left",
-                             "outline_flat_left", "outline_join_left", "outline_around", "outline_near", "lit.r", "lit.g",
-                             "lit.b"},
+                             "outline_flat_left", "outline_join_left", "outline_around", "outline_near", "lit.r",
+                             "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,
                   .lanes = run_lanes_outline,

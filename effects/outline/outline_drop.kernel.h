@@ -5,6 +5,7 @@ IN_REAL(outline_steep_trimmed)
 IN_REAL(outline_flat_trimmed)
 IN_REAL(outline_join)
 IN_REAL(outline_strays)
+IN_REAL(outline_strays_near)
 OUT_REAL(outline_steep_left)
 OUT_REAL(outline_flat_left)
 OUT_REAL(outline_join_left)
@@ -13,19 +14,64 @@ FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_strays(x, y); }
 FN Real told_near(int i, int j) { return near_outline_strays(i, j); }
 #include "effects/outline/outline_lost.kernel.h"
+#include "effects/outline/outline_near.kernel.h"
 
-// This pixel's piece of a kind, or nothing if it is of a stray.
+CONST float kUpon = 0.8f;   // pixels from a piece, within which one of the other kind
+CONST float kAlike = 0.5f;  // that leans alike, sine, is of the same line
+
+// Whether any end that is told of is so near that what leads there is to be found: nine squares without a gap between
+// them are as wide as a line of kMostLost rows can lean.
+FN Bool strays_around(Int px, Int py) {
+  int apart = 2 * kStraysNear + 1;
+  Uint any = Uint(0u);
+  for (int j = -apart; j <= apart; j += apart)
+    for (int i = -apart; i <= apart; i += apart) {
+      Int x = px + Int(i);
+      Int y = py + Int(j);
+      any = any | bits_of(select(in_picture(x, y), load_outline_strays_near(x, y), Real(0.0f)));
+    }
+  return !(to_signed(any) == Int(0));
+}
+
+// Whether a piece of pixel (x, y) is of a stray.
+FN_RARE Bool is_lost(Bool asked, Int x, Int y, Real piece, Bool steep) {
+  Bool lost = tail_at(asked, x, y, piece, steep, -1, int(kMostLost), true).lost;
+  Bool look = asked && !lost;
+  if (some(look)) lost = lost || tail_at(look, x, y, piece, steep, 1, int(kMostLost), true).lost;
+  return asked && lost;
+}
+
+// This pixel's piece of a kind, or nothing if it is of a stray, or one of the other kind is that it lies upon.
 FN Real left_of(Int px, Int py, Real piece, int lying) {
   Bool on = is_piece(piece);
   if (!some(on)) return piece;
-  Bool lost = tail_at(on, px, py, piece, lying, -1, int(kMostLost)).lost;
-  lost = on && (lost || tail_at(on, px, py, piece, lying, 1, int(kMostLost)).lost);
-  return select(lost, Real(0.0f), piece);
+  Bool lost = is_lost(on, px, py, piece, steep_of(lying));
+  Vec2 at = middle_of(piece, steep_of(lying), 0.0f);
+  Vec2 way = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) {
+      Bool look = on && !lost;
+      if (!some(look)) continue;
+      Real other = piece_at(1 - lying, px + Int(i), py + Int(j));
+      Bool upon = look && is_piece(other);
+      if (!some(upon)) continue;
+      Vec2 apart = apart_from(at, other, 1 - lying, Int(i), Int(j), 0.0f);
+      Vec2 lean = lean_of(slope_of(other), steep_of(1 - lying), Real(1.0f));
+      upon = upon && dot(apart, apart) < kUpon * kUpon && abs(cross(way, lean)) < kAlike;
+      if (some(upon)) lost = lost || is_lost(upon, px + Int(i), py + Int(j), other, steep_of(1 - lying));
+    }
+  return select(on && lost, Real(0.0f), piece);
 }
 
 FN void outline_drop_pixel(Int px, Int py) {
-  Real steep = left_of(px, py, near_outline_steep_trimmed(0, 0), 0);
-  Real lower = left_of(px, py, near_outline_flat_trimmed(0, 0), 1);
+  Real steep = near_outline_steep_trimmed(0, 0);
+  Real lower = near_outline_flat_trimmed(0, 0);
+  Bool any = is_piece(steep) || is_piece(lower);
+  if (some(any)) any = any && strays_around(px, py);
+  if (some(any)) {
+    steep = left_of(px, py, steep, 0);
+    lower = left_of(px, py, lower, 1);
+  }
   Real join = near_outline_join(0, 0);
   store_outline_steep_left(steep);
   store_outline_flat_left(lower);

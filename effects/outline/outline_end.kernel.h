@@ -67,6 +67,12 @@ struct Along {
   Real least;         // how sure pieces must be to count
 };
 
+FN Along chosen(Bool first, Along a, Along b) {
+  return Along(chosen(first, a.on, b.on), select(first, a.place, b.place), select(first, a.slope, b.slope),
+               select(first, a.x, b.x), select(first, a.y, b.y), chosen(first, a.steep, b.steep),
+               select(first, a.piece, b.piece), select(first, a.least, b.least));
+}
+
 // The next place, in row `row`, counted from pixel (X, Y), one farther to `towards`: the piece of the same kind that is
 // nearest to where it is expected, or else one of the other kind.
 FN Along next_along(Along from, Int X, Int Y, Bool steep, Int row, Real towards) {
@@ -106,6 +112,37 @@ FN Along next_along(Along from, Int X, Int Y, Bool steep, Int row, Real towards)
   }
   next.on = from.on && nearest < kAstray;
   return next;
+}
+
+// A place on the way along a line that may lack a row (column) here and there.
+struct Walk {
+  Along at;
+  Bool ahead;  // that is one row farther than it was asked for
+};
+
+// The next place, `k` rows from pixel (X, Y) to `side`, or the one after that.
+FN Walk next_over(Walk from, Int X, Int Y, Bool steep, int k, Int side, Real towards) {
+  Along one = from.at;
+  one.on = one.on && !from.ahead;
+  Along next = next_along(one, X, Y, steep, side * Int(k), towards);
+  Bool gap = one.on && !next.on;
+  Along last = from.at;
+  last.on = (from.ahead && last.on) || next.on;
+  if (some(next.on)) last = chosen(next.on, next, last);
+  if (some(gap)) {
+    one.on = gap;
+    one.place = mad(one.slope, towards, one.place);
+    Along beyond = next_along(one, X, Y, steep, side * Int(k + 1), towards);
+    last = chosen(beyond.on, beyond, last);
+    gap = beyond.on;
+  }
+  return Walk(last, gap);
+}
+
+// The next place along a line, also over a gap of a row, or not.
+FN Walk walked(Walk from, Int X, Int Y, Bool steep, int k, Int side, Real towards, bool over) {
+  if (over) return next_over(from, X, Y, steep, k, side, towards);
+  return Walk(next_along(from.at, X, Y, steep, side * Int(k), towards), from.ahead);
 }
 
 // The middle of the stroke at a place along a line, from pixel (X, Y).

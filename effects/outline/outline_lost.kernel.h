@@ -20,19 +20,19 @@ struct Tail {
   Int rows;     // to that end
 };
 
-FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, int lying, int side, int most) {
-  Bool steep = steep_of(lying);
+FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, Bool steep, int side, int most, bool over) {
   Real towards = Real(float(side));
-  Along last = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
   Bool ends = asked && !asked;
+  Walk walk = Walk(Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f)), ends);
   Int rows = Int(0);
   for (int k = 1; k <= most + 1; ++k) {
-    if (!some(last.on)) continue;
-    Along next = next_along(last, px, py, steep, Int(k * side), towards);
-    ends = ends || (last.on && !next.on);
-    last = next;
-    rows = select(last.on, Int(k), rows);
+    if (!some(walk.at.on)) continue;
+    Walk next = walked(walk, px, py, steep, k, Int(side), towards, over);
+    ends = ends || (walk.at.on && !next.at.on);
+    walk = next;
+    rows = select(walk.at.on, select(walk.ahead, Int(k + 1), Int(k)), rows);
   }
+  Along last = walk.at;
   Real told = Real(0.0f);
   if (some(ends)) told = select(ends, told_at(last.x, last.y), told);
   told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));

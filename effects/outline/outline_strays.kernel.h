@@ -14,6 +14,8 @@ FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 #include "effects/outline/outline_tip.kernel.h"
 
+CONST float kMet = 3.0f;  // pixels from the chord of a stroke, within which what joins another line meets it
+
 // Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
 // what joins one of them joins both.
 FN_RARE Bool goes_on(Bool asked, Tip end) {
@@ -37,6 +39,35 @@ FN_RARE Bool goes_on(Bool asked, Tip end) {
   return found;
 }
 
+// Whether what joins an end of another line leads to a stroke from an end.
+FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
+  Vec2 apart = Vec2(to_real(stroke.other.x - end.x), to_real(stroke.other.y - end.y));
+  Vec2 arm = (stroke.other.at + apart - end.at) * Real(0.5f);
+  Real extent = max(dot(arm, arm), Real(1e-6f));
+  Vec2 middle = end.at + arm;
+  Int x = end.x + to_int(floor(middle.x + 0.5f));
+  Int y = end.y + to_int(floor(middle.y + 0.5f));
+  middle = middle + Vec2(to_real(end.x - x), to_real(end.y - y));
+  Bool met = asked && !asked;
+  int wide = C.join + long_stray_rows() / 2 + 1;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i) {
+      Bool look = asked && !met && in_picture(x + Int(i), y + Int(j));
+      if (!some(look)) continue;
+      Real join = load_outline_join(x + Int(i), y + Int(j));
+      Bool here = look && has_join(bits_of(join));
+      if (!some(here)) continue;
+      Bool steep = joined_steep(join);
+      Vec2 at = middle_of(piece_at(steep, x + Int(i), y + Int(j)), steep, C.width_px);
+      Vec2 from = at + Vec2(Real(float(i)), Real(float(j))) - middle;
+      Vec2 to = from + joined_apart(join);
+      from = from - arm * clamp(dot(arm, from) / extent, Real(-1.0f), Real(1.0f));
+      to = to - arm * clamp(dot(arm, to) / extent, Real(-1.0f), Real(1.0f));
+      met = met || (here && dot(to, to) < kMet * kMet && dot(from, from) > kOther * kOther);
+    }
+  return met;
+}
+
 // What is to be told of the ends of this pixel's piece of one kind.
 FN Real told(Int px, Int py, Real piece, int lying) {
   Bool steep = steep_of(lying);
@@ -44,19 +75,20 @@ FN Real told(Int px, Int py, Real piece, int lying) {
   Real code = Real(0.0f);
   for (int side = -1; side <= 1; side += 2) {
     Real towards = Real(float(side));
-    Along next = next_along(from, px, py, steep, Int(side), towards);
+    Walk next = next_over(Walk(from, from.on && !from.on), px, py, steep, 1, Int(side), towards);
     Along here = from;
-    here.on = from.on && !next.on && goes_inside(from, px, py, steep, Int(side), towards);
+    here.on = from.on && !next.at.on && goes_inside(from, px, py, steep, Int(side), towards);
     if (!some(here.on)) continue;
     Tip end = tip_of(here.on, here, steep, towards);
     here.on = here.on && !goes_on(here.on, end);
     if (!some(here.on)) continue;
-    Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows());
+    Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows(), true);
     Bool brief = stroke.on;
     if (some(brief)) brief = brief && !goes_on(brief, stroke.other);
     Bool stray = stroke.rows > Int(kLeastStray);
     Bool alone = brief && stray;
-    if (some(alone)) alone = is_alone(alone, end, stroke, here, px, py, Int(side), towards, long_stray_rows());
+    if (some(alone)) alone = is_alone(alone, end, stroke, here, px, py, Int(side), towards, long_stray_rows(), true);
+    if (some(alone)) alone = alone && !is_met(alone, end, stroke);
     Bool spur = brief && !(stroke.rows > Int(spur_rows()));
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);

@@ -19,25 +19,25 @@ FN Real steep_at(Int x, Int y) { return load_outline_steep_linked(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
 #include "effects/outline/outline_tip.kernel.h"
 
-CONST float kFirst = -2.5f;        // pixels ahead of an end: from where
-CONST float kLast = -0.7f;         // to where another line is looked for
-CONST float kPast = 2.0f;          // that goes on to there,
-CONST float kApproach = 0.7f;      // as far beside as before, at least: or else the end points to it
-CONST int kPassing = 8;            // in so many rows
-CONST float kAhead = 0.8f;         // pixels ahead of an end, from which on
-CONST float kNear = 2.6f;          // and to which it goes on in what is there,
-CONST float kAside = 1.1f;         // so many aside
-CONST float kTouches = 1.1f;       // pixels from an end at which it touches a line,
-CONST float kTouchesHigh = 0.25f;  // and more per pixel of stride but one,
+CONST float kFirst = -2.5f;         // pixels ahead of an end: from where
+CONST float kLast = -0.7f;          // to where another line is looked for
+CONST float kPast = 2.0f;           // that goes on to there,
+CONST float kApproach = 0.7f;       // as far beside as before, at least: or else the end points to it
+CONST int kPassing = 8;             // in so many rows
+CONST float kAhead = 0.8f;          // pixels ahead of an end, from which on
+CONST float kNear = 2.6f;           // and to which it goes on in what is there,
+CONST float kAside = 1.1f;          // so many aside
+CONST float kTouches = 1.1f;        // pixels from an end at which it touches a line,
+CONST float kTouchesHigh = 0.25f;   // and more per pixel of stride but one,
 CONST float kMoreThanSpeck = 3.0f;  // pieces of a line that an end points to, at least
-CONST float kCrosses = 0.6f;       // pixels from a line, within which it is crossed,
-CONST float kCrossesAlong = 0.8f;  // and along it
-CONST float kLeansOff = 0.4f;      // between two slopes, from which on pieces of one kind are of two lines
-CONST float kBack = 0.6f;          // cosine from which on a way is back along a line,
-CONST int kTrunk = 3;              // rows that this goes on for beyond a crossing,
-CONST int kLonger = 2;             // and that the other one goes on for more than a burr
-CONST float kStraight = 0.6f;      // pixels beside the way of a line, up to which it comes straight,
-CONST float kHookOff = 1.0f;       // and from which on its last rows are a hook
+CONST float kCrosses = 0.6f;        // pixels from a line, within which it is crossed,
+CONST float kCrossesAlong = 0.8f;   // and along it
+CONST float kLeansOff = 0.4f;       // between two slopes, from which on pieces of one kind are of two lines
+CONST float kBack = 0.6f;           // cosine from which on a way is back along a line,
+CONST int kTrunk = 3;               // rows that this goes on for beyond a crossing,
+CONST int kLonger = 2;              // and that the other one goes on for more than a burr
+CONST float kStraight = 0.6f;       // pixels beside the way of a line, up to which it comes straight,
+CONST float kHookOff = 1.0f;        // and from which on its last rows are a hook
 
 // Whether an end touches nothing within so many pixels and nothing is ahead of it.
 FN_RARE Bool is_free(Bool asked, Tip end, float touching) {
@@ -190,12 +190,12 @@ FN_RARE Bool faces_end(Bool asked, Tip end) {
 // How many rows of a line, from its end on, are a short stroke that is to be dropped: all, if it is a spur or a stray.
 // Each end tells of the half of it that outline_trim follows to there.
 FN_RARE Real stroke_of(Tip end, Along from, Int px, Int py, Int side, Real towards) {
-  Stroke stroke = stroke_from(from, px, py, side, towards, stray_rows());
+  Stroke stroke = stroke_from(from, px, py, side, towards, stray_rows(), false);
   if (!some(stroke.on)) return Real(0.0f);
   Bool longer = stroke.rows > Int(short_spur_rows());
   Bool stray = stroke.rows > Int(kLeastStray);
   Bool alone = stroke.on && stray;
-  if (some(alone)) alone = is_alone(alone, end, stroke, from, px, py, side, towards, stray_rows());
+  if (some(alone)) alone = is_alone(alone, end, stroke, from, px, py, side, towards, stray_rows(), false);
   if (some(alone)) alone = alone && !points_on(alone, end);
   if (some(alone)) alone = alone && !points_on(alone, stroke.other);
   Bool spur = stroke.on && !(stroke.rows > Int(spur_rows()));

@@ -2,13 +2,13 @@
 // with two of them are. The text before has what outline_tail.kernel.h asks for, and depth and object_id.
 #include "effects/outline/outline_tail.kernel.h"
 
-CONST float kSame = 0.5f;           // pixels beside an end's way, up to which what is behind it is its own line
-CONST float kCorner = 1.6f;         // pixels from an end at which a spur touches a line
-CONST float kFills = 1.5f;          // times alongside(), up to where the lines are between which it fills a gap
-CONST float kCone = 0.35f;          // pixels beside its way per pixel, and kSame, that they may be
-CONST float kOnFaith = 2.5f;        // pixels more than a spur is long, up to where a line is that does not end there
-CONST float kAcross = 0.7f;         // sine between a spur and a line, from which on that runs across it
-CONST float kAlike = 0.5f;          // sine between two ways, up to which they are of one line
+CONST float kSame = 0.5f;     // pixels beside an end's way, up to which what is behind it is its own line
+CONST float kCorner = 1.6f;   // pixels from an end at which a spur touches a line
+CONST float kFills = 1.5f;    // times alongside(), up to where the lines are between which it fills a gap
+CONST float kCone = 0.35f;    // pixels beside its way per pixel, and kSame, that they may be
+CONST float kOnFaith = 2.5f;  // pixels more than a spur is long, up to where a line is that does not end there
+CONST float kAcross = 0.7f;   // sine between a spur and a line, from which on that runs across it
+CONST float kAlike = 0.5f;    // sine between two ways, up to which they are of one line
 
 // An end of a line.
 struct Tip {
@@ -144,31 +144,32 @@ struct Stroke {
   Int rows;    // rows (columns) from the first end to it
 };
 
-// The stroke from the end of a line, to one side, if it has no more than `most` rows and one.
-FN Stroke stroke_from(Along from, Int px, Int py, Int side, Real towards, int most) {
-  Along last = from;
+// The stroke from the end of a line, to one side, if it has no more than `most` rows and one. over: with gaps of a row.
+FN Stroke stroke_from(Along from, Int px, Int py, Int side, Real towards, int most, bool over) {
+  Walk walk = Walk(from, from.on && !from.on);
   Int rows = Int(0);
   for (int k = 1; k <= most + 1; ++k) {
-    if (!some(last.on)) continue;
-    last = next_along(last, px, py, from.steep, side * Int(-k), -towards);
-    rows = select(last.on, Int(k), rows);
+    if (!some(walk.at.on)) continue;
+    walk = walked(walk, px, py, from.steep, k, Int(0) - side, -towards, over);
+    rows = select(walk.at.on, select(walk.ahead, Int(k + 1), Int(k)), rows);
   }
+  Along last = walk.at;
   Bool brief = from.on && !last.on && goes_inside(last, px, py, from.steep, side * (Int(-1) - rows), -towards);
   return Stroke(brief, tip_of(brief, last, from.steep, -towards), last.steep, rows);
 }
 
 // Whether a stroke from an end is alone on its surface; one of a crease may have other lines beside it.
-FN_RARE Bool is_alone(Bool asked, Tip end, Stroke stroke, Along from, Int px, Int py, Int side, Real towards,
-                      int most) {
+FN_RARE Bool is_alone(Bool asked, Tip end, Stroke stroke, Along from, Int px, Int py, Int side, Real towards, int most,
+                      bool over) {
   Tip other = stroke.other;
   Bool alone = asked && within_one(end, from.steep) && within_one(other, stroke.steep) && end.object == other.object;
-  Along way = from;
-  way.on = alone;
+  Walk way = Walk(from, from.on && !from.on);
+  way.at.on = alone;
   for (int k = 1; k <= most + 1; ++k) {
-    if (!some(way.on)) continue;
-    alone = alone && !(has_other(way.on, way) && !is_crease(way.piece));
-    way = next_along(way, px, py, from.steep, side * Int(-k), -towards);
-    way.on = way.on && alone;
+    if (!some(way.at.on)) continue;
+    alone = alone && !(has_other(way.at.on, way.at) && !is_crease(way.at.piece));
+    way = walked(way, px, py, from.steep, k, Int(0) - side, -towards, over);
+    way.at.on = way.at.on && alone;
   }
   return alone;
 }

@@ -151,8 +151,8 @@ FN_RARE Bool is_dot(Bool asked, Tail tail, Int px, Int py, Real piece, int lying
 // This pixel's piece, or nothing if it is lost, or a dot, or of a tail, or between two, and has the other line beside
 // it; of what is left of these, marked as an end: it is one where the rest is dropped.
 FN_RARE Real without_tails(Bool asked, Int px, Int py, Real piece, int lying) {
-  Tail up = tail_at(asked, px, py, piece, lying, -1, tail_rows());
-  Tail down = tail_at(asked, px, py, piece, lying, 1, tail_rows());
+  Tail up = tail_at(asked, px, py, piece, steep_of(lying), -1, tail_rows(), false);
+  Tail down = tail_at(asked, px, py, piece, steep_of(lying), 1, tail_rows(), false);
   Bool dropped = up.lost || down.lost;
   Bool tail = up.near || down.near || (up.passed && down.passed);
   Bool ask = tail && !dropped;
