@@ -152,8 +152,11 @@ FN Vec2 middle_at(Along here, Int X, Int Y, float width) {
 
 // Whether the next place along a line, in row `row`, is in the picture: at its border no line ends.
 FN Bool goes_inside(Along last, Int X, Int Y, Bool steep, Int row, Real towards) {
-  Int across = to_int(floor(mad(last.slope, towards, last.place) + 0.5f));
-  return in_picture(X + select(steep, across, row), Y + select(steep, row, across));
+  Real expected = mad(last.slope, towards, last.place);
+  Int least = to_int(floor(expected - 0.5f));
+  Int most = to_int(floor(expected + 1.5f));
+  return in_picture(X + select(steep, least, row), Y + select(steep, row, least)) &&
+         in_picture(X + select(steep, most, row), Y + select(steep, row, most));
 }
 
 // The way of a line at its end `at`, outward: from the mean of its strokes' middles in the few rows (columns) before

@@ -43,6 +43,7 @@ CONST float kClear = 7.0f;            // half of it
 CONST int kRimRows = 6;               // rows, per pixel of stride, from a rim, within which a crease leans to its side
 CONST float kPartlyRim = 8.0f;        // of level, from the middle, of a rim that a crease leans to; what
                                       // has no more rows than the stride is of one that it meets
+CONST float kBetween = 0.5f;          // pixels: what a rim's place is known by
 CONST float kSameWay = 0.2f;          // between the slopes of a crease and a rim that it goes on in
 CONST int kMeets = 3;                 // pixels beside a line's end, within which it meets one that runs its way
 CONST int kTurns = 1;                 // and one that runs across
@@ -60,7 +61,7 @@ struct Way {
   Real row;           // of that, counted from the first
   Real rims;          // so many rows of a rim that a crease goes on in,
   Real leans;         // and how far it leans to that by where the first of them is
-  Real rim;           // of the rims that a crease goes on in, level less the middle's, less by that
+  Real rim;           // of the rim that a crease goes on in, level less the middle's, less by that
 };
 
 // What was seen along a line.
@@ -109,17 +110,17 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
     next.level = select(here, select(mixed, side, other), next.level);
     Bool onward = mixed && abs(other - side) > kPartlyRim && abs(slope_of(piece) - from.slope) < kSameWay;
     rim = select(here, select(onward, other - side, Real(0.0f)), rim);
-    // The rim's line lies beside its place: it leans so much less as that is beyond the crease's.
+    // The rim's line lies beside its place: it leans so much less as that is surely beyond the crease's.
     Real beyond = select(other > side, place - expected, expected - place);
-    aside = select(here, beyond, aside);
+    aside = select(here, max(beyond - kBetween, Real(0.0f)), aside);
     found = found || here;
   }
   next.rims = select(found && abs(rim) > 0.0f, from.rims + 1.0f, select(found, Real(0.0f), from.rims));
   Real near = max(Real(1.0f) - Real(float(rows) / float(kRimRows * C.stride)), Real(0.0f));
   Real wide = Real(2.0f / (C.width_px > 1.0f ? C.width_px : 1.0f));
-  next.leans = select(from.rims < 0.5f, near * clamp(Real(1.0f) - aside * wide, Real(0.0f), Real(1.0f)), from.leans);
+  next.leans = select(from.rims < 0.5f, near * max(Real(1.0f) - aside * wide, Real(0.0f)), from.leans);
   rim = rim * next.leans;
-  next.rim = select(found && crease && next.rims > Real(float(C.stride)) && abs(rim) > abs(from.rim), rim, next.rim);
+  next.rim = select(found && crease && next.rims > Real(float(C.stride)) && from.rim == Real(0.0f), rim, next.rim);
   next.on = found || (from.on && away_rows < most_gap);
   next.row = select(found, Real(float(rows)), next.row);
   return next;
