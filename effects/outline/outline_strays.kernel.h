@@ -1,7 +1,7 @@
 // Ends of what is left of lines and is to be dropped, too: dashes that outline_join found nothing for. Where a barb was
 // cut off its stem, or a line in two, the rest is such a dash, and where a fold is one for but a few pixels.
 //
-// A stray is a stroke alone on its surface, up to a fortieth of the picture's height long, a spur a few pieces near
+// A stray is a stroke alone on its surface, up to a forty-third of the picture's height long, a spur a few pieces near
 // another line, neither joined nor touching anything at either end.
 //
 // outline_strays: as outline_tail.kernel.h has it.
@@ -14,14 +14,17 @@ FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 #include "effects/outline/outline_tip.kernel.h"
 
-CONST float kMet = 3.0f;  // pixels from the chord of a stroke, within which what joins another line meets it
+CONST float kCornerHigh = 0.5f;  // pixels more, per pixel of stride but one, at which an end touches a line that passes
+CONST float kMet = 3.0f;         // pixels from the chord of a stroke, within which what joins another line meets it
 
 // Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
 // what joins one of them joins both.
 FN_RARE Bool goes_on(Bool asked, Tip end) {
   Bool found = asked && !asked;
-  for (int j = -2; j <= 2; ++j)
-    for (int i = -2; i <= 2; ++i)
+  float corner = kCorner + kCornerHigh * float(C.stride - 1);
+  int wide = int(corner) + 2;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
       for (int lying = 0; lying < 2; ++lying) {
         Bool look = asked && !found;
         if (!some(look)) continue;
@@ -34,7 +37,11 @@ FN_RARE Bool goes_on(Bool asked, Tip end) {
         Bool joined = here && has_join(bits_of(join)) && same(joined_steep(join), steep_of(lying));
         Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
         joined = joined && dot(apart, apart) < kCorner * kCorner;
-        found = found || joined || (here && seen_from(end, piece, lying, i, j).touches);
+        Real along = dot(end.way, apart);
+        Bool own = along < select(piece < 0.0f, Real(2.0f * kSame), Real(kSame)) && abs(cross(end.way, apart)) < kSame;
+        Real most = select(piece < 0.0f, Real(kCorner), Real(corner));
+        Bool touches = here && !own && along > -kSame && dot(apart, apart) < most * most;
+        found = found || joined || touches;
       }
   return found;
 }

@@ -12,7 +12,7 @@ CONST int kLongSpurMore = 2;        // and more
 CONST int kLeastStray = 4;          // rows beyond which what leads nowhere may be a stray,
 CONST int kStrayRows = 2;           // and up to which: times those of what is between two tails, less these, lest its
 CONST int kStrayLess = 2;           // middle, where it leans, be too far from both ends where those are kMostTail
-CONST int kLongStray = 4;           // times C.bevel: rows of a stray that nothing is joined to
+CONST int kLongStray = 7;           // times C.bevel, half of it: rows of a stray that nothing is joined to
 CONST int kBurrRows = 2;            // rows, per pixel of stride, of a burr,
 CONST int kBurrMore = 4;            // and more
 CONST float kWhole = 12.5f;         // sure_of from which on a line is not faint
@@ -44,7 +44,7 @@ FN int burr_rows() {
 }
 FN int stray_rows() { return kStrayRows * tail_rows() - (tail_rows() < kMostTail ? 0 : kStrayLess); }
 FN int long_stray_rows() {
-  int rows = kLongStray * C.bevel < int(kMostLost) * 2 ? kLongStray * C.bevel : int(kMostLost) * 2;
+  int rows = kLongStray * C.bevel / 2 < int(kMostLost) * 2 ? kLongStray * C.bevel / 2 : int(kMostLost) * 2;
   return rows > stray_rows() ? rows : stray_rows();
 }
 FN int spur_rows() { return C.stride * kLongSpurRows + kLongSpurMore; }

@@ -167,7 +167,7 @@ FN_RARE Bool is_alone(Bool asked, Tip end, Stroke stroke, Along from, Int px, In
   way.at.on = alone;
   for (int k = 1; k <= most + 1; ++k) {
     if (!some(way.at.on)) continue;
-    alone = alone && !(has_other(way.at.on, way.at) && !is_crease(way.at.piece));
+    if (!over) alone = alone && !(has_other(way.at.on, way.at) && !is_crease(way.at.piece));
     way = walked(way, px, py, from.steep, k, Int(0) - side, -towards, over);
     way.at.on = way.at.on && alone;
   }
