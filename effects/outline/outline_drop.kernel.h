@@ -16,8 +16,9 @@ FN Real told_near(int i, int j) { return near_outline_strays(i, j); }
 #include "effects/outline/outline_lost.kernel.h"
 #include "effects/outline/outline_near.kernel.h"
 
-CONST float kUpon = 0.8f;   // pixels from a piece, within which one of the other kind
-CONST float kAlike = 0.5f;  // that leans alike, sine, is of the same line
+CONST int kCrumb = 2;       // pixels from a piece, within which another one
+CONST float kUpon = 0.8f;   // that is so near its way
+CONST float kAlike = 0.5f;  // and leans alike, sine, is of the same line
 
 // Whether any end that is told of is so near that what leads there is to be found: nine squares without a gap between
 // them are as wide as a line of kMostLost rows can lean.
@@ -41,25 +42,26 @@ FN_RARE Bool is_lost(Bool asked, Int x, Int y, Real piece, Bool steep) {
   return asked && lost;
 }
 
-// This pixel's piece of a kind, or nothing if it is of a stray, or one of the other kind is that it lies upon.
+// This pixel's piece of a kind, or nothing if it is of a stray, or a crumb on the way of one.
 FN Real left_of(Int px, Int py, Real piece, int lying) {
   Bool on = is_piece(piece);
   if (!some(on)) return piece;
   Bool lost = is_lost(on, px, py, piece, steep_of(lying));
   Vec2 at = middle_of(piece, steep_of(lying), 0.0f);
   Vec2 way = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
-  for (int j = -1; j <= 1; ++j)
-    for (int i = -1; i <= 1; ++i) {
-      Bool look = on && !lost;
-      if (!some(look)) continue;
-      Real other = piece_at(1 - lying, px + Int(i), py + Int(j));
-      Bool upon = look && is_piece(other);
-      if (!some(upon)) continue;
-      Vec2 apart = apart_from(at, other, 1 - lying, Int(i), Int(j), 0.0f);
-      Vec2 lean = lean_of(slope_of(other), steep_of(1 - lying), Real(1.0f));
-      upon = upon && dot(apart, apart) < kUpon * kUpon && abs(cross(way, lean)) < kAlike;
-      if (some(upon)) lost = lost || is_lost(upon, px + Int(i), py + Int(j), other, steep_of(1 - lying));
-    }
+  for (int j = -kCrumb; j <= kCrumb; ++j)
+    for (int i = -kCrumb; i <= kCrumb; ++i)
+      for (int kind = 0; kind < 2; ++kind) {
+        Bool look = on && !lost;
+        if (!some(look)) continue;
+        Real other = piece_at(kind, px + Int(i), py + Int(j));
+        Bool upon = look && is_piece(other);
+        if (!some(upon)) continue;
+        Vec2 apart = apart_from(at, other, kind, Int(i), Int(j), 0.0f);
+        Vec2 lean = lean_of(slope_of(other), steep_of(kind), Real(1.0f));
+        upon = upon && abs(cross(lean, apart)) < kUpon && abs(cross(way, lean)) < kAlike;
+        if (some(upon)) lost = lost || is_lost(upon, px + Int(i), py + Int(j), other, steep_of(kind));
+      }
   return select(on && lost, Real(0.0f), piece);
 }
 

@@ -15,6 +15,7 @@ FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 #include "effects/outline/outline_tip.kernel.h"
 
 CONST float kCornerHigh = 0.5f;  // pixels more, per pixel of stride but one, at which an end touches a line that passes
+CONST float kBack = 5.0f;        // pixels from an end, within which a stroke leads back to it
 CONST float kMet = 3.0f;         // pixels from the chord of a stroke, within which what joins another line meets it
 
 // Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
@@ -75,6 +76,21 @@ FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
   return met;
 }
 
+// Whether a stroke's other end is one for a line of its piece's kind, too, and that leads back to the first: or else
+// but a part of it would be dropped.
+FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real towards) {
+  Tip other = stroke.other;
+  Along from = Along(asked, place_of(other.piece), slope_of(other.piece), other.x, other.y, stroke.steep, other.piece,
+                     Real(0.0f));
+  Real outward = towards_at(from, here.steep, -towards);
+  Int side = to_int(outward);
+  Walk beyond = next_over(Walk(from, asked && !asked), other.x, other.y, stroke.steep, 1, side, outward);
+  from.on = asked && !beyond.at.on;
+  Stroke back = stroke_from(from, other.x, other.y, side, outward, long_stray_rows(), true);
+  Vec2 apart = back.other.at - end.at + Vec2(to_real(back.other.x - end.x), to_real(back.other.y - end.y));
+  return back.on && dot(apart, apart) < kBack * kBack;
+}
+
 // What is to be told of the ends of this pixel's piece of one kind.
 FN Real told(Int px, Int py, Real piece, int lying) {
   Bool steep = steep_of(lying);
@@ -92,6 +108,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows(), true);
     Bool brief = stroke.on;
     if (some(brief)) brief = brief && !goes_on(brief, stroke.other);
+    if (some(brief)) brief = brief && leads_back(brief, end, here, stroke, towards);
     Bool stray = stroke.rows > Int(kLeastStray);
     Bool alone = brief && stray;
     if (some(alone)) alone = is_alone(alone, end, stroke, here, px, py, Int(side), towards, long_stray_rows(), true);
