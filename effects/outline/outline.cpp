@@ -241,9 +241,9 @@ int trim_reach(const void* constants, int) {
 }
 /// A line is followed from its end for as many rows as a stray may have and one, each 2.6 aside; what is beside, too.
 int strays_reach(const void*, int) { return int(std::ceil(2.6f * 63.0f)) + 18; }
-int strays_near_reach(const void*, int) { return 16; }
-/// A piece's line is followed to its end, for half as many.
-int drop_reach(const void*, int) { return int(std::ceil(2.6f * 33.0f)) + 2; }
+int strays_near_reach(const void*, int) { return 8; }
+/// A piece is asked for from two pixels beside, and its line followed to its end, for half as many.
+int drop_reach(const void*, int) { return int(std::ceil(2.6f * 33.0f)) + 4; }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What
 /// lies between ends is asked from the middle of the one's stroke to the other's. A crease is followed back as far as
 /// it may go on, and half-way back, and as far as it may go on, is asked what lies four halves of a bevel beside it.

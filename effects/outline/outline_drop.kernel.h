@@ -16,17 +16,18 @@ FN Real told_near(int i, int j) { return near_outline_strays(i, j); }
 #include "effects/outline/outline_lost.kernel.h"
 #include "effects/outline/outline_near.kernel.h"
 
+CONST int kBrief = 20;      // rows of what may be a crumb
 CONST int kCrumb = 2;       // pixels from a piece, within which another one
 CONST float kUpon = 0.8f;   // that is so near its way
 CONST float kAlike = 0.5f;  // and leans alike, sine, is of the same line
 
-// Whether any end that is told of is so near that what leads there is to be found: nine squares without a gap between
-// them are as wide as a line of kMostLost rows can lean.
+// Whether any end that is told of is so near that what leads there is to be found: twenty-five squares without a gap
+// between them are as wide as a line of kMostLost rows leans.
 FN Bool strays_around(Int px, Int py) {
   int apart = 2 * kStraysNear + 1;
   Uint any = Uint(0u);
-  for (int j = -apart; j <= apart; j += apart)
-    for (int i = -apart; i <= apart; i += apart) {
+  for (int j = -2 * apart; j <= 2 * apart; j += apart)
+    for (int i = -2 * apart; i <= 2 * apart; i += apart) {
       Int x = px + Int(i);
       Int y = py + Int(j);
       any = any | bits_of(select(in_picture(x, y), load_outline_strays_near(x, y), Real(0.0f)));
@@ -34,25 +35,32 @@ FN Bool strays_around(Int px, Int py) {
   return !(to_signed(any) == Int(0));
 }
 
-// Whether a piece of pixel (x, y) is of a stray.
-FN_RARE Bool is_lost(Bool asked, Int x, Int y, Real piece, Bool steep) {
-  Bool lost = tail_at(asked, x, y, piece, steep, -1, int(kMostLost), true).lost;
-  Bool look = asked && !lost;
-  if (some(look)) lost = lost || tail_at(look, x, y, piece, steep, 1, int(kMostLost), true).lost;
-  return asked && lost;
+// Whether a piece is of a stray, and how many rows its line has around it, as far as that is followed.
+struct Lost {
+  Bool on;
+  Int rows;
+};
+
+// The same of a piece of pixel (x, y).
+FN_RARE Lost lost_of(Bool asked, Int x, Int y, Real piece, Bool steep) {
+  Tail up = tail_at(asked, x, y, piece, steep, -1, int(kMostLost), true);
+  Tail down = tail_at(asked, x, y, piece, steep, 1, int(kMostLost), true);
+  return Lost(asked && (up.lost || down.lost), up.rows + down.rows);
 }
 
 // This pixel's piece of a kind, or nothing if it is of a stray, or a crumb on the way of one.
 FN Real left_of(Int px, Int py, Real piece, int lying) {
   Bool on = is_piece(piece);
   if (!some(on)) return piece;
-  Bool lost = is_lost(on, px, py, piece, steep_of(lying));
+  Lost own = lost_of(on, px, py, piece, steep_of(lying));
+  Bool lost = own.on;
+  Bool brief = on && own.rows < Int(kBrief);
   Vec2 at = middle_of(piece, steep_of(lying), 0.0f);
   Vec2 way = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
   for (int j = -kCrumb; j <= kCrumb; ++j)
     for (int i = -kCrumb; i <= kCrumb; ++i)
       for (int kind = 0; kind < 2; ++kind) {
-        Bool look = on && !lost;
+        Bool look = brief && !lost;
         if (!some(look)) continue;
         Real other = piece_at(kind, px + Int(i), py + Int(j));
         Bool upon = look && is_piece(other);
@@ -60,7 +68,7 @@ FN Real left_of(Int px, Int py, Real piece, int lying) {
         Vec2 apart = apart_from(at, other, kind, Int(i), Int(j), 0.0f);
         Vec2 lean = lean_of(slope_of(other), steep_of(kind), Real(1.0f));
         upon = upon && abs(cross(lean, apart)) < kUpon && abs(cross(way, lean)) < kAlike;
-        if (some(upon)) lost = lost || is_lost(upon, px + Int(i), py + Int(j), other, steep_of(kind));
+        if (some(upon)) lost = lost || lost_of(upon, px + Int(i), py + Int(j), other, steep_of(kind)).on;
       }
   return select(on && lost, Real(0.0f), piece);
 }

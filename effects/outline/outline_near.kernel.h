@@ -1,3 +1,3 @@
-// How far outline_strays_row and outline_strays_near look: as lanes look around at once.
+// How far outline_strays_row and outline_strays_near look.
 
-CONST int kStraysNear = 16;  // pixels
+CONST int kStraysNear = 8;  // pixels

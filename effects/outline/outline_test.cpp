@@ -1656,6 +1656,37 @@ TEST(Outline, DashesThatTrimmingLeavesAreDropped) {
   EXPECT_EQ(drawn, 18);
 }
 
+TEST(Outline, StraysAreDroppedUnlessTheyLeadToALine) {
+  // Jumps that fade on a surface by a pixel size per pixel: alone, from a deep rim on, two that face, and a long one.
+  const std::pair<int, double> rows[] = {{256, 14.0}, {1024, 20.0}, {2160, 40.0}};
+  int bare = 0, met = 0, joined = 0, drawn = 0;
+  for (const auto& [height, long_px] : rows)
+    for (const double angle : kReliefAngles) {
+      const double stride = height > 2000 ? 3.0 : 1.0, half_px = 0.5 * long_px;
+      const Lens lens{240, height, true};
+      const auto near = [&, height = height](const std::function<double(double)>& jump, double rim) {
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          return u < rim ? 30.0 : v > 0.0 ? std::clamp(4.0 + jump(u), 0.0, 8.0) : 0.0;
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        return count(lines, [&](int x, int y) {
+          const dvec2 p = on_relief(angle, lens, x, y);
+          return std::fabs(p.y) < 5.0 && p.x > rim + 6.0 && std::fabs(p.x) < 100.0;
+        });
+      };
+      const double none = -1000.0, apart_px = half_px + 3.0 * stride;
+      bare += near([=](double u) { return half_px - std::fabs(u); }, none) == 0;
+      met += near([=](double u) { return half_px - u; }, -half_px) > long_px;
+      if (height > 256)
+        joined += near([=](double u) { return half_px - std::fabs(std::fabs(u) - apart_px); }, none) > 2.0 * long_px;
+      drawn += near([=](double u) { return 2.0 * long_px - std::fabs(u); }, none) > 4.0 * long_px;
+    }
+  EXPECT_EQ(bare, 27);
+  EXPECT_EQ(met, 27);
+  EXPECT_EQ(joined, 18) << "of those 1024 and 2160 high: 256 high they are hardly longer than the gap";
+  EXPECT_EQ(drawn, 27);
+}
+
 TEST(Outline, EdgesThatAreNowARimDoNotStepAside) {
   // A rim's line lies on one side and a crease's in the middle: half of the width lies between the two.
   for (const int height : {256, 2160})
