@@ -39,9 +39,9 @@ FN_RARE Bool goes_on(Bool asked, Tip end) {
         Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
         joined = joined && dot(apart, apart) < kCorner * kCorner;
         Real along = dot(end.way, apart);
-        Bool own = along < select(piece < 0.0f, Real(2.0f * kSame), Real(kSame)) && abs(cross(end.way, apart)) < kSame;
+        Bool own = along < kSame && abs(cross(end.way, apart)) < kSame;
         Real most = select(piece < 0.0f, Real(kCorner), Real(corner));
-        Bool touches = here && !own && along > -kSame && dot(apart, apart) < most * most;
+        Bool touches = here && !own && dot(apart, apart) < most * most;
         found = found || joined || touches;
       }
   return found;

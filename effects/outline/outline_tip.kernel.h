@@ -4,6 +4,7 @@
 
 CONST float kSame = 0.5f;     // pixels beside an end's way, up to which what is behind it is its own line
 CONST float kCorner = 1.6f;   // pixels from an end at which a spur touches a line
+CONST float kClose = 0.6f;    // times alongside(), up to where a line beside a stroke is a part of it
 CONST float kFills = 1.5f;    // times alongside(), up to where the lines are between which it fills a gap
 CONST float kCone = 0.35f;    // pixels beside its way per pixel, and kSame, that they may be
 CONST float kOnFaith = 2.5f;  // pixels more than a spur is long, up to where a line is that does not end there
@@ -116,12 +117,12 @@ FN Bool within_one(Tip end, Bool steep) {
          load_object_id(end.x + select(steep, Int(1), Int(0)), end.y + select(steep, Int(0), Int(1)));
 }
 
-// Whether any other line is beside a piece.
-FN_RARE Bool has_other(Bool asked, Along here) {
+// Whether any other line is beside a piece, no farther off than about so many pixels.
+FN_RARE Bool has_other(Bool asked, Along here, float most) {
   Vec2 at = middle_of(here.piece, here.steep, 0.0f);
   Vec2 way = lean_of(slope_of(here.piece), here.steep, Real(1.0f));
   Bool found = asked && !asked;
-  int wide = int(alongside());
+  int wide = int(most);
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i)
       for (int lying = 0; lying < 2; ++lying) {
@@ -167,7 +168,8 @@ FN_RARE Bool is_alone(Bool asked, Tip end, Stroke stroke, Along from, Int px, In
   way.at.on = alone;
   for (int k = 1; k <= most + 1; ++k) {
     if (!some(way.at.on)) continue;
-    if (!over) alone = alone && !(has_other(way.at.on, way.at) && !is_crease(way.at.piece));
+    alone =
+        alone && !(has_other(way.at.on, way.at, over ? kClose * alongside() : alongside()) && !is_crease(way.at.piece));
     way = walked(way, px, py, from.steep, k, Int(0) - side, -towards, over);
     way.at.on = way.at.on && alone;
   }
