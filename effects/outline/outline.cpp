@@ -239,9 +239,15 @@ int trim_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return 2 * (int(std::ceil(2.6f * 16.0f * float(c.stride))) + std::max(c.stride, c.join) + 4);
 }
-/// A line is followed from its end for as many rows as a stray may have and one, each 2.6 aside; what is beside, too.
-int strays_reach(const void*, int) { return int(std::ceil(2.6f * 63.0f)) + 18; }
-int strays_near_reach(const void*, int) { return 8; }
+/// A line is followed from its end for as many rows as a stray may have and two, and from the other one back, each 2.6
+/// aside, and what is beside is looked at; joins are looked for around the middle of the two.
+int strays_reach(const void* constants, int) {
+  const auto& c = *static_cast<const OutlineConstants*>(constants);
+  const int tail = std::min(std::min(6 * c.stride, 16) + 4, 16), rows = std::max(2 * tail, 7 * c.bevel / 2) + 2;
+  const int met = std::max(c.join, c.onward) + rows + int(c.width_px) + 2;
+  return std::max(int(std::ceil(2.6f * 2.0f * float(rows))), int(std::ceil(2.6f * 0.5f * float(rows))) + met) + 12;
+}
+int strays_near_reach(const void*, int) { return 10; }
 /// A piece is asked for from two pixels beside, and its line followed to its end, for half as many.
 int drop_reach(const void*, int) { return int(std::ceil(2.6f * 33.0f)) + 4; }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What

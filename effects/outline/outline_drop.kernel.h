@@ -1,4 +1,4 @@
-// What outline_strays tells of dropped.
+// Strays dropped, as outline_strays tells them, and crumbs on their way.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them, and what joins them, as outline_stroke.kernel.h has it.
 IN_REAL(outline_steep_trimmed)
@@ -12,9 +12,8 @@ OUT_REAL(outline_join_left)
 FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_strays(x, y); }
-FN Real told_near(int i, int j) { return near_outline_strays(i, j); }
 #include "effects/outline/outline_lost.kernel.h"
-#include "effects/outline/outline_near.kernel.h"
+#include "effects/outline/outline_squares.kernel.h"
 
 CONST int kBrief = 20;      // rows of what may be a crumb
 CONST int kCrumb = 2;       // pixels from a piece, within which another one
@@ -28,9 +27,8 @@ FN Bool strays_around(Int px, Int py) {
   Uint any = Uint(0u);
   for (int j = -2 * apart; j <= 2 * apart; j += apart)
     for (int i = -2 * apart; i <= 2 * apart; i += apart) {
-      Int x = px + Int(i);
-      Int y = py + Int(j);
-      any = any | bits_of(select(in_picture(x, y), load_outline_strays_near(x, y), Real(0.0f)));
+      // What lies beyond the picture's border reads as what is at it.
+      any = any | bits_of(load_outline_strays_near(px + Int(i), py + Int(j)));
     }
   return !(to_signed(any) == Int(0));
 }
@@ -49,8 +47,8 @@ FN_RARE Lost lost_of(Bool asked, Int x, Int y, Real piece, Bool steep) {
 }
 
 // This pixel's piece of a kind, or nothing if it is of a stray, or a crumb on the way of one.
-FN Real left_of(Int px, Int py, Real piece, int lying) {
-  Bool on = is_piece(piece);
+FN Real left_of(Bool asked, Int px, Int py, Real piece, int lying) {
+  Bool on = asked && is_piece(piece);
   if (!some(on)) return piece;
   Lost own = lost_of(on, px, py, piece, steep_of(lying));
   Bool lost = own.on;
@@ -79,10 +77,13 @@ FN void outline_drop_pixel(Int px, Int py) {
   Bool any = is_piece(steep) || is_piece(lower);
   if (some(any)) any = any && strays_around(px, py);
   if (some(any)) {
-    steep = left_of(px, py, steep, 0);
-    lower = left_of(px, py, lower, 1);
+    steep = left_of(any, px, py, steep, 0);
+    lower = left_of(any, px, py, lower, 1);
   }
+  // What joins a piece that is dropped is dropped with it.
   Real join = near_outline_join(0, 0);
+  Bool bare = has_join(bits_of(join)) && !is_piece(select(joined_steep(join), steep, lower));
+  join = select(bare, select(join < 0.0f, Real(-kOnlyEnds), Real(kOnlyEnds)), join);
   store_outline_steep_left(steep);
   store_outline_flat_left(lower);
   store_outline_join_left(select(is_piece(steep) || is_piece(lower), join, Real(0.0f)));

@@ -1,4 +1,4 @@
-// Ends of lines: what outline_tails, outline_trim and outline_join ask of pieces and of the lines that those are of.
+// Ends of lines: what outline_tails and the passes after it ask of pieces and of the lines that those are of.
 // The text before has steep_at(x, y) and flat_at(x, y), which load its planes of pieces.
 #include "effects/outline/outline_piece.kernel.h"
 #include "effects/outline/outline_stroke.kernel.h"
@@ -154,7 +154,7 @@ FN Vec2 middle_at(Along here, Int X, Int Y, float width) {
 FN Bool goes_inside(Along last, Int X, Int Y, Bool steep, Int row, Real towards) {
   Real expected = mad(last.slope, towards, last.place);
   Int least = to_int(floor(expected - 0.5f));
-  Int most = to_int(floor(expected + 1.5f));
+  Int most = Int(0) - to_int(floor(Real(-0.5f) - expected));
   return in_picture(X + select(steep, least, row), Y + select(steep, row, least)) &&
          in_picture(X + select(steep, most, row), Y + select(steep, row, most));
 }

@@ -1,6 +1,6 @@
-// What lies along each pixel's row, so that `outline` passes over the rest: all bits of outline_join as far as lines
-// reach, and from there on, as far as most of what joins them reaches, whether there is a joined end, and one that is
-// joined far.
+// What lies along each pixel's row, so that `outline` passes over the rest: all bits of outline_join_left as far as
+// lines reach, and from there on, as far as most of what joins them reaches, whether there is a joined end, and one
+// that is joined far.
 IN_REAL(outline_join_left)
 OUT_REAL(outline_around)
 #include "effects/outline/outline_piece.kernel.h"

@@ -1,15 +1,6 @@
 // What leads to ends that outline_tails or outline_strays tells of. The text before has that plane as told_at(x, y)
-// and, from this pixel, told_near(i, j), and what outline_tail.kernel.h asks for.
+// and what outline_tail.kernel.h asks for.
 #include "effects/outline/outline_tail.kernel.h"
-
-// Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
-FN Bool end_around() {
-  int rows = tail_rows() < kMostTail ? tail_rows() + 1 : kMostTail;
-  Uint any = Uint(0u);
-  for (int j = -rows; j <= rows; ++j)
-    for (int i = -rows; i <= rows; ++i) any = any | bits_of(told_near(i, j));
-  return !(to_signed(any) == Int(0));
-}
 
 // What leads from a piece, to one side, to an end that is told of.
 struct Tail {

@@ -15,12 +15,12 @@ FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 #include "effects/outline/outline_tip.kernel.h"
 
 CONST float kCornerHigh = 0.5f;  // pixels more, per pixel of stride but one, at which an end touches a line that passes
-CONST float kBack = 5.0f;        // pixels from an end, within which a stroke leads back to it
-CONST float kMet = 3.0f;         // pixels from the chord of a stroke, within which what joins another line meets it
+CONST float kNearFirst = 5.0f;   // pixels from an end, within which a stroke leads back to it
+CONST float kMet = 2.0f;  // pixels, and half the width, from a stroke's chord, where what joins another line meets it
 
 // Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
 // what joins one of them joins both.
-FN_RARE Bool goes_on(Bool asked, Tip end) {
+FN_RARE Bool leads_on(Bool asked, Tip end) {
   Bool found = asked && !asked;
   float corner = kCorner + kCornerHigh * float(C.stride - 1);
   int wide = int(corner) + 2;
@@ -57,7 +57,9 @@ FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
   Int y = end.y + to_int(floor(middle.y + 0.5f));
   middle = middle + Vec2(to_real(end.x - x), to_real(end.y - y));
   Bool met = asked && !asked;
-  int wide = C.join + long_stray_rows() / 2 + 1;
+  float near = kMet + 0.5f * C.width_px;
+  // Half of a stroke leans up to 1.5 aside in each of its rows.
+  int wide = (C.join > C.onward ? C.join : C.onward) + 3 * long_stray_rows() / 4 + int(C.width_px) + 2;
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i) {
       Bool look = asked && !met && in_picture(x + Int(i), y + Int(j));
@@ -65,13 +67,15 @@ FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
       Real join = load_outline_join(x + Int(i), y + Int(j));
       Bool here = look && has_join(bits_of(join));
       if (!some(here)) continue;
-      Bool steep = joined_steep(join);
-      Vec2 at = middle_of(piece_at(steep, x + Int(i), y + Int(j)), steep, C.width_px);
-      Vec2 from = at + Vec2(Real(float(i)), Real(float(j))) - middle;
-      Vec2 to = from + joined_apart(join);
+      Bool kind = joined_steep(join);
+      Real piece = piece_at(kind, x + Int(i), y + Int(j));
+      Vec2 pixel = Vec2(Real(float(i)), Real(float(j))) - middle;
+      Vec2 from = middle_of(piece, kind, 0.0f) + pixel;
+      // Strokes are drawn up to half the width beside where they cross.
+      Vec2 to = middle_of(piece, kind, C.width_px) + joined_apart(join) + pixel;
       from = from - arm * clamp(dot(arm, from) / extent, Real(-1.0f), Real(1.0f));
       to = to - arm * clamp(dot(arm, to) / extent, Real(-1.0f), Real(1.0f));
-      met = met || (here && dot(to, to) < kMet * kMet && dot(from, from) > kOther * kOther);
+      met = met || (here && dot(to, to) < near * near && dot(from, from) > kOther * kOther);
     }
   return met;
 }
@@ -88,7 +92,7 @@ FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real tow
   from.on = asked && !beyond.at.on;
   Stroke back = stroke_from(from, other.x, other.y, side, outward, long_stray_rows(), true);
   Vec2 apart = back.other.at - end.at + Vec2(to_real(back.other.x - end.x), to_real(back.other.y - end.y));
-  return back.on && dot(apart, apart) < kBack * kBack;
+  return back.on && dot(apart, apart) < kNearFirst * kNearFirst;
 }
 
 // What is to be told of the ends of this pixel's piece of one kind.
@@ -103,11 +107,11 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     here.on = from.on && !next.at.on && goes_inside(from, px, py, steep, Int(side), towards);
     if (!some(here.on)) continue;
     Tip end = tip_of(here.on, here, steep, towards);
-    here.on = here.on && !goes_on(here.on, end);
+    here.on = here.on && !leads_on(here.on, end);
     if (!some(here.on)) continue;
     Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows(), true);
     Bool brief = stroke.on;
-    if (some(brief)) brief = brief && !goes_on(brief, stroke.other);
+    if (some(brief)) brief = brief && !leads_on(brief, stroke.other);
     if (some(brief)) brief = brief && leads_back(brief, end, here, stroke, towards);
     Bool stray = stroke.rows > Int(kLeastStray);
     Bool alone = brief && stray;

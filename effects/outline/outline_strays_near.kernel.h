@@ -1,7 +1,7 @@
 // What outline_strays_row tells of rows, of as many rows around: all bits of outline_strays in a square.
 IN_REAL(outline_strays_row)
 OUT_REAL(outline_strays_near)
-#include "effects/outline/outline_near.kernel.h"
+#include "effects/outline/outline_squares.kernel.h"
 
 FN void outline_strays_near_pixel(Int px, Int py) {
   Uint any = bits_of(near_outline_strays_row(0, 0));

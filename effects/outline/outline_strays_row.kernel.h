@@ -1,7 +1,7 @@
 // All bits of outline_strays as far as kStraysNear along each pixel's row, so that outline_drop passes over the rest.
 IN_REAL(outline_strays)
 OUT_REAL(outline_strays_row)
-#include "effects/outline/outline_near.kernel.h"
+#include "effects/outline/outline_squares.kernel.h"
 
 FN void outline_strays_row_pixel(Int px, Int py) {
   Uint any = bits_of(near_outline_strays(0, 0));

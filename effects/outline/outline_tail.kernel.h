@@ -44,7 +44,8 @@ FN int burr_rows() {
 }
 FN int stray_rows() { return kStrayRows * tail_rows() - (tail_rows() < kMostTail ? 0 : kStrayLess); }
 FN int long_stray_rows() {
-  int rows = kLongStray * C.bevel / 2 < int(kMostLost) * 2 ? kLongStray * C.bevel / 2 : int(kMostLost) * 2;
+  int most = 2 * int(kMostLost) - 1;  // both ends tell of all
+  int rows = kLongStray * C.bevel / 2 < most ? kLongStray * C.bevel / 2 : most;
   return rows > stray_rows() ? rows : stray_rows();
 }
 FN int spur_rows() { return C.stride * kLongSpurRows + kLongSpurMore; }

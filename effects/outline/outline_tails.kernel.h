@@ -152,6 +152,21 @@ FN_RARE Bool is_crossed(Bool asked, Along last, Vec2 back, Vec2 beyond, int rows
   return found;
 }
 
+// A piece near an end, as that sees it.
+struct Seen {
+  Bool touches;  // and it is not what leads there
+  Bool ahead;    // no farther off than ends are joined
+};
+
+FN Seen seen_from(Tip end, Real piece, int lying, int i, int j) {
+  Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
+  Real along = dot(end.way, apart);
+  Real off = abs(cross(end.way, apart));
+  Bool own = off < kSame && along < kSame;
+  return Seen(along > -kSame && dot(apart, apart) < kCorner * kCorner && !own,
+              along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame)));
+}
+
 // Whether an end points to another line, of which more than a speck is ahead.
 FN_RARE Bool points_on(Bool asked, Tip end) {
   Real count = Real(0.0f);

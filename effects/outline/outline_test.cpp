@@ -1664,7 +1664,7 @@ TEST(Outline, DashesThatTrimmingLeavesAreDropped) {
         else
           drawn += near > 40;
       }
-  EXPECT_GE(bare, 12) << "of 18";  // some along rows, columns and halfway between keep both
+  EXPECT_GE(bare, 12) << "of 18";  // 1 before: some along rows, columns and halfway between keep both
   EXPECT_EQ(drawn, 18);
 }
 
@@ -1695,7 +1695,7 @@ TEST(Outline, StraysAreDroppedUnlessTheyLeadToALine) {
     }
   EXPECT_EQ(bare, 27);
   EXPECT_EQ(met, 27);
-  EXPECT_EQ(joined, 18) << "of those 1024 and 2160 high: 256 high they are hardly longer than the gap";
+  EXPECT_EQ(joined, 18) << "of those 1024 and 2160 high: of 14 pixels too few lie ahead";
   EXPECT_EQ(drawn, 27);
 }
 

@@ -1,10 +1,10 @@
-// Ends of lines as outline_tails and outline_strays see them: what they see of other lines, and what short strokes
-// with two of them are. The text before has what outline_tail.kernel.h asks for, and depth and object_id.
+// Ends of lines as outline_tails and outline_strays know them, and what short strokes with two of them are. The text
+// before has what outline_tail.kernel.h asks for, and object_id.
 #include "effects/outline/outline_tail.kernel.h"
 
 CONST float kSame = 0.5f;     // pixels beside an end's way, up to which what is behind it is its own line
 CONST float kCorner = 1.6f;   // pixels from an end at which a spur touches a line
-CONST float kClose = 0.6f;    // times alongside(), up to where a line beside a stroke is a part of it
+CONST float kClose = 0.6f;    // times alongside(): closer to a stroke that may have gaps it is not alone
 CONST float kFills = 1.5f;    // times alongside(), up to where the lines are between which it fills a gap
 CONST float kCone = 0.35f;    // pixels beside its way per pixel, and kSame, that they may be
 CONST float kOnFaith = 2.5f;  // pixels more than a spur is long, up to where a line is that does not end there
@@ -96,21 +96,6 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Bool longest, Tip up, Tip down) {
   return near && !(before && after) && !(longer && leads) && (stands || !(longest && longer));
 }
 
-// A piece near an end, as that sees it.
-struct Seen {
-  Bool touches;  // and it is not what leads there
-  Bool ahead;    // no farther off than ends are joined
-};
-
-FN Seen seen_from(Tip end, Real piece, int lying, int i, int j) {
-  Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
-  Real along = dot(end.way, apart);
-  Real off = abs(cross(end.way, apart));
-  Bool own = off < kSame && along < kSame;
-  return Seen(along > -kSame && dot(apart, apart) < kCorner * kCorner && !own,
-              along > kSame && along < Real(float(C.join)) && off < mad(along, Real(kCone), Real(kSame)));
-}
-
 // Whether a piece is within one object.
 FN Bool within_one(Tip end, Bool steep) {
   return load_object_id(end.x, end.y) ==
@@ -145,7 +130,8 @@ struct Stroke {
   Int rows;    // rows (columns) from the first end to it
 };
 
-// The stroke from the end of a line, to one side, if it has no more than `most` rows and one. over: with gaps of a row.
+// The stroke from the end of a line, away from its side, if it has no more than `most` rows and one. over: with gaps of
+// a row.
 FN Stroke stroke_from(Along from, Int px, Int py, Int side, Real towards, int most, bool over) {
   Walk walk = Walk(from, from.on && !from.on);
   Int rows = Int(0);
@@ -159,7 +145,8 @@ FN Stroke stroke_from(Along from, Int px, Int py, Int side, Real towards, int mo
   return Stroke(brief, tip_of(brief, last, from.steep, -towards), last.steep, rows);
 }
 
-// Whether a stroke from an end is alone on its surface; one of a crease may have other lines beside it.
+// Whether a stroke from an end is alone on its surface; one of a crease may have other lines beside it, and what is
+// followed over gaps such as are not close.
 FN_RARE Bool is_alone(Bool asked, Tip end, Stroke stroke, Along from, Int px, Int py, Int side, Real towards, int most,
                       bool over) {
   Tip other = stroke.other;

@@ -12,7 +12,6 @@ OUT_REAL(outline_flat_trimmed)
 FN Real steep_at(Int x, Int y) { return load_outline_steep_linked(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_tails(x, y); }
-FN Real told_near(int i, int j) { return near_outline_tails(i, j); }
 #include "effects/outline/outline_lost.kernel.h"
 
 CONST int kBetween = 16;       // rows, per pixel of stride, of what is faint between two lines,
@@ -28,6 +27,15 @@ CONST float kOnward = 1.0f;    // what is not so many ahead
 CONST float kOwn = 0.8f;       // nor so many aside is of the line itself
 CONST float kAlike = 0.5f;     // between ways, sine: more is another line's
 CONST int kDot = 2;            // rows that are left at the end of what is dropped, at most, and are dropped, too
+
+// Whether any end that is told of is so near that this pixel's piece is asked whether it is of its tail.
+FN Bool end_around() {
+  int rows = tail_rows() < kMostTail ? tail_rows() + 1 : kMostTail;
+  Uint any = Uint(0u);
+  for (int j = -rows; j <= rows; ++j)
+    for (int i = -rows; i <= rows; ++i) any = any | bits_of(near_outline_tails(i, j));
+  return !(to_signed(any) == Int(0));
+}
 
 // Whether another line, surer than `least`, is beside the piece of pixel (X, Y).
 FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float least) {
@@ -189,10 +197,7 @@ FN_RARE Led led_to(Along from, Real towards) {
     last.on = last.on && !found;
     rows = select(last.on, Int(k), rows);
   }
-  // At the picture's border no line ends.
-  Int across = to_int(floor(mad(last.slope, towards, last.place)));
-  Int beyond = (rows + Int(1)) * side;
-  ends = ends && in_picture(from.x + select(steep, across, beyond), from.y + select(steep, beyond, across));
+  ends = ends && goes_inside(last, from.x, from.y, steep, (rows + Int(1)) * side, towards);
   last.on = ends && !ends;
   Led led = Led(found, ends, ends && !ends, rows, last, towards);
   if (some(ends)) {

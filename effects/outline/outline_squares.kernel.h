@@ -1,3 +1,3 @@
 // How far outline_strays_row and outline_strays_near look.
 
-CONST int kStraysNear = 8;  // pixels
+CONST int kStraysNear = 10;  // pixels
