@@ -1664,7 +1664,7 @@ TEST(Outline, DashesThatTrimmingLeavesAreDropped) {
         else
           drawn += near > 40;
       }
-  EXPECT_GE(bare, 12) << "of 18";  // 1 before: some along rows, columns and halfway between keep both
+  EXPECT_GE(bare, 12) << "of 18";  // 5 before: some along rows, columns and halfway between keep both
   EXPECT_EQ(drawn, 18);
 }
 
