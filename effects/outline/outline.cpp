@@ -225,11 +225,13 @@ int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);
 }
+/// Rows of a tail, as outline_tail.kernel.h has them.
+int tail_rows(const OutlineConstants& c) { return std::min(std::min(6 * c.stride, 16) + 4, 16); }
 /// A line is followed from its end for twice a tail's rows and one, or for eight, times the stride, each 2.6 aside;
 /// from there what is beside, or as far ahead as ends are joined, and a line there for as many rows as a burr may have.
 int tails_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
-  const int tail = std::min(std::min(6 * c.stride, 16) + 4, 16), burr = std::min(2 * c.stride + 4, 15) + 2;
+  const int tail = tail_rows(c), burr = std::min(2 * c.stride + 4, 15) + 2;
   const int back = std::max(2 * tail + 1, 8 * c.stride);
   return int(std::ceil(2.6f * float(back))) + std::max(c.join, int(std::ceil(2.6f * float(burr)))) + 12;
 }
@@ -243,11 +245,11 @@ int trim_reach(const void* constants, int) {
 /// aside, and what is beside is looked at; joins are looked for around the middle of the two.
 int strays_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
-  const int tail = std::min(std::min(6 * c.stride, 16) + 4, 16), rows = std::max(2 * tail, 7 * c.bevel / 2) + 2;
+  const int rows = std::max(2 * tail_rows(c), 7 * c.bevel / 2) + 2;
   const int met = std::max(c.join, c.onward) + rows + int(c.width_px) + 2;
   return std::max(int(std::ceil(2.6f * 2.0f * float(rows))), int(std::ceil(2.6f * 0.5f * float(rows))) + met) + 12;
 }
-int strays_near_reach(const void*, int) { return 10; }
+int strays_near_reach(const void*, int) { return kOutlineStraysNear; }
 /// A piece is asked for from two pixels beside, and its line followed to its end, for half as many.
 int drop_reach(const void*, int) { return int(std::ceil(2.6f * 33.0f)) + 4; }
 /// One end is looked for from another, and from that one back; the rows before it drift 2.6 aside in each of four. What

@@ -25,6 +25,7 @@ const float kOutlineWidest = 16.0f;  // pixels
 // OutlineConstants::sight of lines of the initial width. Loops of that many steps are written out, which makes them
 // twice as fast.
 const int kOutlineUsualSight = 4;
+const int kOutlineStraysNear = 10;  // pixels around, within which outline_strays_near tells whether there are any
 
 struct OutlineConstants {
   int mode;

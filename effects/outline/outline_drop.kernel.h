@@ -13,7 +13,6 @@ FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_strays(x, y); }
 #include "effects/outline/outline_lost.kernel.h"
-#include "effects/outline/outline_squares.kernel.h"
 
 CONST int kBrief = 20;      // rows of what may be a crumb
 CONST int kCrumb = 2;       // pixels from a piece, within which another one
@@ -23,7 +22,7 @@ CONST float kAlike = 0.5f;  // and leans alike, sine, is of the same line
 // Whether any end that is told of is so near that what leads there is to be found: twenty-five squares without a gap
 // between them are as wide as a line of kMostLost rows leans.
 FN Bool strays_around(Int px, Int py) {
-  int apart = 2 * kStraysNear + 1;
+  int apart = 2 * kOutlineStraysNear + 1;
   Uint any = Uint(0u);
   for (int j = -2 * apart; j <= 2 * apart; j += apart)
     for (int i = -2 * apart; i <= 2 * apart; i += apart) {

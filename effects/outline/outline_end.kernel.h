@@ -145,6 +145,25 @@ FN Walk walked(Walk from, Int X, Int Y, Bool steep, int k, Int side, Real toward
   return Walk(next_along(from.at, X, Y, steep, side * Int(k), towards), from.ahead);
 }
 
+// Where a line was followed to.
+struct Followed {
+  Along last;
+  Bool ends;  // it does not go on from there
+  Int rows;   // rows (columns) to there
+};
+
+// The line from a place in pixel (X, Y), to one side, for up to `most` rows and one. over: with gaps of a row.
+FN Followed followed(Along from, Int X, Int Y, Bool steep, Int side, Real towards, int most, bool over) {
+  Walk walk = Walk(from, from.on && !from.on);
+  Int rows = Int(0);
+  for (int k = 1; k <= most + 1; ++k) {
+    if (!some(walk.at.on)) continue;
+    walk = walked(walk, X, Y, steep, k, side, towards, over);
+    rows = select(walk.at.on, select(walk.ahead, Int(k + 1), Int(k)), rows);
+  }
+  return Followed(walk.at, from.on && !walk.at.on, rows);
+}
+
 // The middle of the stroke at a place along a line, from pixel (X, Y).
 FN Vec2 middle_at(Along here, Int X, Int Y, float width) {
   return middle_of(here.piece, here.steep, width) + Vec2(to_real(here.x - X), to_real(here.y - Y));

@@ -13,19 +13,11 @@ struct Tail {
 
 FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, Bool steep, int side, int most, bool over) {
   Real towards = Real(float(side));
-  Bool ends = asked && !asked;
-  Walk walk = Walk(Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f)), ends);
-  Int rows = Int(0);
-  for (int k = 1; k <= most + 1; ++k) {
-    if (!some(walk.at.on)) continue;
-    Walk next = walked(walk, px, py, steep, k, Int(side), towards, over);
-    ends = ends || (walk.at.on && !next.at.on);
-    walk = next;
-    rows = select(walk.at.on, select(walk.ahead, Int(k + 1), Int(k)), rows);
-  }
-  Along last = walk.at;
+  Along from = Along(asked, place_of(piece), slope_of(piece), px, py, steep, piece, Real(0.0f));
+  Followed line = followed(from, px, py, steep, Int(side), towards, most, over);
+  Along last = line.last;
   Real told = Real(0.0f);
-  if (some(ends)) told = select(ends, told_at(last.x, last.y), told);
+  if (some(line.ends)) told = select(line.ends, told_at(last.x, last.y), told);
   told = select(last.steep, told - floor(told / kOfFlat) * kOfFlat, floor(told / kOfFlat));
   Bool back = towards_at(last, steep, towards) < 0.0f;
   Real lost = select(back, floor(told / kLostBefore), floor(told / kLostAfter));
@@ -33,6 +25,6 @@ FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, Bool steep, int sid
   told = told - floor(told / kLostBefore) * kLostBefore;
   Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
   Bool passed = (back && before) || (!back && told >= kPassedAfter);
-  return Tail(to_real(rows) < lost, passed, passed && rows <= Int(short_tail_rows()),
-              lost > 0.0f && to_real(rows) == lost, rows);
+  return Tail(to_real(line.rows) < lost, passed, passed && line.rows <= Int(short_tail_rows()),
+              lost > 0.0f && to_real(line.rows) == lost, line.rows);
 }

@@ -49,13 +49,10 @@ FN_RARE Bool leads_on(Bool asked, Tip end) {
 
 // Whether what joins an end of another line leads to a stroke from an end.
 FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
-  Vec2 apart = Vec2(to_real(stroke.other.x - end.x), to_real(stroke.other.y - end.y));
-  Vec2 arm = (stroke.other.at + apart - end.at) * Real(0.5f);
-  Real extent = max(dot(arm, arm), Real(1e-6f));
-  Vec2 middle = end.at + arm;
-  Int x = end.x + to_int(floor(middle.x + 0.5f));
-  Int y = end.y + to_int(floor(middle.y + 0.5f));
-  middle = middle + Vec2(to_real(end.x - x), to_real(end.y - y));
+  Chord chord = chord_of(end, stroke.other);
+  Int x = end.x + chord.x;
+  Int y = end.y + chord.y;
+  Vec2 middle = chord.middle - Vec2(to_real(chord.x), to_real(chord.y));
   Bool met = asked && !asked;
   float near = kMet + 0.5f * C.width_px;
   // Half of a stroke leans up to 1.5 aside in each of its rows.
@@ -70,11 +67,9 @@ FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
       Bool kind = joined_steep(join);
       Real piece = piece_at(kind, x + Int(i), y + Int(j));
       Vec2 pixel = Vec2(Real(float(i)), Real(float(j))) - middle;
-      Vec2 from = middle_of(piece, kind, 0.0f) + pixel;
+      Vec2 from = off_chord(chord, middle_of(piece, kind, 0.0f) + pixel);
       // Strokes are drawn up to half the width beside where they cross.
-      Vec2 to = middle_of(piece, kind, C.width_px) + joined_apart(join) + pixel;
-      from = from - arm * clamp(dot(arm, from) / extent, Real(-1.0f), Real(1.0f));
-      to = to - arm * clamp(dot(arm, to) / extent, Real(-1.0f), Real(1.0f));
+      Vec2 to = off_chord(chord, middle_of(piece, kind, C.width_px) + joined_apart(join) + pixel);
       met = met || (here && dot(to, to) < near * near && dot(from, from) > kOther * kOther);
     }
   return met;
@@ -120,7 +115,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     Bool spur = brief && !(stroke.rows > Int(spur_rows()));
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);
-    Real lost = select(alone || spur, min(to_real(stroke.rows) + 1.0f, Real(kMostLost)), Real(0.0f));
+    Real lost = select(alone || spur, rows_lost(stroke), Real(0.0f));
     code = mad(lost, Real(side < 0 ? kLostBefore : kLostAfter), code);
   }
   return code;

@@ -216,7 +216,7 @@ FN_RARE Real stroke_of(Tip end, Along from, Int px, Int py, Int side, Real towar
   Bool spur = stroke.on && !(stroke.rows > Int(spur_rows()));
   spur = spur && (!longer || (within_one(end, from.steep) && within_one(stroke.other, stroke.steep)));
   if (some(spur)) spur = is_spur(spur, longer, stray, end, stroke.other);
-  return select(alone || spur, min(to_real(stroke.rows) + 1.0f, Real(kMostLost)), Real(0.0f));
+  return select(alone || spur, rows_lost(stroke), Real(0.0f));
 }
 
 // How many rows of a line, from its end on, are a burr: a line that they cross is so near.

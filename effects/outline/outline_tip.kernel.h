@@ -56,21 +56,37 @@ FN Real passes_by(Bool here, Real known, Vec2 way, Vec2 apart, Real piece, int l
   return select(near && !(known < 0.0f), select(piece < 0.0f, Real(-1.0f), Real(1.0f)), known);
 }
 
+// The straight way between two ends.
+struct Chord {
+  Vec2 middle;  // from the first end's pixel,
+  Int x, y;     // and the pixel there, counted from that
+  Vec2 arm;     // from there to the second end,
+  Real extent;  // and its length, squared
+};
+
+FN Chord chord_of(Tip first, Tip second) {
+  Vec2 apart = Vec2(to_real(second.x - first.x), to_real(second.y - first.y));
+  Vec2 arm = (second.at - first.at + apart) * Real(0.5f);
+  Vec2 middle = first.at + arm;
+  return Chord(middle, to_int(floor(middle.x + 0.5f)), to_int(floor(middle.y + 0.5f)), arm,
+               max(dot(arm, arm), Real(1e-6f)));
+}
+
+// How far what is so far from its middle is from a chord.
+FN Vec2 off_chord(Chord chord, Vec2 apart) {
+  return apart - chord.arm * clamp(dot(chord.arm, apart) / chord.extent, Real(-1.0f), Real(1.0f));
+}
+
 // Whether what is no more than a few pieces, between two ends, is near another line and not between two, as what fills
 // a gap is; of what is longer, whether neither end leads to any, or one only to the side of a line that passes by; of
 // what is longer yet, whether one does.
 FN_RARE Bool is_spur(Bool asked, Bool longer, Bool longest, Tip up, Tip down) {
-  Vec2 to = down.at - up.at + Vec2(to_real(down.x - up.x), to_real(down.y - up.y));
-  Vec2 arm = to * Real(0.5f);
-  Real extent = max(dot(arm, arm), Real(1e-6f));
-  Real most = sqrt(extent) * 2.0f + kOnFaith;
-  Vec2 middle = up.at + arm;
-  Int x = to_int(floor(middle.x + 0.5f));
-  Int y = to_int(floor(middle.y + 0.5f));
+  Chord chord = chord_of(up, down);
+  Real most = sqrt(chord.extent) * 2.0f + kOnFaith;
   Bool near = asked && !asked;
   Bool before = near;
   Bool after = near;
-  Vec2 along = arm * (Real(1.0f) / sqrt(extent));
+  Vec2 along = chord.arm * (Real(1.0f) / sqrt(chord.extent));
   Real by_before = Real(0.0f);
   Real by_after = Real(0.0f);
   int wide = int(alongside() * kFills) + spur_rows() / 2 + 3;
@@ -79,17 +95,17 @@ FN_RARE Bool is_spur(Bool asked, Bool longer, Bool longest, Tip up, Tip down) {
       for (int lying = 0; lying < 2; ++lying) {
         Bool look = asked && !(before && after);
         if (!some(look)) continue;
-        Real piece = piece_at(lying, up.x + x + Int(i), up.y + y + Int(j));
+        Real piece = piece_at(lying, up.x + chord.x + Int(i), up.y + chord.y + Int(j));
         Bool here = look && seen(piece);
         if (!some(here)) continue;
-        Vec2 apart = apart_from(middle, piece, lying, x + Int(i), y + Int(j), 0.0f);
-        Vec2 off = apart - arm * clamp(dot(arm, apart) / extent, Real(-1.0f), Real(1.0f));
-        by_before = passes_by(here, by_before, along, apart + arm, piece, lying);
-        by_after = passes_by(here, by_after, along, apart - arm, piece, lying);
+        Vec2 apart = apart_from(chord.middle, piece, lying, chord.x + Int(i), chord.y + Int(j), 0.0f);
+        Vec2 off = off_chord(chord, apart);
+        by_before = passes_by(here, by_before, along, apart + chord.arm, piece, lying);
+        by_after = passes_by(here, by_after, along, apart - chord.arm, piece, lying);
         here = here && dot(off, off) > kOther * kOther;
         near = near || (here && dot(off, off) < alongside() * alongside());
-        before = before || (here && leads_to(up.way, apart + arm, piece, lying, most));
-        after = after || (here && leads_to(down.way, apart - arm, piece, lying, most));
+        before = before || (here && leads_to(up.way, apart + chord.arm, piece, lying, most));
+        after = after || (here && leads_to(down.way, apart - chord.arm, piece, lying, most));
       }
   Bool leads = (before && !(by_before > 0.0f)) || (after && !(by_after > 0.0f));
   Bool stands = by_before > 0.0f || by_after > 0.0f;
@@ -133,17 +149,14 @@ struct Stroke {
 // The stroke from the end of a line, away from its side, if it has no more than `most` rows and one. over: with gaps of
 // a row.
 FN Stroke stroke_from(Along from, Int px, Int py, Int side, Real towards, int most, bool over) {
-  Walk walk = Walk(from, from.on && !from.on);
-  Int rows = Int(0);
-  for (int k = 1; k <= most + 1; ++k) {
-    if (!some(walk.at.on)) continue;
-    walk = walked(walk, px, py, from.steep, k, Int(0) - side, -towards, over);
-    rows = select(walk.at.on, select(walk.ahead, Int(k + 1), Int(k)), rows);
-  }
-  Along last = walk.at;
-  Bool brief = from.on && !last.on && goes_inside(last, px, py, from.steep, side * (Int(-1) - rows), -towards);
-  return Stroke(brief, tip_of(brief, last, from.steep, -towards), last.steep, rows);
+  Followed line = followed(from, px, py, from.steep, Int(0) - side, -towards, most, over);
+  Along last = line.last;
+  Bool brief = line.ends && goes_inside(last, px, py, from.steep, side * (Int(-1) - line.rows), -towards);
+  return Stroke(brief, tip_of(brief, last, from.steep, -towards), last.steep, line.rows);
 }
+
+// How many rows each of a stroke's ends tells of that is to be dropped: all that it can.
+FN Real rows_lost(Stroke stroke) { return min(to_real(stroke.rows) + 1.0f, Real(kMostLost)); }
 
 // Whether a stroke from an end is alone on its surface; one of a crease may have other lines beside it, and what is
 // followed over gaps such as are not close.
