@@ -2,7 +2,7 @@
 // cut off its stem, or a line in two, the rest is such a dash, and where a fold is one for but a few pixels.
 //
 // A stray is a stroke alone on its surface, up to a forty-third of the picture's height long, a spur a few pieces near
-// another line, neither joined nor touching anything at either end.
+// another line, neither joined nor touching anything at either end, or nothing but crumbs that lead nowhere.
 //
 // outline_strays: as outline_tail.kernel.h has it.
 IN_REAL(object_id)
@@ -16,7 +16,12 @@ FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 
 CONST float kCornerHigh = 0.5f;  // pixels more, per pixel of stride but one, at which an end touches a line that passes
 CONST float kNearFirst = 5.0f;   // pixels from an end, within which a stroke leads back to it
+CONST float kPast = 0.5f;        // times C.bevel, past the ends of a stroke, and
+CONST float kBeside = 0.35f;     // beside it, up to where crumbs are its own,
+CONST float kMoat = 2.0f;        // and pixels around those, in which there is no other line: more than lines have gaps
 CONST float kMet = 2.0f;  // pixels, and half the width, from a stroke's chord, where what joins another line meets it
+
+FN float past_stray() { return kPast * float(C.bevel); }
 
 // Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
 // what joins one of them joins both.
@@ -75,9 +80,56 @@ FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
   return met;
 }
 
-// Whether a stroke's other end is one for a line of its piece's kind, too, and that leads back to the first: or else
-// but a part of it would be dropped.
-FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real towards) {
+// What is a stroke's own: it itself, and crumbs beside it and at its ends.
+struct Island {
+  Vec2 along;  // unit vector along its chord,
+  Real reach;  // and how far from the middle of that either end is
+};
+
+// Whether a place, counted from the chord's middle, is so far out at least: 0 is the shore.
+FN Bool is_off(Island island, Vec2 apart, float beyond) {
+  return abs(dot(island.along, apart)) - island.reach > past_stray() + beyond ||
+         abs(cross(island.along, apart)) > kBeside * float(C.bevel) + beyond;
+}
+
+// Whether there is room for crumbs at an end, within the picture.
+FN Bool has_room(Tip end) {
+  int room = int(past_stray() + kMoat);
+  return in_picture(end.x - Int(room), end.y - Int(room)) && in_picture(end.x + Int(room), end.y + Int(room));
+}
+
+// Whether a stroke is alone but for crumbs, which lead nowhere: around them there is nothing, and nothing joins them to
+// what lies beyond.
+FN_RARE Bool is_island(Bool asked, Tip end, Stroke stroke) {
+  Chord chord = chord_of(end, stroke.other);
+  Real reach = sqrt(chord.extent);
+  Island island = Island(chord.arm * (Real(1.0f) / reach), reach);
+  Bool alone = asked && has_room(end) && has_room(stroke.other);
+  int wide = int(past_stray() + kMoat) + 3 * long_stray_rows() / 4 + 2;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        if (!some(alone)) continue;
+        Int x = end.x + chord.x + Int(i);
+        Int y = end.y + chord.y + Int(j);
+        Real piece = piece_at(lying, x, y);
+        Bool here = alone && is_piece(piece);
+        if (!some(here)) continue;
+        Vec2 apart = apart_from(chord.middle, piece, lying, chord.x + Int(i), chord.y + Int(j), 0.0f);
+        here = here && !is_off(island, apart, kMoat);
+        alone = alone && !(here && is_off(island, apart, 0.0f));
+        here = here && alone;
+        if (!some(here)) continue;
+        Real join = select(here, load_outline_join(x, y), Real(0.0f));
+        Bool joined = here && has_join(bits_of(join)) && same(joined_steep(join), steep_of(lying));
+        alone = alone && !(joined && is_off(island, apart + joined_apart(join), 0.0f));
+      }
+  return alone;
+}
+
+// Whether a stroke's other end is one for a line of its piece's kind, too, and that leads back to the first, or as near
+// as that: or else but a part of it would be dropped.
+FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real towards, Real near) {
   Tip other = stroke.other;
   Along from = Along(asked, place_of(other.piece), slope_of(other.piece), other.x, other.y, stroke.steep, other.piece,
                      Real(0.0f));
@@ -87,7 +139,7 @@ FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real tow
   from.on = asked && !beyond.at.on;
   Stroke back = stroke_from(from, other.x, other.y, side, outward, long_stray_rows(), true);
   Vec2 apart = back.other.at - end.at + Vec2(to_real(back.other.x - end.x), to_real(back.other.y - end.y));
-  return back.on && dot(apart, apart) < kNearFirst * kNearFirst;
+  return back.on && dot(apart, apart) < near * near;
 }
 
 // What is to be told of the ends of this pixel's piece of one kind.
@@ -102,15 +154,22 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     here.on = from.on && !next.at.on && goes_inside(from, px, py, steep, Int(side), towards);
     if (!some(here.on)) continue;
     Tip end = tip_of(here.on, here, steep, towards);
-    here.on = here.on && !leads_on(here.on, end);
-    if (!some(here.on)) continue;
     Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows(), true);
     Bool brief = stroke.on;
-    if (some(brief)) brief = brief && !leads_on(brief, stroke.other);
-    if (some(brief)) brief = brief && leads_back(brief, end, here, stroke, towards);
     Bool stray = stroke.rows > Int(kLeastStray);
+    Bool island = brief && stray && within_one(end, steep) && within_one(stroke.other, stroke.steep);
+    island = island && end.object == stroke.other.object;
+    if (some(island)) island = is_island(island, end, stroke);
+    Bool bare = brief && !island;
+    if (some(bare)) bare = bare && !leads_on(bare, end);
+    if (some(bare)) bare = bare && !leads_on(bare, stroke.other);
+    brief = bare || island;
+    Real near = max(select(island, Real(past_stray()), Real(0.0f)), Real(kNearFirst));
+    if (some(brief)) brief = brief && leads_back(brief, end, here, stroke, towards, near);
     Bool alone = brief && stray;
-    if (some(alone)) alone = is_alone(alone, end, stroke, here, px, py, Int(side), towards, long_stray_rows(), true);
+    bare = alone && !island;
+    if (some(bare)) bare = is_alone(bare, end, stroke, here, px, py, Int(side), towards, long_stray_rows(), true);
+    alone = bare || (alone && island);
     if (some(alone)) alone = alone && !is_met(alone, end, stroke);
     Bool spur = brief && !(stroke.rows > Int(spur_rows()));
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
