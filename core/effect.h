@@ -82,8 +82,8 @@ struct Effect {
   /// bits differ may flip a few. 0: smooth.
   double quantum = 0.0;
   std::vector<Pass> passes;
-  /// How often the passes run, all of them in order, each time; null: once.
-  int (*rounds)(const ParameterBytes& params) = nullptr;
+  /// How often the passes run on such a picture, all of them in order, each time; null: once.
+  int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
 };
 
 /// Pass::reach of a pass that reads its own row alone.

@@ -28,6 +28,7 @@ const Look& look_cartoon() {
                   {"unsharp.background", "ignore"},
                   {"unsharp.white_edge", "off"},
                   {"denoise.rounds", "2"},
+                  {"denoise.for_height", "512"},
                   {"gaussian.rounds", "4"},
                   {"gaussian.edges", "on"},
                   {"outline.width", "0.2%"},

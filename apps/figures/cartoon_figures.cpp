@@ -33,7 +33,7 @@ const Mesh& mesh_named(const Scene& scene, std::string_view name) {
 }
 
 constexpr int kBlurRounds = 4;     // gaussian.rounds of both looks
-constexpr int kDenoiseRounds = 2;  // denoise.rounds of ours
+constexpr int kDenoiseRounds = 2;  // denoise.rounds of ours, up to 724 rows
 
 /// Radius of the samples, listing 1: 16 pixels of 512.
 int radius_px(const Image& image) { return std::max(1, image.width / 32); }

@@ -33,7 +33,7 @@ Result<void> run_passes(const Effect& effect, const ParameterBytes& params, cons
   std::vector<std::byte> constants(effect.constants_size);
   const PictureInfo info = layer_info(frame.info, layer);
   effect.constants(params, info, constants.data());
-  const int rounds = effect.rounds && pixels == PixelSet::kAll ? effect.rounds(params) : 1;
+  const int rounds = effect.rounds && pixels == PixelSet::kAll ? effect.rounds(params, info) : 1;
   for (int round = 0; round < rounds; ++round)
     for (const Pass& pass : effect.passes) {
       if (pass.needed && !pass.needed(params)) continue;

@@ -30,6 +30,7 @@ constexpr std::uint32_t kLightDownSpirv[] = {
 #include "spirv/denoise_light_down.inc"
 };
 
+constexpr int kMostRounds = 6;                 // 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
@@ -39,7 +40,7 @@ const std::vector<Parameter> kTable = {
      .offset = offsetof(DenoiseParams, rounds),
      .initial = 1,
      .least = 0,
-     .most = 6},
+     .most = kMostRounds},
     {.name = "occlusion",
      .help = "share of the occlusion's noise that is filtered",
      .offset = offsetof(DenoiseParams, occlusion),
@@ -70,13 +71,28 @@ const std::vector<Parameter> kTable = {
      .type = ParameterType::kInt,
      .offset = offsetof(DenoiseParams, light_rounds),
      .least = 0,
-     .most = 6,
+     .most = kMostRounds,
      .zero_means = "as rounds"},
+    {.name = "for_height",
+     .help = "height of the picture that the rounds are meant for: for one twice as high there is one more",
+     .type = ParameterType::kInt,
+     .offset = offsetof(DenoiseParams, for_height),
+     .least = 0,
+     .most = 65536,
+     .unit = "px",
+     .zero_means = "any"},
 };
 
 int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
+/// So many rounds, and one more for each time that the picture is twice as high as the one that they are meant for.
+int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
+  if (rounds == 0 || params.for_height == 0) return rounds;
+  const int more = int(std::lround(std::log2(info.share_height() / float(params.for_height))));
+  return std::min(rounds + std::max(more, 0), kMostRounds);
+}
+
+void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
   const auto& params = as<DenoiseParams>(bytes);
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
   *static_cast<DenoiseConstants*>(out) = {kNear,
@@ -85,17 +101,18 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
                                           params.indirect,
                                           params.distance,
                                           float(1.0 / (1.0 - cosine)),
-                                          params.rounds,
-                                          light_rounds(params)};
+                                          grown(params.rounds, params, info),
+                                          grown(light_rounds(params), params, info)};
 }
 
 bool light_too(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
   return light_rounds(params) > 0 && params.indirect > 0.0f;
 }
-int rounds(const ParameterBytes& bytes) {
+int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   const auto& params = as<DenoiseParams>(bytes);
-  return light_too(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
+  const int most = light_too(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
+  return grown(most, params, info);
 }
 bool ao_alone(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);

@@ -9,6 +9,7 @@ struct DenoiseParams {
   float distance;             // pixels
   float angle;                // degrees
   int light_rounds;           // 0: as many as `rounds`
+  int for_height;             // pixels: of the picture that both are meant for; 0: of any
 };
 
 struct DenoiseConstants {

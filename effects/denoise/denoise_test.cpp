@@ -307,6 +307,39 @@ TEST(Denoise, LightMayTakeOtherRoundsThanOcclusion) {
   EXPECT_TRUE(same(run("0", "3"), three, "indirect.g"));
 }
 
+TEST(Denoise, HigherPicturesTakeMoreRounds) {
+  struct Case {
+    int rounds, light_rounds, for_height, taken, light_taken;  // on a picture of 64 rows
+  };
+  for (const Case& c :
+       {Case{1, 0, 0, 1, 1}, Case{1, 0, 64, 1, 1}, Case{1, 0, 32, 2, 2}, Case{1, 2, 32, 2, 3}, Case{1, 0, 46, 1, 1},
+        Case{1, 0, 45, 2, 2}, Case{2, 0, 8, 5, 5}, Case{3, 0, 1, 6, 6}, Case{2, 0, 256, 2, 2}, Case{0, 0, 16, 0, 0}})
+    for (const bool light : {false, true}) {
+      GBuffer g = flat(80, 64);
+      fill_with_noise(g);
+      Settings plain = {{"rounds", std::to_string(c.taken)}, {"indirect", light ? "1" : "0"}};
+      Settings grown = {{"rounds", std::to_string(c.rounds)}, {"indirect", light ? "1" : "0"}};
+      plain.push_back({"light_rounds", std::to_string(c.light_taken)});
+      grown.push_back({"light_rounds", std::to_string(c.light_rounds)});
+      grown.push_back({"for_height", std::to_string(c.for_height)});
+      const Image expected = test::run_effect(*find_effect("denoise"), g, plain, {});
+      test::on_every_target("denoise", g, grown, [&](const Image& image) {
+        for (const char* name : kMade) {
+          if (!light && name != kMade[0]) continue;
+          for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 80; ++x)
+              ASSERT_NEAR(image.plane(name).at(x, y), expected.plane(name).at(x, y), 1e-6)
+                  << name << ' ' << x << ',' << y << ", " << c.rounds << " rounds for " << c.for_height;
+        }
+      });
+      // A picture of half as many pixels, of which each stands for four, is as high in its own.
+      g.info.reduced = 2;
+      g.info.whole_height = 128;
+      const Image half = test::run_effect(*find_effect("denoise"), g, grown, {});
+      EXPECT_EQ(test::difference(half.plane("ao"), expected.plane("ao"), 0.0).most, 0.0);
+    }
+}
+
 TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {
   GBuffer g = flat(30, 12, 0.5f);
   g.layers[0].plane("normal.x").at(9, 5) = std::nanf("");

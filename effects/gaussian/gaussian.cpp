@@ -43,7 +43,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
 }
 
 /// No round is one that changes nothing.
-int rounds(const ParameterBytes& bytes) { return std::max(1, as<GaussianParams>(bytes).rounds); }
+int rounds(const ParameterBytes& bytes, const PictureInfo&) { return std::max(1, as<GaussianParams>(bytes).rounds); }
 
 int reach(const void*, int) { return 1; }
 
