@@ -2,7 +2,8 @@
 // cut off its stem, or a line in two, the rest is such a dash, and where a fold is one for but a few pixels.
 //
 // A stray is a stroke alone on its surface, up to a forty-third of the picture's height long, a spur a few pieces near
-// another line, neither joined nor touching anything at either end, or nothing but crumbs that lead nowhere.
+// another line, neither joined nor touching anything at either end, or nothing but crumbs that lead nowhere. Of others
+// the ends are told that go on, free, a few rows past where a line is joined to theirs.
 //
 // outline_strays: as outline_tail.kernel.h has it.
 IN_REAL(object_id)
@@ -19,7 +20,7 @@ CONST float kNearFirst = 5.0f;   // pixels from an end, within which a stroke le
 CONST float kPast = 0.5f;        // times C.bevel, past the ends of a stroke, and
 CONST float kBeside = 0.35f;     // beside it, up to where crumbs are its own,
 CONST float kMoat = 2.0f;        // and pixels around those, in which there is no other line: more than lines have gaps
-CONST float kMet = 2.0f;  // pixels, and half the width, from a stroke's chord, where what joins another line meets it
+CONST float kMet = 2.0f;  // pixels beside a line, or, and half the width, a stroke's chord, where what joins it ends
 
 FN float past_stray() { return kPast * float(C.bevel); }
 
@@ -142,6 +143,31 @@ FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real tow
   return back.on && dot(apart, apart) < near * near;
 }
 
+// How many rows a line goes on past the last place where another one is joined to its side, up to those of a burr: what
+// comes the same way goes on there.
+FN_RARE Real rows_past(Bool asked, Tip end, Bool steep) {
+  float most = float(burr_rows());
+  Real nearest = Real(most);
+  int wide = C.join + burr_rows() + 1;
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i) {
+      Bool look = asked && in_picture(end.x + Int(i), end.y + Int(j));
+      if (!some(look)) continue;
+      Real join = load_outline_join(end.x + Int(i), end.y + Int(j));
+      Bool here = look && has_join(bits_of(join));
+      if (!some(here)) continue;
+      Bool kind = joined_steep(join);
+      Real piece = piece_at(kind, end.x + Int(i), end.y + Int(j));
+      Vec2 to = middle_of(piece, kind, C.width_px) + joined_apart(join) + Vec2(Real(float(i)), Real(float(j))) - end.at;
+      Real back = -dot(end.way, to);
+      Bool alike = abs(cross(end.way, lean_of(slope_of(piece), kind, Real(1.0f)))) < kAlike;
+      here = here && abs(cross(end.way, to)) < kMet && back > kSame && !alike;
+      nearest = select(here, min(nearest, back), nearest);
+    }
+  Real rows = nearest * abs(select(steep, end.way.y, end.way.x));
+  return select(asked && nearest < most, floor(rows), Real(0.0f));
+}
+
 // What is to be told of the ends of this pixel's piece of one kind.
 FN Real told(Int px, Int py, Real piece, int lying) {
   Bool steep = steep_of(lying);
@@ -175,6 +201,9 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);
     Real lost = select(alone || spur, rows_lost(stroke), Real(0.0f));
+    Bool past = here.on && !(lost > 0.0f);
+    if (some(past)) past = past && !leads_on(past, end);
+    if (some(past)) lost = lost + rows_past(past, end, steep);
     code = mad(lost, Real(side < 0 ? kLostBefore : kLostAfter), code);
   }
   return code;

@@ -1725,6 +1725,30 @@ TEST(Outline, StraysGoWithTheirCrumbs) {
   EXPECT_EQ(met, 54);
 }
 
+TEST(Outline, LinesEndWhereOthersAreJoinedToThem) {
+  // A jump that fades a few pixels past another one, which ends before it.
+  int bare = 0, met = 0;
+  for (const int height : {1024, 2160})
+    for (const double angle : kReliefAngles)
+      for (const double past_px : {6.0, 8.0}) {
+        const Lens lens{160, height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          return (v > 0.0 ? std::clamp(past_px - u, 0.0, 8.0) : 0.0) + (u > 0.0 ? std::clamp(v - 2.0, 0.0, 8.0) : 0.0);
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        const auto near = [&](double u, double v, double half) {
+          return count(lines, [&](int x, int y) {
+            const dvec2 p = on_relief(angle, lens, x, y);
+            return std::fabs(p.x - u) < half && std::fabs(p.y - v) < half;
+          });
+        };
+        bare += near(7.0, 0.0, 3.5) == 0;
+        met += near(-20.0, 0.0, 4.0) > 8 && near(0.0, 2.0, 2.0) > 0;
+      }
+  EXPECT_GE(bare, 18) << "of 36";  // none before; what is left of most others is a piece or two
+  EXPECT_EQ(met, 36);
+}
+
 TEST(Outline, EdgesThatAreNowARimDoNotStepAside) {
   // A rim's line lies on one side and a crease's in the middle: half of the width lies between the two.
   for (const int height : {256, 2160})
