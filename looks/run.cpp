@@ -139,11 +139,12 @@ Result<void> run_reduced(const LookRun& run, const Steps& steps, std::size_t fir
   const auto has = [](const auto& names, std::string_view name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
+  const PictureInfo small_info = reduced_info(frame.info, run.occlusion_every);
   bool light = false;
   for (std::size_t step = first; step < last; ++step)
     for (const Pass& pass : steps[step]->passes) {
       if (!pass.for_all || (pass.needed && !pass.needed(params_of(run, *steps[step])))) continue;
-      const bool once = !steps[step]->rounds || steps[step]->rounds(params_of(run, *steps[step]), frame.info) == 1;
+      const bool once = !steps[step]->rounds || steps[step]->rounds(params_of(run, *steps[step]), small_info) == 1;
       for (std::string_view input : pass.inputs) {
         if (once && has(pass.later_inputs, input)) continue;
         // Every layer's plane of that name is reduced with the first one's.

@@ -117,6 +117,7 @@ TEST(Bands, SettingsThatReadFar) {
       {"ao", {"unsharp.window=gaussian"}},
       {"bleeding", {"hemisphere.bounces=3", "hemisphere.tangents=on"}},
       {"cartoon", {"outline.width=12", "gaussian.rounds=9"}},
+      {"cartoon", {"denoise.for_height=16"}},
       {"cartoon-paper", {"outline.width=3"}},
       {"bleeding-paper", {"box.size=15"}}};
   for (const auto& [look, assignments] : all) {

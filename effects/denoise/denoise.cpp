@@ -74,7 +74,8 @@ const std::vector<Parameter> kTable = {
      .most = kMostRounds,
      .zero_means = "as rounds"},
     {.name = "for_height",
-     .help = "height of the picture that the rounds are meant for: for one twice as high there is one more",
+     .help =
+         "height of the picture that the rounds are meant for: one twice as high takes one more, rounded, up to six",
      .type = ParameterType::kInt,
      .offset = offsetof(DenoiseParams, for_height),
      .least = 0,

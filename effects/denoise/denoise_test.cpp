@@ -332,12 +332,21 @@ TEST(Denoise, HigherPicturesTakeMoreRounds) {
                   << name << ' ' << x << ',' << y << ", " << c.rounds << " rounds for " << c.for_height;
         }
       });
-      // A picture of half as many pixels, of which each stands for four, is as high in its own.
-      g.info.reduced = 2;
-      g.info.whole_height = 128;
-      const Image half = test::run_effect(*find_effect("denoise"), g, grown, {});
-      EXPECT_EQ(test::difference(half.plane("ao"), expected.plane("ao"), 0.0).most, 0.0);
     }
+  // With a guard band, and at reduced resolution, where the picture's height is not that of its planes.
+  for (const bool reduced : {false, true}) {
+    GBuffer g = flat(80, 64);
+    fill_with_noise(g);
+    const Settings plain = {{"rounds", "2"}, {"indirect", "1"}};
+    // 32 rows within the band, or 66 at full resolution; the 64 of the planes would make three rounds.
+    g.info.guard = reduced ? 0 : 16;
+    if (reduced) g.info.reduced = 2, g.info.whole_height = 66;
+    const Image expected = test::run_effect(*find_effect("denoise"), g, plain, {});
+    const Settings grown = {{"rounds", "1"}, {"indirect", "1"}, {"for_height", "16"}};
+    const Image image = test::run_effect(*find_effect("denoise"), g, grown, {});
+    for (const char* name : kMade)
+      EXPECT_EQ(test::difference(image.plane(name), expected.plane(name), 0.0).most, 0.0) << name << ' ' << reduced;
+  }
 }
 
 TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {

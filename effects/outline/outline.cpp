@@ -242,7 +242,7 @@ int trim_reach(const void* constants, int) {
   return 2 * (int(std::ceil(2.6f * 16.0f * float(c.stride))) + std::max(c.stride, c.join) + 4);
 }
 /// A line is followed from its end for as many rows as a stray may have and two, and from the other one back, each 2.6
-/// aside, and what is beside is looked at; joins are looked for around the middle of the two.
+/// aside, and what is beside is looked at; joins are looked for around the middle of the two and around each end.
 int strays_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   const int rows = std::max(2 * tail_rows(c), 7 * c.bevel / 2) + 2;

@@ -1,4 +1,4 @@
-// Strays dropped, as outline_strays tells them, and crumbs on their way.
+// Strays dropped, and what goes on past joins, as outline_strays tells them, and crumbs on their way.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them, and what joins them, as outline_stroke.kernel.h has it.
 IN_REAL(outline_steep_trimmed)
@@ -32,9 +32,10 @@ FN Bool strays_around(Int px, Int py) {
   return !(to_signed(any) == Int(0));
 }
 
-// Whether a piece is of a stray, and how many rows its line has around it, as far as that is followed.
+// Whether a piece is of what is dropped, and how many rows its line has around it, as far as that is followed.
 struct Lost {
   Bool on;
+  Bool told;  // something of its line is
   Int rows;
 };
 
@@ -42,7 +43,7 @@ struct Lost {
 FN_RARE Lost lost_of(Bool asked, Int x, Int y, Real piece, Bool steep) {
   Tail up = tail_at(asked, x, y, piece, steep, -1, int(kMostLost), true);
   Tail down = tail_at(asked, x, y, piece, steep, 1, int(kMostLost), true);
-  return Lost(asked && (up.lost || down.lost), up.rows + down.rows);
+  return Lost(asked && (up.lost || down.lost), up.told || down.told, up.rows + down.rows);
 }
 
 // This pixel's piece of a kind, or nothing if it is of a stray, or a crumb on the way of one.
@@ -51,7 +52,7 @@ FN Real left_of(Bool asked, Int px, Int py, Real piece, int lying) {
   if (!some(on)) return piece;
   Lost own = lost_of(on, px, py, piece, steep_of(lying));
   Bool lost = own.on;
-  Bool brief = on && own.rows < Int(kBrief);
+  Bool brief = on && own.rows < Int(kBrief) && !own.told;
   Vec2 at = middle_of(piece, steep_of(lying), 0.0f);
   Vec2 way = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
   for (int j = -kCrumb; j <= kCrumb; ++j)

@@ -4,7 +4,8 @@
 
 // What leads from a piece, to one side, to an end that is told of.
 struct Tail {
-  Bool lost;    // it is of what is dropped: a spur, a burr, a hook or a stray
+  Bool lost;    // it is of what is dropped: a spur, a burr, a hook, a stray or what goes on past a join
+  Bool told;    // something of that line is
   Bool passed;  // another line goes on beside and past that end,
   Bool near;    // which is no more than a tail's rows away
   Bool last;    // what follows is lost
@@ -25,6 +26,6 @@ FN_RARE Tail tail_at(Bool asked, Int px, Int py, Real piece, Bool steep, int sid
   told = told - floor(told / kLostBefore) * kLostBefore;
   Bool before = told == kPassedBefore || told == kPassedBefore + kPassedAfter;
   Bool passed = (back && before) || (!back && told >= kPassedAfter);
-  return Tail(to_real(line.rows) < lost, passed, passed && line.rows <= Int(short_tail_rows()),
+  return Tail(to_real(line.rows) < lost, lost > 0.0f, passed, passed && line.rows <= Int(short_tail_rows()),
               lost > 0.0f && to_real(line.rows) == lost, line.rows);
 }

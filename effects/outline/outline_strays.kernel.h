@@ -17,12 +17,13 @@ FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 
 CONST float kCornerHigh = 0.5f;  // pixels more, per pixel of stride but one, at which an end touches a line that passes
 CONST float kNearFirst = 5.0f;   // pixels from an end, within which a stroke leads back to it
-CONST float kPast = 0.5f;        // times C.bevel, past the ends of a stroke, and
-CONST float kBeside = 0.35f;     // beside it, up to where crumbs are its own,
-CONST float kMoat = 2.0f;        // and pixels around those, in which there is no other line: more than lines have gaps
-CONST float kMet = 2.0f;  // pixels beside a line, or, and half the width, a stroke's chord, where what joins it ends
+CONST float kPastStray = 0.5f;   // times C.bevel, past the ends of a stroke, and
+CONST float kBesideStray = 0.35f;  // beside it, up to where crumbs are its own,
+CONST float kMoat = 3.0f;  // and pixels around those without another line: two rows of one at 45 degrees are 2.9 apart
+CONST float kMet = 2.0f;   // pixels, and half the width, from a stroke's chord, where what joins another line meets it
+CONST float kMetBeside = 2.0f;  // pixels beside the way of a line, where what is joined to it ends
 
-FN float past_stray() { return kPast * float(C.bevel); }
+FN float past_stray() { return kPastStray * float(C.bevel); }
 
 // Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
 // what joins one of them joins both.
@@ -53,12 +54,31 @@ FN_RARE Bool leads_on(Bool asked, Tip end) {
   return found;
 }
 
-// Whether what joins an end of another line leads to a stroke from an end.
-FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
+// What is a stroke's own: it itself, and crumbs beside it and at its ends.
+struct Island {
+  Vec2 along;  // unit vector along its chord,
+  Real reach;  // and how far from the middle of that either end is
+};
+
+// Whether a place, counted from the chord's middle, is so far out at least: 0 is the shore.
+FN Bool is_off(Island island, Vec2 apart, float beyond) {
+  return abs(dot(island.along, apart)) - island.reach > past_stray() + beyond ||
+         abs(cross(island.along, apart)) > kBesideStray * float(C.bevel) + beyond;
+}
+
+FN Island island_of(Chord chord) {
+  Real reach = sqrt(chord.extent);
+  return Island(chord.arm * (Real(1.0f) / reach), reach);
+}
+
+// Whether what joins an end of another line leads to a stroke from an end, or, if that has crumbs, from what is its own
+// to what is not, or back.
+FN_RARE Bool is_met(Bool asked, Bool crumbs, Tip end, Stroke stroke) {
   Chord chord = chord_of(end, stroke.other);
   Int x = end.x + chord.x;
   Int y = end.y + chord.y;
   Vec2 middle = chord.middle - Vec2(to_real(chord.x), to_real(chord.y));
+  Island island = island_of(chord);
   Bool met = asked && !asked;
   float near = kMet + 0.5f * C.width_px;
   // Half of a stroke leans up to 1.5 aside in each of its rows.
@@ -73,24 +93,16 @@ FN_RARE Bool is_met(Bool asked, Tip end, Stroke stroke) {
       Bool kind = joined_steep(join);
       Real piece = piece_at(kind, x + Int(i), y + Int(j));
       Vec2 pixel = Vec2(Real(float(i)), Real(float(j))) - middle;
-      Vec2 from = off_chord(chord, middle_of(piece, kind, 0.0f) + pixel);
+      Vec2 starts = middle_of(piece, kind, 0.0f) + pixel;
+      Vec2 from = off_chord(chord, starts);
       // Strokes are drawn up to half the width beside where they cross.
-      Vec2 to = off_chord(chord, middle_of(piece, kind, C.width_px) + joined_apart(join) + pixel);
-      met = met || (here && dot(to, to) < near * near && dot(from, from) > kOther * kOther);
+      Vec2 ends = middle_of(piece, kind, C.width_px) + joined_apart(join) + pixel;
+      Vec2 to = off_chord(chord, ends);
+      Bool meets = dot(to, to) < near * near && dot(from, from) > kOther * kOther;
+      Bool leads = !same(is_off(island, starts, 0.0f), is_off(island, ends, 0.0f));
+      met = met || (here && chosen(crumbs, leads, meets));
     }
   return met;
-}
-
-// What is a stroke's own: it itself, and crumbs beside it and at its ends.
-struct Island {
-  Vec2 along;  // unit vector along its chord,
-  Real reach;  // and how far from the middle of that either end is
-};
-
-// Whether a place, counted from the chord's middle, is so far out at least: 0 is the shore.
-FN Bool is_off(Island island, Vec2 apart, float beyond) {
-  return abs(dot(island.along, apart)) - island.reach > past_stray() + beyond ||
-         abs(cross(island.along, apart)) > kBeside * float(C.bevel) + beyond;
 }
 
 // Whether there is room for crumbs at an end, within the picture.
@@ -99,37 +111,27 @@ FN Bool has_room(Tip end) {
   return in_picture(end.x - Int(room), end.y - Int(room)) && in_picture(end.x + Int(room), end.y + Int(room));
 }
 
-// Whether a stroke is alone but for crumbs, which lead nowhere: around them there is nothing, and nothing joins them to
-// what lies beyond.
+// Whether a stroke is alone but for crumbs: around them there is nothing.
 FN_RARE Bool is_island(Bool asked, Tip end, Stroke stroke) {
   Chord chord = chord_of(end, stroke.other);
-  Real reach = sqrt(chord.extent);
-  Island island = Island(chord.arm * (Real(1.0f) / reach), reach);
+  Island island = island_of(chord);
   Bool alone = asked && has_room(end) && has_room(stroke.other);
   int wide = int(past_stray() + kMoat) + 3 * long_stray_rows() / 4 + 2;
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i)
       for (int lying = 0; lying < 2; ++lying) {
         if (!some(alone)) continue;
-        Int x = end.x + chord.x + Int(i);
-        Int y = end.y + chord.y + Int(j);
-        Real piece = piece_at(lying, x, y);
+        Real piece = piece_at(lying, end.x + chord.x + Int(i), end.y + chord.y + Int(j));
         Bool here = alone && is_piece(piece);
         if (!some(here)) continue;
         Vec2 apart = apart_from(chord.middle, piece, lying, chord.x + Int(i), chord.y + Int(j), 0.0f);
-        here = here && !is_off(island, apart, kMoat);
-        alone = alone && !(here && is_off(island, apart, 0.0f));
-        here = here && alone;
-        if (!some(here)) continue;
-        Real join = select(here, load_outline_join(x, y), Real(0.0f));
-        Bool joined = here && has_join(bits_of(join)) && same(joined_steep(join), steep_of(lying));
-        alone = alone && !(joined && is_off(island, apart + joined_apart(join), 0.0f));
+        alone = alone && !(here && is_off(island, apart, 0.0f) && !is_off(island, apart, kMoat));
       }
   return alone;
 }
 
 // Whether a stroke's other end is one for a line of its piece's kind, too, and that leads back to the first, or as near
-// as that: or else but a part of it would be dropped.
+// to it as is asked: or else but a part of it would be dropped.
 FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real towards, Real near) {
   Tip other = stroke.other;
   Along from = Along(asked, place_of(other.piece), slope_of(other.piece), other.x, other.y, stroke.steep, other.piece,
@@ -143,12 +145,14 @@ FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real tow
   return back.on && dot(apart, apart) < near * near;
 }
 
-// How many rows a line goes on past the last place where another one is joined to its side, up to those of a burr: what
-// comes the same way goes on there.
+// How many rows a line goes on past the last place where others are joined to its side, one of them across, if those are
+// fewer than a burr has: what comes the same way goes on instead.
 FN_RARE Real rows_past(Bool asked, Tip end, Bool steep) {
+  Vec2 at = middle_of(end.piece, steep, C.width_px);
   float most = float(burr_rows());
   Real nearest = Real(most);
-  int wide = C.join + burr_rows() + 1;
+  Bool across = asked && !asked;
+  int wide = (C.join > C.onward ? C.join : C.onward) + burr_rows() + 1;
   for (int j = -wide; j <= wide; ++j)
     for (int i = -wide; i <= wide; ++i) {
       Bool look = asked && in_picture(end.x + Int(i), end.y + Int(j));
@@ -158,14 +162,15 @@ FN_RARE Real rows_past(Bool asked, Tip end, Bool steep) {
       if (!some(here)) continue;
       Bool kind = joined_steep(join);
       Real piece = piece_at(kind, end.x + Int(i), end.y + Int(j));
-      Vec2 to = middle_of(piece, kind, C.width_px) + joined_apart(join) + Vec2(Real(float(i)), Real(float(j))) - end.at;
+      Vec2 to = middle_of(piece, kind, C.width_px) + joined_apart(join) + Vec2(Real(float(i)), Real(float(j))) - at;
       Real back = -dot(end.way, to);
+      here = here && abs(cross(end.way, to)) < kMetBeside && back > -kMetBeside && back < most;
       Bool alike = abs(cross(end.way, lean_of(slope_of(piece), kind, Real(1.0f)))) < kAlike;
-      here = here && abs(cross(end.way, to)) < kMet && back > kSame && !alike;
+      across = across || (here && !alike);
       nearest = select(here, min(nearest, back), nearest);
     }
   Real rows = nearest * abs(select(steep, end.way.y, end.way.x));
-  return select(asked && nearest < most, floor(rows), Real(0.0f));
+  return select(across && nearest > kSame, floor(rows), Real(0.0f));
 }
 
 // What is to be told of the ends of this pixel's piece of one kind.
@@ -196,7 +201,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     bare = alone && !island;
     if (some(bare)) bare = is_alone(bare, end, stroke, here, px, py, Int(side), towards, long_stray_rows(), true);
     alone = bare || (alone && island);
-    if (some(alone)) alone = alone && !is_met(alone, end, stroke);
+    if (some(alone)) alone = alone && !is_met(alone, island, end, stroke);
     Bool spur = brief && !(stroke.rows > Int(spur_rows()));
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);

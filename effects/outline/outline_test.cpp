@@ -1704,7 +1704,7 @@ TEST(Outline, StraysGoWithTheirCrumbs) {
   int bare = 0, met = 0;
   for (const auto& [height, half_px] : {std::pair{1024, 7.0}, std::pair{2160, 16.0}})
     for (const double angle : kReliefAngles)
-      for (const double aside_px : {1.5, 2.0, 2.5}) {
+      for (const double aside_px : {1.5, 2.0}) {
         const Lens lens{240, height, true};
         const auto near = [&, half_px = half_px, aside_px](double crumb_px) {
           const Scene scene = relief(angle, lens, [=](double u, double v) {
@@ -1721,32 +1721,77 @@ TEST(Outline, StraysGoWithTheirCrumbs) {
         bare += near(4.0) == 0;
         met += near(60.0) > 60;
       }
-  EXPECT_GE(bare, 45) << "of 54";  // 41 before: those that touch their crumb stay
-  EXPECT_EQ(met, 54);
+  EXPECT_GE(bare, 29) << "of 36";  // 25 before: those that touch their crumb stay
+  EXPECT_EQ(met, 36);
 }
 
 TEST(Outline, LinesEndWhereOthersAreJoinedToThem) {
-  // A jump that fades a few pixels past another one, which ends before it.
-  int bare = 0, met = 0;
+  // A jump that fades a few pixels past another one, which ends before it; also one that begins at a rim close by.
+  int bare = 0, whole = 0;
   for (const int height : {1024, 2160})
     for (const double angle : kReliefAngles)
-      for (const double past_px : {6.0, 8.0}) {
+      for (const auto& [width, rim] : {std::pair{2.0, -1000.0}, std::pair{5.0, -1000.0}, std::pair{2.0, -9.0}}) {
         const Lens lens{160, height, true};
-        const Scene scene = relief(angle, lens, [=](double u, double v) {
-          return (v > 0.0 ? std::clamp(past_px - u, 0.0, 8.0) : 0.0) + (u > 0.0 ? std::clamp(v - 2.0, 0.0, 8.0) : 0.0);
+        const Scene scene = relief(angle, lens, [rim = rim](double u, double v) {
+          const double side = v > 0.0 ? std::clamp(8.0 - u, 0.0, 8.0) : 0.0;
+          return u < rim ? 30.0 : side + (u > 0.0 ? std::clamp(v - 2.0, 0.0, 8.0) : 0.0);
         });
-        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
-        const auto near = [&](double u, double v, double half) {
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", std::to_string(width)}});
+        const auto near = [&, width = width](double from, double to) {
           return count(lines, [&](int x, int y) {
             const dvec2 p = on_relief(angle, lens, x, y);
-            return std::fabs(p.x - u) < half && std::fabs(p.y - v) < half;
+            return p.x > from && p.x < to && p.y > -3.5 && p.y < width + 1.5;
           });
         };
-        bare += near(7.0, 0.0, 3.5) == 0;
-        met += near(-20.0, 0.0, 4.0) > 8 && near(0.0, 2.0, 2.0) > 0;
+        bare += near(width + 0.7, width + 8.0) == 0;
+        // How much of each pixel's length is covered, at least.
+        double least = 1e9;
+        for (double u = -7.0; u < 1.5; u += 0.5) {
+          double covered = 0.0;
+          for (int y = 0; y < lines.height; ++y)
+            for (int x = 0; x < lines.width; ++x) {
+              const dvec2 p = on_relief(angle, lens, x, y);
+              if (std::fabs(p.x - u) < 0.75 && p.y > -3.5 && p.y < width + 1.5) covered += double(lines.at(x, y));
+            }
+          least = std::min(least, covered / 1.5);
+        }
+        const bool gap = least < 0.6 * width;
+        whole += !gap;
       }
-  EXPECT_GE(bare, 18) << "of 36";  // none before; what is left of most others is a piece or two
-  EXPECT_EQ(met, 36);
+  EXPECT_GE(bare, 30) << "of 54";   // none before; what is left of most others is a piece or two
+  EXPECT_GE(whole, 47) << "of 54";  // 45 where pieces beside those that are dropped are taken for crumbs
+}
+
+TEST(Outline, EndsThatOthersAreJoinedToStay) {
+  // As before, and a third jump, which is joined to the first one's end.
+  int met = 0;
+  for (const int height : {1024, 2160})
+    for (const double angle : kReliefAngles) {
+      const Lens lens{160, height, true};
+      const Scene scene = relief(angle, lens, [](double u, double v) {
+        return (v > 0.0 ? std::clamp(8.0 - u, 0.0, 8.0) : 0.0) + (u > 0.0 ? std::clamp(v - 2.0, 0.0, 8.0) : 0.0) -
+               (u > 4.5 ? std::clamp(3.0 * (-v - 1.0), 0.0, 8.0) : 0.0);
+      });
+      const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+      // Nothing between the corner and what is joined there is open: those pixels are one line.
+      std::vector<dvec2> marked;
+      for (int y = 0; y < lines.height; ++y)
+        for (int x = 0; x < lines.width; ++x) {
+          const dvec2 p = on_relief(angle, lens, x, y);
+          if (lines.at(x, y) > 0.3f && std::fabs(p.x) < 12.0 && std::fabs(p.y) < 12.0) marked.push_back(p);
+        }
+      std::vector<char> reached(marked.size(), 0);
+      std::vector<std::size_t> open = {0};
+      if (!marked.empty()) reached[0] = 1;
+      while (!marked.empty() && !open.empty()) {
+        const dvec2 from = marked[open.back()];
+        open.pop_back();
+        for (std::size_t k = 0; k < marked.size(); ++k)
+          if (!reached[k] && glm::length(marked[k] - from) < 1.5) reached[k] = 1, open.push_back(k);
+      }
+      met += !marked.empty() && std::find(reached.begin(), reached.end(), 0) == reached.end();
+    }
+  EXPECT_GE(met, 16) << "of 18";  // 14 where an end is dropped past that, too
 }
 
 TEST(Outline, EdgesThatAreNowARimDoNotStepAside) {
