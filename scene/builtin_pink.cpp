@@ -292,9 +292,11 @@ void add_meadow(Maker& m) {
         const float rim = kMeadow + 0.012f * std::sin(11.0f * angle + 0.4f);
         const float bumps = 0.010f * std::sin(5.0f * p.x + 1.0f) * std::sin(6.0f * p.z);
         const float round = 0.05f;
-        const float out = r - rim + round;
-        const float over = p.y - bumps + round,
-                    under = -p.y - 0.10f - hang * std::clamp((r - 0.6f) / 0.5f, 0.0f, 1.0f) + round;
+        const float deep = 0.10f + hang * std::clamp((r - 0.6f) / 0.5f, 0.0f, 1.0f);
+        // The side bulges: bands of light on an upright one have upright edges with square corners.
+        const float off_middle = std::clamp(p.y + 0.5f * deep, -0.15f, 0.15f);
+        const float out = r - rim + 2.0f * off_middle * off_middle + round;
+        const float over = p.y - bumps + round, under = -p.y - deep + round;
         const float side = std::max(over, under);
         return 0.8f *
                (std::hypot(std::max(out, 0.0f), std::max(side, 0.0f)) + std::min(std::max(out, side), 0.0f) - round);
@@ -393,7 +395,7 @@ void add_meadow(Maker& m) {
   shapes::add_mesh(m.scene, "blades", std::move(blades), m.paint.blade);
 
   // Flowers: five petals round a button.
-  for (const vec3& place : {vec3(-22, 0.93f, 1.0f), vec3(-104, 0.86f, 1.1f), vec3(100, 0.95f, 0.9f),
+  for (const vec3& place : {vec3(-26, 0.88f, 1.0f), vec3(-104, 0.86f, 1.1f), vec3(100, 0.95f, 0.9f),
                             vec3(18, 0.84f, 0.8f), vec3(160, 0.90f, 1.2f)}) {
     const float size = 0.055f * place.z;
     const vec3 foot = on_meadow(place.x, place.y, -0.01f), head = foot + vec3(0.02f, 0.15f * place.z, 0.03f);
