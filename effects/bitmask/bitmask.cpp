@@ -260,7 +260,9 @@ bool by_horizon(const ParameterBytes& bytes) {
 bool by_bits(const ParameterBytes& bytes) {
   return !bleeds(bytes) && !bends(bytes) && !through_layers(bytes) && !by_horizon(bytes);
 }
-int rounds(const ParameterBytes& bytes, const PictureInfo&) { return bleeds(bytes) ? as<BitmaskParams>(bytes).bounces : 1; }
+int rounds(const ParameterBytes& bytes, const PictureInfo&) {
+  return bleeds(bytes) ? as<BitmaskParams>(bytes).bounces : 1;
+}
 
 using Planes = std::vector<std::string_view>;
 Planes joined(Planes a, const Planes& b) {

@@ -368,7 +368,9 @@ void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
 bool bleeds(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
 bool occludes_alone(const ParameterBytes& bytes) { return !bleeds(bytes); }
 bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
-int rounds(const ParameterBytes& bytes, const PictureInfo&) { return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1; }
+int rounds(const ParameterBytes& bytes, const PictureInfo&) {
+  return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1;
+}
 
 std::vector<std::string_view> packed_planes() {
   return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});

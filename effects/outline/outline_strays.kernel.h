@@ -145,8 +145,8 @@ FN_RARE Bool leads_back(Bool asked, Tip end, Along here, Stroke stroke, Real tow
   return back.on && dot(apart, apart) < near * near;
 }
 
-// How many rows a line goes on past the last place where others are joined to its side, one of them across, if those are
-// fewer than a burr has: what comes the same way goes on instead.
+// How many rows a line goes on past the last place where others are joined to its side, one of them across, if those
+// are fewer than a burr has: what comes the same way goes on instead.
 FN_RARE Real rows_past(Bool asked, Tip end, Bool steep) {
   Vec2 at = middle_of(end.piece, steep, C.width_px);
   float most = float(burr_rows());
