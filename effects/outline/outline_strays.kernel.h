@@ -185,14 +185,14 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     here.on = from.on && !next.at.on && goes_inside(from, px, py, steep, Int(side), towards);
     if (!some(here.on)) continue;
     Tip end = tip_of(here.on, here, steep, towards);
+    Bool leads = leads_on(here.on, end);
     Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows(), true);
     Bool brief = stroke.on;
     Bool stray = stroke.rows > Int(kLeastStray);
     Bool island = brief && stray && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     island = island && end.object == stroke.other.object;
     if (some(island)) island = is_island(island, end, stroke);
-    Bool bare = brief && !island;
-    if (some(bare)) bare = bare && !leads_on(bare, end);
+    Bool bare = brief && !island && !leads;
     if (some(bare)) bare = bare && !leads_on(bare, stroke.other);
     brief = bare || island;
     Real near = max(select(island, Real(past_stray()), Real(0.0f)), Real(kNearFirst));
@@ -206,8 +206,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);
     Real lost = select(alone || spur, rows_lost(stroke), Real(0.0f));
-    Bool past = here.on && !(lost > 0.0f);
-    if (some(past)) past = past && !leads_on(past, end);
+    Bool past = here.on && !leads && !(lost > 0.0f);
     if (some(past)) lost = lost + rows_past(past, end, steep);
     code = mad(lost, Real(side < 0 ? kLostBefore : kLostAfter), code);
   }
