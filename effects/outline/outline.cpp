@@ -14,6 +14,9 @@ UMBRAGE_DECLARE_KERNEL(outline_find)
 UMBRAGE_DECLARE_KERNEL(outline_settle)
 UMBRAGE_DECLARE_KERNEL(outline_refine)
 UMBRAGE_DECLARE_KERNEL(outline_link)
+UMBRAGE_DECLARE_KERNEL(outline_ends)
+UMBRAGE_DECLARE_KERNEL(outline_fit)
+UMBRAGE_DECLARE_KERNEL(outline_even)
 UMBRAGE_DECLARE_KERNEL(outline_tails)
 UMBRAGE_DECLARE_KERNEL(outline_trim)
 UMBRAGE_DECLARE_KERNEL(outline_strays)
@@ -40,6 +43,15 @@ constexpr std::uint32_t kRefineSpirv[] = {
 };
 constexpr std::uint32_t kLinkSpirv[] = {
 #include "spirv/outline_link.inc"
+};
+constexpr std::uint32_t kEndsSpirv[] = {
+#include "spirv/outline_ends.inc"
+};
+constexpr std::uint32_t kFitSpirv[] = {
+#include "spirv/outline_fit.inc"
+};
+constexpr std::uint32_t kEvenSpirv[] = {
+#include "spirv/outline_even.inc"
 };
 constexpr std::uint32_t kTailsSpirv[] = {
 #include "spirv/outline_tails.inc"
@@ -225,6 +237,9 @@ int link_reach(const void* constants, int) {
   const int rows = 9 * static_cast<const OutlineConstants*>(constants)->stride + 5;
   return std::max(46, int(std::ceil(2.6f * float(rows))) + 4);
 }
+/// A line is fitted to 16 rows at most, and a piece's own followed for as many, each 2.6 aside.
+int fit_reach(const void*, int) { return int(std::ceil(2.6f * 16.0f)) + 4; }
+int even_reach(const void*, int) { return 9; }
 /// Rows of a tail, as outline_tail.kernel.h has them.
 int tail_rows(const OutlineConstants& c) { return std::min(std::min(6 * c.stride, 16) + 4, 16); }
 /// A line is followed from its end for twice a tail's rows and one, or for eight, times the stride, each 2.6 aside;
@@ -314,8 +329,32 @@ const Effect& effect_outline() {
                   .spirv = kLinkSpirv,
                   .needed = is_robust,
                   .reach = link_reach},
-                 {.name = "outline_tails",
+                 {.name = "outline_ends",
                   .inputs = {"depth", "object_id", "outline_steep_linked", "outline_flat_linked"},
+                  .outputs = {"outline_steep_ends", "outline_flat_ends"},
+                  .scalar = run_scalar_outline_ends,
+                  .lanes = run_lanes_outline_ends,
+                  .spirv = kEndsSpirv,
+                  .needed = is_robust,
+                  .reach = fit_reach},
+                 {.name = "outline_fit",
+                  .inputs = {"outline_steep_linked", "outline_flat_linked", "outline_steep_ends", "outline_flat_ends"},
+                  .outputs = {"outline_steep_fit", "outline_flat_fit"},
+                  .scalar = run_scalar_outline_fit,
+                  .lanes = run_lanes_outline_fit,
+                  .spirv = kFitSpirv,
+                  .needed = is_robust,
+                  .reach = fit_reach},
+                 {.name = "outline_even",
+                  .inputs = {"outline_steep_linked", "outline_flat_linked", "outline_steep_fit", "outline_flat_fit"},
+                  .outputs = {"outline_steep_even", "outline_flat_even"},
+                  .scalar = run_scalar_outline_even,
+                  .lanes = run_lanes_outline_even,
+                  .spirv = kEvenSpirv,
+                  .needed = is_robust,
+                  .reach = even_reach},
+                 {.name = "outline_tails",
+                  .inputs = {"depth", "object_id", "outline_steep_even", "outline_flat_even"},
                   .outputs = {"outline_tails"},
                   .scalar = run_scalar_outline_tails,
                   .lanes = run_lanes_outline_tails,
@@ -323,7 +362,7 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = tails_reach},
                  {.name = "outline_trim",
-                  .inputs = {"outline_steep_linked", "outline_flat_linked", "outline_tails"},
+                  .inputs = {"outline_steep_even", "outline_flat_even", "outline_tails"},
                   .outputs = {"outline_steep_trimmed", "outline_flat_trimmed"},
                   .scalar = run_scalar_outline_trim,
                   .lanes = run_lanes_outline_trim,

@@ -78,8 +78,8 @@ FN Along chosen(Bool first, Along a, Along b) {
 FN Along next_along(Along from, Int X, Int Y, Bool steep, Int row, Real towards) {
   Along next = from;
   Real expected = mad(from.slope, towards, from.place);
-  Int first = to_int(floor(expected));
-  Int beside = select(expected - floor(expected) < 0.5f, Int(-1), Int(1));
+  Int first = to_int(floor(expected + kHalfway));
+  Int beside = select(expected + kHalfway - floor(expected + kHalfway) < 0.5f, Int(-1), Int(1));
   Real nearest = Real(kAstray);
   Bool found = from.on && !from.on;
   for (int i = 0; i < 5; ++i) {

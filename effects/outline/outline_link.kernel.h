@@ -77,13 +77,13 @@ FN Way gone_on(int lying, Int px, Int py, int row, int rows, Way from, Real side
   Way next = from;
   Real away_rows = Real(float(rows)) - from.row;
   Real expected = mad(row < 0 ? -from.slope : from.slope, away_rows, from.place);
-  Real first = floor(expected);
+  Real first = floor(expected + kHalfway);
   Bool crease = side == Real(kMiddle);
   Bool found = from.on && !from.on;
   Real nearest = Real(kAstray);
   Real rim = Real(0.0f);
   Real aside = rim;  // how far the rim is beyond where the crease is expected
-  Real beside = select(expected - first < 0.5f, Real(-1.0f), Real(1.0f));
+  Real beside = select(expected + kHalfway - first < 0.5f, Real(-1.0f), Real(1.0f));
   for (int k = 0; k <= 2; ++k) {
     Int column = to_int(k == 0 ? first : k == 1 ? first + beside : first - beside);
     Int X = lying == 0 ? px + column : px + Int(row);
@@ -287,7 +287,7 @@ FN Real straightened(Real piece, Line line, Real sure) {
   mean = clamp(mean, Real(-0.5f), Real(1.499f));
   Real slope = select(line.pairs > 0.5f, line.moments / max(line.squares, Real(1.0f)), slope_of(piece));
   Real level = clamp(line.sides / line.found + line.up.rim + line.down.rim, Real(0.0f), Real(kMiddle + kWholeSide));
-  Real found = packed_piece(mean, slope, floor(level + 0.5f), sure);
+  Real found = packed_piece(mean, slope, floor(level + kRounds), sure);
   found = select(abs(line.up.rim) > 0.0f || abs(line.down.rim) > 0.0f, leaning(found), found);
   return select(piece < 0.0f, -found, found);
 }
@@ -311,7 +311,7 @@ FN Real weighed(int lying, Int px, Int py, Real piece, Bool asked) {
     rows = select(below, rows + more, rows);
   }
   rows = (rows - stride * kLeastRows) / (stride * (kWholeRows - kLeastRows));
-  Real sure = floor(share * clamp(rows, Real(0.0f), Real(1.0f)) * kSure + 0.5f);
+  Real sure = floor(share * clamp(rows, Real(0.0f), Real(1.0f)) * kSure + kRounds);
   Bool kept = asked && sure > kLeastSure;
   brief = kept && line.found < stride * kLeastAround;
   if (some(brief)) kept = kept && !speck_around(brief);

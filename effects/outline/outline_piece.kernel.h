@@ -12,7 +12,10 @@ CONST float kSure = 15.0f;
 CONST float kSpeck = 16.0f;
 CONST float kSteepest = 1.5f;  // slope
 CONST float kSlopeSteps = 84.0f;
+CONST float kRounds = 0.501f;  // to the next whole number, and what is half-way up on every machine
 CONST float kPlaceSteps = 128.0f;
+
+CONST float kHalfway = 1.0f / 1024.0f;  // what is half-way between pixels is on one side of that on every machine
 
 FN Real bits_at(Real piece, int at, Uint bits) { return to_real(to_signed((bits_of(piece) >> at) & bits)); }
 

@@ -231,11 +231,11 @@ FN Real refined(int lying, Real signed_v, Real w0, Real w1, Real w2, Real w3) {
   Bool part = nearest < part_within || (covered && crease && !pure);
   Bool keep = v > 0.0f && !step && !speck && !shadow && !part;
   Bool known = keep || (v > 0.0f && rim && clear && !shadow);
-  Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + 0.5f);
+  Real sure = floor(clears / (length + 1.0f) * Real(kSure / kClearest) + kRounds);
   if (C.stride > 1) {
     Real room = (nearest - (C.width_px + kGap * float(C.stride))) * Real(1.0f / ((kWideGap - kGap) * float(C.stride)));
     room = mad(clamp(room, Real(0.0f), Real(1.0f)), Real(1.0f - kCrowded), Real(kCrowded));
-    sure = select(crease && clear_of(signed_v) < kSharp, floor(mad(sure, room, Real(0.5f))), sure);
+    sure = select(crease && clear_of(signed_v) < kSharp, floor(mad(sure, room, Real(kRounds))), sure);
   }
   Real piece = packed_piece(place, slope, level, select(short_line, sure + kSpeck, sure));
   piece = select(ends, -piece, piece);

@@ -11,12 +11,12 @@
 // outline_tails: as outline_tail.kernel.h has it.
 IN_REAL(depth)
 IN_REAL(object_id)
-IN_REAL(outline_steep_linked)
-IN_REAL(outline_flat_linked)
+IN_REAL(outline_steep_even)
+IN_REAL(outline_flat_even)
 OUT_REAL(outline_tails)
 #include "effects/outline/outline_shallow.kernel.h"
-FN Real steep_at(Int x, Int y) { return load_outline_steep_linked(x, y); }
-FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
+FN Real steep_at(Int x, Int y) { return load_outline_steep_even(x, y); }
+FN Real flat_at(Int x, Int y) { return load_outline_flat_even(x, y); }
 #include "effects/outline/outline_tip.kernel.h"
 
 CONST float kFirst = -2.5f;         // pixels ahead of an end: from where
@@ -319,8 +319,8 @@ FN Real told(Int px, Int py, Real piece, int lying) {
 }
 
 FN void outline_tails_pixel(Int px, Int py) {
-  Real steep = near_outline_steep_linked(0, 0);
-  Real lower = near_outline_flat_linked(0, 0);
+  Real steep = near_outline_steep_even(0, 0);
+  Real lower = near_outline_flat_even(0, 0);
   Real code = Real(0.0f);
   if (some(is_piece(steep))) code = told(px, py, steep, 0);
   if (some(is_piece(lower))) code = code + told(px, py, lower, 1) * kOfFlat;

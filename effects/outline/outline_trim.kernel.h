@@ -4,13 +4,13 @@
 // specks. What is left of two lines that overlapped outline_join joins.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them.
-IN_REAL(outline_steep_linked)
-IN_REAL(outline_flat_linked)
+IN_REAL(outline_steep_even)
+IN_REAL(outline_flat_even)
 IN_REAL(outline_tails)
 OUT_REAL(outline_steep_trimmed)
 OUT_REAL(outline_flat_trimmed)
-FN Real steep_at(Int x, Int y) { return load_outline_steep_linked(x, y); }
-FN Real flat_at(Int x, Int y) { return load_outline_flat_linked(x, y); }
+FN Real steep_at(Int x, Int y) { return load_outline_steep_even(x, y); }
+FN Real flat_at(Int x, Int y) { return load_outline_flat_even(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_tails(x, y); }
 #include "effects/outline/outline_lost.kernel.h"
 
@@ -263,8 +263,8 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
 }
 
 FN void outline_trim_pixel(Int px, Int py) {
-  Real steep = near_outline_steep_linked(0, 0);
-  Real lower = near_outline_flat_linked(0, 0);
+  Real steep = near_outline_steep_even(0, 0);
+  Real lower = near_outline_flat_even(0, 0);
   Bool any = is_piece(steep) || is_piece(lower);
   if (some(any)) {
     Bool near_end = any && end_around();
