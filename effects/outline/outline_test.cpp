@@ -1110,6 +1110,54 @@ TEST(Outline, FaintPartsThatLeadNowhereAreDrawnIfTheyAreLong) {
       }
 }
 
+TEST(Outline, FlakesAreOneLine) {
+  // A rim leans to one side and steps back every few pixels, as where triangles of a scan hide each other. On one that
+  // lies deeper, which is the edge of a thing, nothing is evened.
+  double sum_aside = 0.0;
+  int all = 0;
+  for (const int height : {256, 2160})
+    for (const double angle : kReliefAngles)
+      for (const bool deep : {false, true}) {
+        const bool high = height > 256;
+        const double flake_px = high ? 15.0 : 9.0, step_px = high ? 3.2 : 2.0,
+                     deep_px = deep   ? 200.0
+                               : high ? 30.0
+                                      : 11.0;
+        const Lens lens{160, height, true};
+        const Scene scene = relief(angle, lens, [=](double u, double v) {
+          const double along = u / flake_px - std::floor(u / flake_px);
+          return v > (along - 0.5) * step_px ? deep_px : 0.0;
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", high ? "4" : "2"}});
+        std::map<int, double> cover, moments;
+        for (int y = 0; y < lines.height; ++y)
+          for (int x = 0; x < lines.width; ++x) {
+            const dvec2 p = on_relief(angle, lens, x, y);
+            if (std::fabs(p.x) > 45.0 || std::fabs(p.y) > 10.0) continue;
+            const int stretch = int(std::floor(p.x / 3.0));
+            cover[stretch] += lines.at(x, y);
+            moments[stretch] += lines.at(x, y) * p.y;
+          }
+        bool whole = true;
+        double least = kInfinity, most = -kInfinity;
+        for (const auto& [stretch, sum] : cover) {
+          whole = whole && sum > 3.0;
+          least = std::min(least, moments[stretch] / sum);
+          most = std::max(most, moments[stretch] / sum);
+        }
+        const double aside = (most - least) / step_px;
+        if (deep) {
+          EXPECT_GT(aside, 0.5) << height << " high, " << angle << " degrees";
+        } else {
+          EXPECT_TRUE(whole) << height << " high, " << angle << " degrees";
+          EXPECT_LT(aside, 0.65) << height << " high, " << angle << " degrees";
+          sum_aside += aside;
+          all += 1;
+        }
+      }
+  EXPECT_LT(sum_aside, 0.4 * all);
+}
+
 TEST(Outline, ForksHaveNoBarbs) {
   // A rim turns away, and straight on a step goes on for a few pixels that becomes less and less deep.
   for (const int height : {256, 2160})
