@@ -147,6 +147,14 @@ const std::vector<Parameter> kTable = {
      .offset = offsetof(OutlineParams, ids),
      .initial = kOutlineObjects,
      .choices = {"none", "objects", "materials", "both"}},
+    {.name = "recede",
+     .help = "robust: how much lines become thinner with distance, in perspective: 0 not at all, 1 most",
+     .offset = offsetof(OutlineParams, recede),
+     .most = 1.0},
+    {.name = "inner",
+     .help = "robust: how much thinner lines are where an object hides itself, the less it lies behind",
+     .offset = offsetof(OutlineParams, inner),
+     .most = 1.0},
     {.name = "paper_depth",
      .help = "paper: threshold of window depth, times 1 less the depth",
      .offset = offsetof(OutlineParams, paper_depth),
@@ -181,11 +189,17 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
        .concave = params.concave,
        .objects = params.ids & kOutlineObjects ? 1 : 0,
        .materials = params.ids & kOutlineMaterials ? 1 : 0,
+       .recede = params.recede,
+       .inner = params.inner,
        .paper_depth = params.paper_depth,
        .paper_normal = params.paper_normal,
        .near_depth = far_depth * kNearToFar,
        .far_depth = far_depth};
   constexpr float kAntialiasing = 0.5f, kHalfPiece = 0.5f;
+  constexpr float kTimesNear = 2.0f, kShareOfFar = 0.25f;
+  c.recede_from = std::max(kTimesNear * info.depth_min, kShareOfFar * info.depth_max);
+  constexpr float kInnerHeight = 256.0f;
+  c.inner_px = params.depth * float(info.inner_height()) / kInnerHeight;
   c.reach = int(std::ceil(c.width_px + kAntialiasing + kHalfPiece));
   constexpr float kStrideHeight = 810.0f;  // of the picture, per pixel of stride: what is an edge is one at any size
   constexpr float kMostStride = 4.0f;
@@ -194,6 +208,8 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   // one, as many as outline_refine tells short lines by.
   constexpr float kSmallWidths = 3.0f, kMostSmall = 13.0f, kMostSmallLow = 6.0f;
   c.small = int(std::clamp(std::round(kSmallWidths * c.width_px), 1.0f, c.stride > 1 ? kMostSmall : kMostSmallLow));
+  constexpr float kIsletHeight = 150.0f, kMostIslet = 15.0f;
+  c.islet = int(std::clamp(std::round(float(info.inner_height()) / kIsletHeight), 3.0f, kMostIslet));
   constexpr float kBarHeight = 114.0f;  // of the picture, per pixel of half a bar whose front is round
   c.bar = int(std::clamp(std::round(float(info.inner_height()) / kBarHeight), 3.0f, 15.0f));
   constexpr float kBevelHeight = 150.0f;  // of the picture, per pixel of half a wide bevel
@@ -403,8 +419,8 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = strays_near_reach},
                  {.name = "outline_drop",
-                  .inputs = {"outline_steep_trimmed", "outline_flat_trimmed", "outline_join", "outline_strays",
-                             "outline_strays_near"},
+                  .inputs = {"depth", "object_id", "material_id", "outline_steep_trimmed", "outline_flat_trimmed",
+                             "outline_join", "outline_strays", "outline_strays_near"},
                   .outputs = {"outline_steep_left", "outline_flat_left", "outline_join_left"},
                   .scalar = run_scalar_outline_drop,
                   .lanes = run_lanes_outline_drop,

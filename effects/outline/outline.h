@@ -14,6 +14,8 @@ struct OutlineParams {
   int convex;          // robust: 0 or 1
   int concave;         // robust: 0 or 1
   int ids;             // robust: 0 none, 1 objects, 2 materials, 3 both
+  float recede;        // robust: 0 to 1, how much lines become thinner with distance
+  float inner;         // robust: 0 to 1, how much lines become thinner that part hardly what is one object
   float paper_depth;   // paper: threshold of window depth, times 1 less the depth
   float paper_normal;  // paper: threshold of the normals' dot product
 };
@@ -40,6 +42,7 @@ struct OutlineConstants {
   float r, g, b, opacity;
   int stride;        // pixels between the normals that creases are told by
   int small;         // pixels in both directions that what stands alone must be larger than
+  int islet;         // pixels in both directions that what stands alone within one object must be larger than
   int bar;           // pixels from a soft crease to the rims beside it, at most, that have lines in its stead
   int bevel;         // pixels from a wide bevel's crease to the sides that it lies between, at most
   float bevel_step;  // squared share of its turn in a step, at least
@@ -47,6 +50,8 @@ struct OutlineConstants {
   float crease_chord;  // squared distance of unit normals that differ by the crease angle
   int convex, concave;
   int objects, materials;  // 0 or 1
+  float recede, recede_from;  // depth from which on lines become thinner with distance, by that share of it
+  float inner, inner_px;      // pixel sizes of a jump within one object, the line of which is thinner by half of that share
   float paper_depth, paper_normal;
   float near_depth, far_depth;  // paper: of window depth
 };

@@ -1,6 +1,9 @@
 // Strays dropped, and what goes on past joins, as outline_strays tells them, and crumbs on their way.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them, and what joins them, as outline_stroke.kernel.h has it.
+IN_REAL(depth)
+IN_REAL(object_id)
+IN_REAL(material_id)
 IN_REAL(outline_steep_trimmed)
 IN_REAL(outline_flat_trimmed)
 IN_REAL(outline_join)
@@ -13,6 +16,11 @@ FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_strays(x, y); }
 #include "effects/outline/outline_lost.kernel.h"
+FN Bool has_piece_near(int i, int j) {
+  return has_piece(bits_of(near_outline_steep_trimmed(i, j)) | bits_of(near_outline_flat_trimmed(i, j)));
+}
+#include "effects/outline/outline_islet.kernel.h"
+#include "effects/outline/outline_pen.kernel.h"
 
 CONST int kBrief = 20;      // rows of what may be a crumb
 CONST int kCrumb = 2;       // pixels from a piece, within which another one
@@ -75,15 +83,24 @@ FN void outline_drop_pixel(Int px, Int py) {
   Real steep = near_outline_steep_trimmed(0, 0);
   Real lower = near_outline_flat_trimmed(0, 0);
   Bool any = is_piece(steep) || is_piece(lower);
-  if (some(any)) any = any && strays_around(px, py);
-  if (some(any)) {
-    steep = left_of(any, px, py, steep, 0);
-    lower = left_of(any, px, py, lower, 1);
+  Bool near = any;
+  if (some(any)) near = any && strays_around(px, py);
+  if (some(near)) {
+    steep = left_of(near, px, py, steep, 0);
+    lower = left_of(near, px, py, lower, 1);
+    Bool islet = near && (is_piece(steep) || is_piece(lower));
+    if (some(islet)) islet = is_islet(islet);
+    steep = select(islet, Real(0.0f), steep);
+    lower = select(islet, Real(0.0f), lower);
   }
   // What joins a piece that is dropped is dropped with it.
   Real join = near_outline_join(0, 0);
   Bool bare = has_join(bits_of(join)) && !is_piece(select(joined_steep(join), steep, lower));
   join = select(bare, select(join < 0.0f, Real(-kOnlyEnds), Real(kOnlyEnds)), join);
+  if (some(any)) {
+    steep = penned(0, steep);
+    lower = penned(1, lower);
+  }
   store_outline_steep_left(steep);
   store_outline_flat_left(lower);
   store_outline_join_left(select(is_piece(steep) || is_piece(lower), join, Real(0.0f)));

@@ -14,6 +14,10 @@ OUT_REAL(outline_strays)
 FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 #include "effects/outline/outline_tip.kernel.h"
+FN Bool has_piece_near(int i, int j) {
+  return has_piece(bits_of(near_outline_steep_trimmed(i, j)) | bits_of(near_outline_flat_trimmed(i, j)));
+}
+#include "effects/outline/outline_islet.kernel.h"
 
 CONST float kCornerHigh = 0.5f;  // pixels more, per pixel of stride but one, at which an end touches a line that passes
 CONST float kNearFirst = 5.0f;   // pixels from an end, within which a stroke leads back to it
@@ -25,9 +29,9 @@ CONST float kMetBeside = 2.0f;  // pixels beside the way of a line, where what i
 
 FN float past_stray() { return kPastStray * float(C.bevel); }
 
-// Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
-// what joins one of them joins both.
-FN_RARE Bool leads_on(Bool asked, Tip end) {
+// Whether an end touches another line or, unless joins do not count, is joined to one. A line can end twice at one place,
+// in a piece of each kind: what joins one of them joins both.
+FN_RARE Bool leads_on(Bool asked, Tip end, bool joins) {
   Bool found = asked && !asked;
   float corner = kCorner + kCornerHigh * float(C.stride - 1);
   int wide = int(corner) + 2;
@@ -46,10 +50,11 @@ FN_RARE Bool leads_on(Bool asked, Tip end) {
         Vec2 apart = apart_from(end.at, piece, lying, Int(i), Int(j), 0.0f);
         joined = joined && dot(apart, apart) < kCorner * kCorner;
         Real along = dot(end.way, apart);
-        Bool own = along < kSame && abs(cross(end.way, apart)) < kSame;
+        Bool own = along < kSame && abs(cross(end.way, apart)) < select(along < 0.0f, Real(kOther), Real(kSame));
         Real most = select(piece < 0.0f, Real(kCorner), Real(corner));
         Bool touches = here && !own && dot(apart, apart) < most * most;
-        found = found || joined || touches;
+        if (joins) found = found || joined;
+        found = found || touches;
       }
   return found;
 }
@@ -173,6 +178,56 @@ FN_RARE Real rows_past(Bool asked, Tip end, Bool steep) {
   return select(across && nearest > kSame, floor(rows), Real(0.0f));
 }
 
+// What is joined to an end of a stroke: nothing, another stroke that leads to nothing, or what is more.
+struct Onward {
+  Bool ends;  // there is nothing, or that
+  Int rows;   // of it, and of what joins the two
+};
+
+// What is joined to an end of a stroke that has a piece of a kind, of which no more than so many rows are of interest.
+FN_RARE Onward onward_of(Bool asked, Tip end, Bool steep, int most) {
+  Onward onward = Onward(asked && !leads_on(asked, end, false), Int(0));
+  Real join = select(asked, load_outline_join(end.x, end.y), Real(0.0f));
+  Bool joined = onward.ends && has_join(bits_of(join));
+  if (!some(joined)) return onward;
+  // Two ends of one place that are joined are not one stroke's.
+  onward.ends = onward.ends && (!joined || same(joined_steep(join), steep));
+  joined = joined && onward.ends;
+  Vec2 apart = joined_apart(join);
+  Vec2 at = middle_of(end.piece, steep, C.width_px) + apart;
+  Int x = end.x + to_int(floor(at.x + 0.5f));
+  Int y = end.y + to_int(floor(at.y + 0.5f));
+  Vec2 off = at - Vec2(to_real(x - end.x), to_real(y - end.y));
+  Along other = Along(joined && !joined, Real(0.0f), Real(0.0f), x, y, steep, Real(0.0f), Real(0.0f));
+  Real nearest = Real(kSame);
+  int wide = 1 + int(0.5f * C.width_px);
+  for (int j = -wide; j <= wide; ++j)
+    for (int i = -wide; i <= wide; ++i)
+      for (int lying = 0; lying < 2; ++lying) {
+        Real piece = piece_at(lying, x + Int(i), y + Int(j));
+        Bool here = joined && is_piece(piece) && piece < 0.0f;
+        if (!some(here)) continue;
+        Vec2 away = apart_from(off, piece, lying, Int(i), Int(j), C.width_px);
+        here = here && dot(away, away) < nearest;
+        nearest = select(here, dot(away, away), nearest);
+        other = chosen(here,
+                       Along(here, place_of(piece), slope_of(piece), x + Int(i), y + Int(j), steep_of(lying), piece,
+                             Real(0.0f)),
+                       other);
+      }
+  // It leads away from the end.
+  Vec2 lean = lean_of(other.slope, other.steep, Real(1.0f));
+  Real towards = select(dot(lean, apart) > 0.0f, Real(-1.0f), Real(1.0f));
+  other.on = other.on && joined;
+  Stroke stroke = stroke_from(other, other.x, other.y, to_int(towards), towards, most, true);
+  Bool ends = stroke.on;
+  if (some(ends)) ends = ends && !leads_on(ends, stroke.other, true) && stroke.other.object == end.object;
+  onward.ends = onward.ends && (ends || !joined);
+  Real gap = max(abs(apart.x), abs(apart.y));
+  onward.rows = select(joined, stroke.rows + to_int(gap), onward.rows);
+  return onward;
+}
+
 // What is to be told of the ends of this pixel's piece of one kind.
 FN Real told(Int px, Int py, Real piece, int lying) {
   Bool steep = steep_of(lying);
@@ -185,7 +240,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     here.on = from.on && !next.at.on && goes_inside(from, px, py, steep, Int(side), towards);
     if (!some(here.on)) continue;
     Tip end = tip_of(here.on, here, steep, towards);
-    Bool leads = leads_on(here.on, end);
+    Bool leads = leads_on(here.on, end, true);
     Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows(), true);
     Bool brief = stroke.on;
     Bool stray = stroke.rows > Int(kLeastStray);
@@ -193,7 +248,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     island = island && end.object == stroke.other.object;
     if (some(island)) island = is_island(island, end, stroke);
     Bool bare = brief && !island && !leads;
-    if (some(bare)) bare = bare && !leads_on(bare, stroke.other);
+    if (some(bare)) bare = bare && !leads_on(bare, stroke.other, true);
     brief = bare || island;
     Real near = max(select(island, Real(past_stray()), Real(0.0f)), Real(kNearFirst));
     if (some(brief)) brief = brief && leads_back(brief, end, here, stroke, towards, near);
@@ -206,6 +261,21 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);
     Real lost = select(alone || spur, rows_lost(stroke), Real(0.0f));
+    // Two or three strokes that are joined to each other alone are no more than one.
+    Bool pair = stroke.on && !(lost > 0.0f) && within_one(end, steep) && within_one(stroke.other, stroke.steep) &&
+                end.object == stroke.other.object;
+    if (some(pair)) {
+      Onward on = onward_of(pair, end, steep, long_stray_rows());
+      pair = pair && on.ends;
+      if (some(pair)) {
+        Onward back = onward_of(pair, stroke.other, stroke.steep, long_stray_rows());
+        Int rows = stroke.rows + on.rows + back.rows;
+        pair = pair && back.ends && rows <= Int(long_stray_rows()) && (on.rows + back.rows > Int(0));
+      }
+      lost = select(pair, rows_lost(stroke), lost);
+    }
+    Bool islet = stroke.on && !(lost > 0.0f);
+    if (some(islet)) lost = select(is_islet(islet), rows_lost(stroke), lost);
     Bool past = here.on && !leads && !(lost > 0.0f);
     if (some(past)) lost = lost + rows_past(past, end, steep);
     code = mad(lost, Real(side < 0 ? kLostBefore : kLostAfter), code);
