@@ -49,9 +49,9 @@ struct OutlineConstants {
   float depth;
   float crease_chord;  // squared distance of unit normals that differ by the crease angle
   int convex, concave;
-  int objects, materials;  // 0 or 1
+  int objects, materials;     // 0 or 1
   float recede, recede_from;  // depth from which on lines become thinner with distance, by that share of it
-  float inner, inner_px;      // pixel sizes of a jump within one object, the line of which is thinner by half of that share
+  float inner, inner_px;  // pixel sizes of a jump within one object, the line of which is thinner by half of that share
   float paper_depth, paper_normal;
   float near_depth, far_depth;  // paper: of window depth
 };

@@ -29,8 +29,8 @@ CONST float kMetBeside = 2.0f;  // pixels beside the way of a line, where what i
 
 FN float past_stray() { return kPastStray * float(C.bevel); }
 
-// Whether an end touches another line or, unless joins do not count, is joined to one. A line can end twice at one place,
-// in a piece of each kind: what joins one of them joins both.
+// Whether an end touches another line or, unless joins do not count, is joined to one. A line can end twice at one
+// place, in a piece of each kind: what joins one of them joins both.
 FN_RARE Bool leads_on(Bool asked, Tip end, bool joins) {
   Bool found = asked && !asked;
   float corner = kCorner + kCornerHigh * float(C.stride - 1);
@@ -210,10 +210,10 @@ FN_RARE Onward onward_of(Bool asked, Tip end, Bool steep, int most) {
         Vec2 away = apart_from(off, piece, lying, Int(i), Int(j), C.width_px);
         here = here && dot(away, away) < nearest;
         nearest = select(here, dot(away, away), nearest);
-        other = chosen(here,
-                       Along(here, place_of(piece), slope_of(piece), x + Int(i), y + Int(j), steep_of(lying), piece,
-                             Real(0.0f)),
-                       other);
+        other = chosen(
+            here,
+            Along(here, place_of(piece), slope_of(piece), x + Int(i), y + Int(j), steep_of(lying), piece, Real(0.0f)),
+            other);
       }
   // It leads away from the end.
   Vec2 lean = lean_of(other.slope, other.steep, Real(1.0f));

@@ -1773,6 +1773,58 @@ TEST(Outline, StraysGoWithTheirCrumbs) {
   EXPECT_EQ(met, 36);
 }
 
+TEST(Outline, CrumbsThatLieTogetherAreDropped) {
+  // Two short creases beside each other on one surface, with an end of one near one of the other.
+  int bare = 0;
+  for (const double angle : {3.0, 33.0})
+    for (const double half_px : {2.0, 3.5})
+      for (const double apart_px : {6.0, 9.0})
+        for (const double aside_px : {2.0, 3.0, 5.0})
+          for (const double tilt : {0.6, 1.0}) {
+            const Lens lens{120, 2160, true};
+            const double a = radians(angle);
+            const dvec3 across(-std::sin(a), std::cos(a), 0.0), front(0, 0, 1);
+            const Scene scene = [=](const dvec3& origin, const dvec3& direction) {
+              const double x = (origin.x - kOffX) / lens.pixel(), y = (origin.y - kOffY) / lens.pixel();
+              const double u = x * std::cos(a) + y * std::sin(a), v = y * std::cos(a) - x * std::sin(a);
+              Hit hit{.distance = (kFocus + origin.z) / -direction.z, .normal = front};
+              const double fades = std::max(0.0, 1.0 - std::fabs(v) / 20.0);
+              for (const int k : {-1, 1})
+                if (std::fabs(u - 0.5 * apart_px * k) < half_px)
+                  hit.normal = glm::normalize(front + (v > 0.5 * aside_px * k ? tilt : -tilt) * fades * across);
+              return hit;
+            };
+            bare += count(lines_of(seen(lens, scene), {{"width", "2"}})) == 0;
+          }
+  EXPECT_GE(bare, 43) << "of 48";  // 26 before
+}
+
+TEST(Outline, StrokesThatAreJoinedToEachOtherAloneAreOne) {
+  // Two jumps that face each other: together they are no longer than a stray, or longer.
+  int bare = 0, drawn = 0;
+  for (const double angle : {3.0, 33.0})
+    for (const double half_px : {9.0, 30.0})
+      for (const double gap_px : {3.0, 5.0})
+        for (const double aside_px : {0.0, 1.0, 2.0}) {
+          const Lens lens{160, 2160, true};
+          const Scene scene = relief(angle, lens, [=](double u, double v) {
+            const double jump = 4.0 + half_px - std::fabs(std::fabs(u) - half_px - gap_px);
+            return v > (u > 0.0 ? aside_px : 0.0) ? std::clamp(jump, 0.0, 12.0) : 0.0;
+          });
+          const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+          const long all = count(lines, [&](int x, int y) {
+            const dvec2 p = on_relief(angle, lens, x, y);
+            return std::fabs(p.y) < 12.0 && std::fabs(p.x) < 2.0 * half_px + gap_px + 8.0;
+          });
+          if (half_px < 10.0)
+            bare += all == 0;
+          else
+            drawn += all > 4.0 * half_px;
+        }
+  EXPECT_EQ(bare, 12);  // none before
+  EXPECT_EQ(drawn, 12);
+}
+
 TEST(Outline, LinesEndWhereOthersAreJoinedToThem) {
   // A jump that fades a few pixels past another one, which ends before it; also one that begins at a rim close by.
   int bare = 0, whole = 0;
@@ -1863,7 +1915,7 @@ TEST(Outline, EdgesThatAreNowARimDoNotStepAside) {
         if (before < 1e8) step = std::max(step, std::fabs(middle - before));
         least = std::min(least, middle), most = std::max(most, middle), before = middle;
       }
-      EXPECT_LE(step, height > 256 ? 1.0 : 1.7) << height << " high, " << angle << " degrees";
+      EXPECT_LE(step, height > 256 ? 0.6 : 1.1) << height << " high, " << angle << " degrees";
       EXPECT_GE(most - least, 3.0) << "or else this is no such edge: " << height << " high, " << angle << " degrees";
     }
 }
@@ -1963,6 +2015,72 @@ TEST(Outline, WidthMayBeAShareOfTheHeight) {
     const Lens lens{size, size};
     const GBuffer g = seen(lens, straight_scene(straight, lens));
     EXPECT_NEAR(profile_of(lines_of(g, {{"width", "2%"}}), straight, lens, 0.02 * size).mean, 0.02 * size, 0.25);
+  }
+}
+
+/// The mean of what a line along the middle of the picture, upright, covers of each row but those at its ends.
+double mean_width(const Plane& lines) {
+  double sum = 0.0;
+  int rows = 0;
+  for (int y = lines.height / 4; y < 3 * lines.height / 4; ++y, ++rows)
+    for (int x = 0; x < lines.width; ++x) sum += lines.at(x, y);
+  return sum / rows;
+}
+
+/// What lies to the left of the middle, so deep, and in front of a wall, if that is no farther away than infinitely.
+Scene left_half(double depth, double wall_depth, int wall_object) {
+  return [=](const dvec3&, const dvec3& direction) {
+    Hit hit{.distance = depth, .normal = {0, 0, 1}, .object = 0, .material = 0};
+    if (direction.x < kOffX) return hit;
+    if (std::isinf(wall_depth)) return Hit{};
+    hit.distance = wall_depth;
+    hit.object = hit.material = wall_object;
+    return hit;
+  };
+}
+
+constexpr double kPenStep = 1.0 / 15.0 + 1e-6;  // of a width, by which lines are told
+
+TEST(Outline, LinesAreThinnerWithDistanceIfAsked) {
+  for (const double width : {2.0, 8.0})
+    for (const double recede : {0.0, 0.5, 1.0})
+      for (const double depth : {1.5, 2.5, 4.0, 9.0}) {
+        const Lens lens{128, 128};
+        const GBuffer g = seen(lens, left_half(depth, kInfinity, -1));
+        const double from = std::max(2.0 * g.info.depth_min, 0.25 * g.info.depth_max);
+        const double share = 1.0 - recede * (1.0 - std::sqrt(std::min(1.0, from / depth)));
+        const Settings plain = {{"width", fmt::format("{}", width)}};
+        Settings settings = plain;
+        settings.push_back({"recede", fmt::format("{}", recede)});
+        const Plane lines = lines_of(g, settings);
+        EXPECT_NEAR(mean_width(lines), width * share, width * kPenStep + 0.05)
+            << "width " << width << ", depth " << depth << ", recede " << recede;
+        const double other = test::difference(lines, lines_of(g, plain), 0.0).most;
+        EXPECT_EQ(other > 0.0, recede > 0.0 && depth > from) << "width " << width << ", depth " << depth;
+      }
+  // Without perspective what is far is as large.
+  const Lens lens{128, 128, true};
+  const GBuffer g = seen(lens, straight_scene({true, 90.0}, lens));
+  EXPECT_EQ(test::difference(lines_of(g, {{"recede", "1"}}), lines_of(g), 0.0).most, 0.0);
+}
+
+TEST(Outline, LinesAreThinnerWhereAFoldIsShallowIfAsked) {
+  constexpr double kWidth = 8.0, kInner = 0.7;
+  const Settings settings = {{"width", "8"}, {"inner", "0.7"}};
+  for (const int height : {256, 1024}) {
+    double before = 0.0;
+    for (const double jump_px : {7.0, 14.0, 40.0, 400.0}) {
+      const Lens lens{128, height};
+      const double depth = 5.0, wall = depth * (1.0 + jump_px * lens.pixel()), inner_px = 3.0 * height / 256.0;
+      const auto width_of = [&](const Scene& scene) { return mean_width(lines_of(seen(lens, scene), settings)); };
+      const double fold = width_of(left_half(depth, wall, 0));
+      const double share = 1.0 - kInner * inner_px / (jump_px + inner_px);
+      EXPECT_NEAR(fold, kWidth * share, kWidth * kPenStep + 0.05) << height << " high, by " << jump_px;
+      EXPECT_GT(fold, before) << height << " high, by " << jump_px;
+      before = fold;
+      EXPECT_NEAR(width_of(left_half(depth, wall, 1)), kWidth, 0.05) << "another object";
+    }
+    EXPECT_NEAR(mean_width(lines_of(seen({128, height}, left_half(5.0, kInfinity, -1)), settings)), kWidth, 0.05);
   }
 }
 
