@@ -196,9 +196,10 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
        .near_depth = far_depth * kNearToFar,
        .far_depth = far_depth};
   constexpr float kAntialiasing = 0.5f, kHalfPiece = 0.5f;
+  // What a camera that frames a model sees lies between about two and four of its radii.
   constexpr float kTimesNear = 2.0f, kShareOfFar = 0.25f;
   c.recede_from = std::max(kTimesNear * info.depth_min, kShareOfFar * info.depth_max);
-  constexpr float kInnerHeight = 256.0f;
+  constexpr float kInnerHeight = 256.0f;  // of the picture, for each `depth`: the same at any size
   c.inner_px = params.depth * float(info.inner_height()) / kInnerHeight;
   c.reach = int(std::ceil(c.width_px + kAntialiasing + kHalfPiece));
   constexpr float kStrideHeight = 810.0f;  // of the picture, per pixel of stride: what is an edge is one at any size

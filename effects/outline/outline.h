@@ -15,7 +15,7 @@ struct OutlineParams {
   int concave;         // robust: 0 or 1
   int ids;             // robust: 0 none, 1 objects, 2 materials, 3 both
   float recede;        // robust: 0 to 1, how much lines become thinner with distance
-  float inner;         // robust: 0 to 1, how much lines become thinner that part hardly what is one object
+  float inner;         // robust: 0 to 1, how much lines become thinner where an object hardly hides itself
   float paper_depth;   // paper: threshold of window depth, times 1 less the depth
   float paper_normal;  // paper: threshold of the normals' dot product
 };
@@ -50,8 +50,8 @@ struct OutlineConstants {
   float crease_chord;  // squared distance of unit normals that differ by the crease angle
   int convex, concave;
   int objects, materials;     // 0 or 1
-  float recede, recede_from;  // depth from which on lines become thinner with distance, by that share of it
-  float inner, inner_px;  // pixel sizes of a jump within one object, the line of which is thinner by half of that share
+  float recede, recede_from;  // depth from which on lines become thinner with distance, by that share of how they can
+  float inner, inner_px;      // pixel sizes of a jump within one object whose line is thinner by half of that share
   float paper_depth, paper_normal;
   float near_depth, far_depth;  // paper: of window depth
 };

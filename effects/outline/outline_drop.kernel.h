@@ -1,4 +1,5 @@
-// Strays dropped, and what goes on past joins, as outline_strays tells them, and crumbs on their way.
+// Strays and islets dropped, and what goes on past joins, as outline_strays tells them, and crumbs on their way; and
+// how wide a pen draws what is left.
 //
 // Planes: pieces of line as outline_piece.kernel.h has them, and what joins them, as outline_stroke.kernel.h has it.
 IN_REAL(depth)
@@ -97,11 +98,25 @@ FN void outline_drop_pixel(Int px, Int py) {
   Real join = near_outline_join(0, 0);
   Bool bare = has_join(bits_of(join)) && !is_piece(select(joined_steep(join), steep, lower));
   join = select(bare, select(join < 0.0f, Real(-kOnlyEnds), Real(kOnlyEnds)), join);
+  Real steep_bridge = bridged(0, steep);
+  Real lower_bridge = bridged(1, lower);
+  Bool bridge = (is_piece(steep_bridge) && !is_piece(steep)) || (is_piece(lower_bridge) && !is_piece(lower));
+  // What is on its sides may be dropped.
+  if (some(bridge)) bridge = bridge && !strays_around(px, py);
+  steep = select(bridge, steep_bridge, steep);
+  lower = select(bridge, lower_bridge, lower);
+  any = any || is_piece(steep) || is_piece(lower);
   if (some(any)) {
+    // What joins a line to another is as wide as it.
+    Bool joined = has_join(bits_of(join));
+    Real before = sure_of(select(joined_steep(join), steep, lower));
     steep = penned(0, steep);
     lower = penned(1, lower);
+    Real after = sure_of(select(joined_steep(join), steep, lower));
+    join = select(joined, with_sure(join, joined_sure(join) * min(after / max(before, Real(1.0f)), Real(1.0f))), join);
   }
   store_outline_steep_left(steep);
   store_outline_flat_left(lower);
+  join = select(abs(join) > 0.0f, join, Real(kOnlyEnds));
   store_outline_join_left(select(is_piece(steep) || is_piece(lower), join, Real(0.0f)));
 }

@@ -1,4 +1,4 @@
-// Islets: crumbs of lines that lie together and apart from all others. The text before has object_id and
+// Islets: crumbs of lines that lie together and apart from all others. The text before has object_id, outline_join and
 // has_piece_near(i, j).
 
 CONST int kIsletRows = 31;   // of bits: C.islet is 15 at most
@@ -19,7 +19,7 @@ FN void grow_row(int k, int gap) {
 }
 
 // Whether this pixel's piece is of an islet: all pieces that lead to it in steps of no more than a gap are less than
-// C.islet pixels away, and within one object.
+// C.islet pixels away, within one object, and joined to nothing farther off.
 FN_RARE Bool is_islet(Bool asked) {
   int last = 2 * C.islet;
   int gap = kIsletGap + C.stride;
@@ -49,6 +49,10 @@ FN_RARE Bool is_islet(Bool asked) {
       int j = k - C.islet;
       Bool here = !(to_signed((kept_part(k) >> m) & Uint(1u)) == Int(0));
       Bool within = near_object_id(i, j) == own && near_object_id(i + 1, j) == own && near_object_id(i, j + 1) == own;
+      // It is joined to nothing else.
+      Real join = near_outline_join(i, j);
+      Vec2 to = joined_apart(join) + Vec2(Real(float(i)), Real(float(j)));
+      within = within && !(has_join(bits_of(join)) && max(abs(to.x), abs(to.y)) > Real(float(C.islet)));
       islet = islet && (within || !here);
     }
   return islet;

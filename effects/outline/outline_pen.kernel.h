@@ -4,6 +4,7 @@
 
 CONST int kPen = 3;            // rows to either side over which a line is even, and one more per pixel of stride
 CONST float kPenAside = 1.1f;  // pixels beside a line's way, up to which a piece is of it
+CONST float kPenBend = 0.5f;   // and more per row, up to which it is near a free end
 CONST float kLeastPen = 1.0f;  // of kSure: what is drawn does not vanish
 
 // What lies on both sides of a crossing between pixel (i, j) and the next one, to the right (lying 0) or below.
@@ -44,6 +45,26 @@ FN Real pen_share(Sides sides, Real piece) {
   return share * select(sides.within && abs(side_of(piece)) > kHasSide, Real(1.0f) - less, Real(1.0f));
 }
 
+// Whether there is another line than its own near a piece, or one of the two is joined to anything, within so many
+// pixels: its end is not free.
+FN_RARE Bool is_met(Bool asked, int lying, Real place, Real slope, int within) {
+  Bool met = asked && !asked;
+  for (int j = -within; j <= within; ++j)
+    for (int i = -within; i <= within; ++i) {
+      Bool look = asked && !met;
+      if (!some(look)) continue;
+      Real steep = near_outline_steep_trimmed(i, j);
+      Real lower = near_outline_flat_trimmed(i, j);
+      Real along = lying == 0 ? steep : lower;
+      Real across = lying == 0 ? lower : steep;
+      Real off = place_of(along) + Real(float(lying == 0 ? i : j)) - mad(slope, Real(float(lying == 0 ? j : i)), place);
+      Real bends = Real(kPenAside + kPenBend * float(lying == 0 ? (j < 0 ? -j : j) : (i < 0 ? -i : i)));
+      Bool other = is_piece(across) || (is_piece(along) && !(abs(off) < bends));
+      met = met || (look && (other || has_join(bits_of(near_outline_join(i, j)))));
+    }
+  return met;
+}
+
 // The same piece, as wide as it is drawn, and as its line is in the rows (columns) around it, unless it is a rim before
 // the background, which lies wholly on one side anyway.
 FN Real penned(int lying, Real piece) {
@@ -58,12 +79,16 @@ FN Real penned(int lying, Real piece) {
   if (some(even)) {
     Real place = place_of(piece);
     Real slope = slope_of(piece);
-    Real levels = Real(0.0f);
-    Real widths = Real(0.0f);
-    Real count = Real(0.0f);
+    Real none = Real(0.0f);
+    Real levels = none;
+    Real widths = none;
+    Real count = none;
+    Real before = none;  // rows above (columns to the left) that the line has, and
+    Real after = none;   // below
     int rows = kPen + C.stride;
     for (int j = -rows; j <= rows; ++j) {
       int most = (j < 0 ? -j : j) + 1;
+      Bool any = even && !even;
       for (int i = -most; i <= most; ++i) {
         Real other = lying == 0 ? near_outline_steep_trimmed(i, j) : near_outline_flat_trimmed(j, i);
         Real off = place_of(other) + Real(float(i)) - mad(slope, Real(float(j)), place);
@@ -77,13 +102,71 @@ FN Real penned(int lying, Real piece) {
         count = count + counts;
         levels = mad(level_of(other), counts, levels);
         widths = mad(wide, counts, widths);
+        any = any || here;
       }
+      if (j < 0) before = before + select(any, Real(1.0f), none);
+      if (j > 0) after = after + select(any, Real(1.0f), none);
     }
     Real per = Real(1.0f) / max(count, Real(1.0f));
     width = select(even, widths * per, width);
     level = select(even, levels * per, level);
+    // A free end within one object is a point.
+    if (C.inner > 0.0f) {
+      Real left = min(before, after);
+      Bool ends = even && sides.within && left < Real(float(rows));
+      if (some(ends)) ends = ends && !is_met(ends, lying, place, slope, rows + 1);
+      Real point = (left + 1.0f) * Real(1.0f / float(rows + 1)) - 1.0f;
+      width = select(ends, width * mad(point, Real(C.inner), Real(1.0f)), width);
+    }
   }
   Uint sure = to_uint(to_int(max(width + kRounds, Real(kLeastPen))));
   Uint side = to_uint(to_int(level + kRounds));
   return select(on, real_of_bits((bits_of(piece) & Uint(0xf000ffffu)) | (side << 16) | (sure << 23)), piece);
+}
+
+CONST int kBridge = 3;            // rows from a gap to the pieces on its two sides
+CONST float kBridgeBend = 0.6f;   // how much the slopes of those may differ from the way between them,
+CONST float kBridgeTurn = 16.5f;  // and their levels from each other
+
+// A piece of a line's way to one side of this pixel.
+struct Bank {
+  Real row, place;  // where it crosses, counted from this pixel's; row 0 if there is none
+  Real piece;
+};
+
+FN Bank bank_of(int lying, int towards) {
+  Real none = Real(0.0f);
+  Bank bank = Bank(none, none, none);
+  for (int k = 1; k <= kBridge; ++k)
+    for (int i = -k - 1; i <= k + 1; ++i) {
+      Real other = lying == 0 ? near_outline_steep_trimmed(i, k * towards) : near_outline_flat_trimmed(k * towards, i);
+      Bool here = is_piece(other) &&
+                  (bank.row == none || (bank.row == Real(float(k * towards)) && abs(Real(float(i))) < abs(bank.place)));
+      bank.row = select(here, Real(float(k * towards)), bank.row);
+      bank.place = select(here, Real(float(i)), bank.place);
+      bank.piece = select(here, other, bank.piece);
+    }
+  bank.place = bank.place + place_of(bank.piece);
+  return bank;
+}
+
+// What a line has here, where a surface ends but nothing is drawn, if it goes on in rows above and below (columns to
+// the left and right) alike: a wide line covers such gaps, a thin one would be broken.
+FN Real bridged(int lying, Real piece) {
+  Bool asked = abs(piece) > 0.0f && !is_piece(piece);
+  if (!some(asked)) return piece;
+  Bank up = bank_of(lying, -1);
+  if (some(asked)) asked = asked && is_piece(up.piece);
+  if (!some(asked)) return piece;
+  Bank down = bank_of(lying, 1);
+  asked = asked && is_piece(down.piece);
+  if (!some(asked)) return piece;
+  Real slope = (down.place - up.place) / max(down.row - up.row, Real(1.0f));
+  Real place = mad(slope, -up.row, up.place);
+  asked = asked && place >= -0.5f && place < 1.49f && abs(slope) < kSteepest;
+  asked = asked && abs(slope_of(up.piece) - slope) < kBridgeBend && abs(slope_of(down.piece) - slope) < kBridgeBend;
+  asked = asked && abs(level_of(up.piece) - level_of(down.piece)) < kBridgeTurn;
+  Real level = floor((level_of(up.piece) + level_of(down.piece)) * 0.5f + kRounds);
+  Real found = packed_piece(place, slope, level, min(sure_of(up.piece), sure_of(down.piece)));
+  return select(asked, found, piece);
 }

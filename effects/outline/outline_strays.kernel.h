@@ -2,8 +2,9 @@
 // cut off its stem, or a line in two, the rest is such a dash, and where a fold is one for but a few pixels.
 //
 // A stray is a stroke alone on its surface, up to a forty-third of the picture's height long, a spur a few pieces near
-// another line, neither joined nor touching anything at either end, or nothing but crumbs that lead nowhere. Of others
-// the ends are told that go on, free, a few rows past where a line is joined to theirs.
+// another line, neither joined nor touching anything at either end, or nothing but crumbs that lead nowhere. An islet
+// is crumbs that lie together: see outline_islet.kernel.h. Of others the ends are told that go on, free, a few rows
+// past where a line is joined to theirs.
 //
 // outline_strays: as outline_tail.kernel.h has it.
 IN_REAL(object_id)
@@ -29,9 +30,9 @@ CONST float kMetBeside = 2.0f;  // pixels beside the way of a line, where what i
 
 FN float past_stray() { return kPastStray * float(C.bevel); }
 
-// Whether an end touches another line or, unless joins do not count, is joined to one. A line can end twice at one
-// place, in a piece of each kind: what joins one of them joins both.
-FN_RARE Bool leads_on(Bool asked, Tip end, bool joins) {
+// Whether an end is joined to another line, or touches one. A line can end twice at one place, in a piece of each kind:
+// what joins one of them joins both.
+FN_RARE Bool leads_on(Bool asked, Tip end) {
   Bool found = asked && !asked;
   float corner = kCorner + kCornerHigh * float(C.stride - 1);
   int wide = int(corner) + 2;
@@ -53,8 +54,7 @@ FN_RARE Bool leads_on(Bool asked, Tip end, bool joins) {
         Bool own = along < kSame && abs(cross(end.way, apart)) < select(along < 0.0f, Real(kOther), Real(kSame));
         Real most = select(piece < 0.0f, Real(kCorner), Real(corner));
         Bool touches = here && !own && dot(apart, apart) < most * most;
-        if (joins) found = found || joined;
-        found = found || touches;
+        found = found || joined || touches;
       }
   return found;
 }
@@ -178,56 +178,6 @@ FN_RARE Real rows_past(Bool asked, Tip end, Bool steep) {
   return select(across && nearest > kSame, floor(rows), Real(0.0f));
 }
 
-// What is joined to an end of a stroke: nothing, another stroke that leads to nothing, or what is more.
-struct Onward {
-  Bool ends;  // there is nothing, or that
-  Int rows;   // of it, and of what joins the two
-};
-
-// What is joined to an end of a stroke that has a piece of a kind, of which no more than so many rows are of interest.
-FN_RARE Onward onward_of(Bool asked, Tip end, Bool steep, int most) {
-  Onward onward = Onward(asked && !leads_on(asked, end, false), Int(0));
-  Real join = select(asked, load_outline_join(end.x, end.y), Real(0.0f));
-  Bool joined = onward.ends && has_join(bits_of(join));
-  if (!some(joined)) return onward;
-  // Two ends of one place that are joined are not one stroke's.
-  onward.ends = onward.ends && (!joined || same(joined_steep(join), steep));
-  joined = joined && onward.ends;
-  Vec2 apart = joined_apart(join);
-  Vec2 at = middle_of(end.piece, steep, C.width_px) + apart;
-  Int x = end.x + to_int(floor(at.x + 0.5f));
-  Int y = end.y + to_int(floor(at.y + 0.5f));
-  Vec2 off = at - Vec2(to_real(x - end.x), to_real(y - end.y));
-  Along other = Along(joined && !joined, Real(0.0f), Real(0.0f), x, y, steep, Real(0.0f), Real(0.0f));
-  Real nearest = Real(kSame);
-  int wide = 1 + int(0.5f * C.width_px);
-  for (int j = -wide; j <= wide; ++j)
-    for (int i = -wide; i <= wide; ++i)
-      for (int lying = 0; lying < 2; ++lying) {
-        Real piece = piece_at(lying, x + Int(i), y + Int(j));
-        Bool here = joined && is_piece(piece) && piece < 0.0f;
-        if (!some(here)) continue;
-        Vec2 away = apart_from(off, piece, lying, Int(i), Int(j), C.width_px);
-        here = here && dot(away, away) < nearest;
-        nearest = select(here, dot(away, away), nearest);
-        other = chosen(
-            here,
-            Along(here, place_of(piece), slope_of(piece), x + Int(i), y + Int(j), steep_of(lying), piece, Real(0.0f)),
-            other);
-      }
-  // It leads away from the end.
-  Vec2 lean = lean_of(other.slope, other.steep, Real(1.0f));
-  Real towards = select(dot(lean, apart) > 0.0f, Real(-1.0f), Real(1.0f));
-  other.on = other.on && joined;
-  Stroke stroke = stroke_from(other, other.x, other.y, to_int(towards), towards, most, true);
-  Bool ends = stroke.on;
-  if (some(ends)) ends = ends && !leads_on(ends, stroke.other, true) && stroke.other.object == end.object;
-  onward.ends = onward.ends && (ends || !joined);
-  Real gap = max(abs(apart.x), abs(apart.y));
-  onward.rows = select(joined, stroke.rows + to_int(gap), onward.rows);
-  return onward;
-}
-
 // What is to be told of the ends of this pixel's piece of one kind.
 FN Real told(Int px, Int py, Real piece, int lying) {
   Bool steep = steep_of(lying);
@@ -240,7 +190,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     here.on = from.on && !next.at.on && goes_inside(from, px, py, steep, Int(side), towards);
     if (!some(here.on)) continue;
     Tip end = tip_of(here.on, here, steep, towards);
-    Bool leads = leads_on(here.on, end, true);
+    Bool leads = leads_on(here.on, end);
     Stroke stroke = stroke_from(here, px, py, Int(side), towards, long_stray_rows(), true);
     Bool brief = stroke.on;
     Bool stray = stroke.rows > Int(kLeastStray);
@@ -248,7 +198,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     island = island && end.object == stroke.other.object;
     if (some(island)) island = is_island(island, end, stroke);
     Bool bare = brief && !island && !leads;
-    if (some(bare)) bare = bare && !leads_on(bare, stroke.other, true);
+    if (some(bare)) bare = bare && !leads_on(bare, stroke.other);
     brief = bare || island;
     Real near = max(select(island, Real(past_stray()), Real(0.0f)), Real(kNearFirst));
     if (some(brief)) brief = brief && leads_back(brief, end, here, stroke, towards, near);
@@ -261,19 +211,6 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);
     Real lost = select(alone || spur, rows_lost(stroke), Real(0.0f));
-    // Two or three strokes that are joined to each other alone are no more than one.
-    Bool pair = stroke.on && !(lost > 0.0f) && within_one(end, steep) && within_one(stroke.other, stroke.steep) &&
-                end.object == stroke.other.object;
-    if (some(pair)) {
-      Onward on = onward_of(pair, end, steep, long_stray_rows());
-      pair = pair && on.ends;
-      if (some(pair)) {
-        Onward back = onward_of(pair, stroke.other, stroke.steep, long_stray_rows());
-        Int rows = stroke.rows + on.rows + back.rows;
-        pair = pair && back.ends && rows <= Int(long_stray_rows()) && (on.rows + back.rows > Int(0));
-      }
-      lost = select(pair, rows_lost(stroke), lost);
-    }
     Bool islet = stroke.on && !(lost > 0.0f);
     if (some(islet)) lost = select(is_islet(islet), rows_lost(stroke), lost);
     Bool past = here.on && !leads && !(lost > 0.0f);

@@ -1799,32 +1799,6 @@ TEST(Outline, CrumbsThatLieTogetherAreDropped) {
   EXPECT_GE(bare, 43) << "of 48";  // 26 before
 }
 
-TEST(Outline, StrokesThatAreJoinedToEachOtherAloneAreOne) {
-  // Two jumps that face each other: together they are no longer than a stray, or longer.
-  int bare = 0, drawn = 0;
-  for (const double angle : {3.0, 33.0})
-    for (const double half_px : {9.0, 30.0})
-      for (const double gap_px : {3.0, 5.0})
-        for (const double aside_px : {0.0, 1.0, 2.0}) {
-          const Lens lens{160, 2160, true};
-          const Scene scene = relief(angle, lens, [=](double u, double v) {
-            const double jump = 4.0 + half_px - std::fabs(std::fabs(u) - half_px - gap_px);
-            return v > (u > 0.0 ? aside_px : 0.0) ? std::clamp(jump, 0.0, 12.0) : 0.0;
-          });
-          const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
-          const long all = count(lines, [&](int x, int y) {
-            const dvec2 p = on_relief(angle, lens, x, y);
-            return std::fabs(p.y) < 12.0 && std::fabs(p.x) < 2.0 * half_px + gap_px + 8.0;
-          });
-          if (half_px < 10.0)
-            bare += all == 0;
-          else
-            drawn += all > 4.0 * half_px;
-        }
-  EXPECT_EQ(bare, 12);  // none before
-  EXPECT_EQ(drawn, 12);
-}
-
 TEST(Outline, LinesEndWhereOthersAreJoinedToThem) {
   // A jump that fades a few pixels past another one, which ends before it; also one that begins at a rim close by.
   int bare = 0, whole = 0;
