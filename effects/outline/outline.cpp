@@ -152,7 +152,7 @@ const std::vector<Parameter> kTable = {
      .offset = offsetof(OutlineParams, recede),
      .most = 1.0},
     {.name = "inner",
-     .help = "robust: how much thinner lines are where an object hides itself, the less it lies behind",
+     .help = "robust: how much thinner lines are where an object hides itself, the less it lies behind; and free ends",
      .offset = offsetof(OutlineParams, inner),
      .most = 1.0},
     {.name = "paper_depth",
@@ -209,8 +209,11 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   // one, as many as outline_refine tells short lines by.
   constexpr float kSmallWidths = 3.0f, kMostSmall = 13.0f, kMostSmallLow = 6.0f;
   c.small = int(std::clamp(std::round(kSmallWidths * c.width_px), 1.0f, c.stride > 1 ? kMostSmall : kMostSmallLow));
-  constexpr float kIsletHeight = 150.0f, kMostIslet = 15.0f;
-  c.islet = int(std::clamp(std::round(float(info.inner_height()) / kIsletHeight), 3.0f, kMostIslet));
+  constexpr float kIsletHeight = 150.0f, kMostIslet = 20.0f;  // of the picture, per pixel; and pixels
+  const float islet_px = std::clamp(std::round(float(info.inner_height()) / kIsletHeight), 3.0f, kMostIslet);
+  c.islet_cell = c.stride > 1 ? 2 : 1;
+  c.islet = int(std::ceil(islet_px / float(c.islet_cell)));
+  c.islet_gap = (2 + c.stride) / c.islet_cell;
   constexpr float kBarHeight = 114.0f;  // of the picture, per pixel of half a bar whose front is round
   c.bar = int(std::clamp(std::round(float(info.inner_height()) / kBarHeight), 3.0f, 15.0f));
   constexpr float kBevelHeight = 150.0f;  // of the picture, per pixel of half a wide bevel

@@ -42,16 +42,20 @@ struct OutlineConstants {
   float r, g, b, opacity;
   int stride;        // pixels between the normals that creases are told by
   int small;         // pixels in both directions that what stands alone must be larger than
-  int islet;         // pixels in both directions that what stands alone within one object must be larger than
+  int islet_cell;    // pixels, in both directions, of the cells in which crumbs are told,
+  int islet;         // cells that crumbs within one object must take up in either direction to be drawn,
+  int islet_gap;     // and cells between them, up to which they lie together
   int bar;           // pixels from a soft crease to the rims beside it, at most, that have lines in its stead
   int bevel;         // pixels from a wide bevel's crease to the sides that it lies between, at most
   float bevel_step;  // squared share of its turn in a step, at least
   float depth;
   float crease_chord;  // squared distance of unit normals that differ by the crease angle
   int convex, concave;
-  int objects, materials;     // 0 or 1
-  float recede, recede_from;  // depth from which on lines become thinner with distance, by that share of how they can
-  float inner, inner_px;      // pixel sizes of a jump within one object whose line is thinner by half of that share
+  int objects, materials;  // 0 or 1
+  float recede;            // share, of how much thinner lines can become with distance, that they do,
+  float recede_from;       // and depth from which on
+  float inner;             // share of its width that the line of a jump within one object loses, half of it where that
+  float inner_px;          // is as many pixel sizes
   float paper_depth, paper_normal;
   float near_depth, far_depth;  // paper: of window depth
 };

@@ -20,6 +20,7 @@ FN Real told_at(Int x, Int y) { return load_outline_strays(x, y); }
 FN Bool has_piece_near(int i, int j) {
   return has_piece(bits_of(near_outline_steep_trimmed(i, j)) | bits_of(near_outline_flat_trimmed(i, j)));
 }
+FN Bool told_near(int i, int j) { return abs(near_outline_strays(i, j)) > 0.0f; }
 #include "effects/outline/outline_islet.kernel.h"
 #include "effects/outline/outline_pen.kernel.h"
 
@@ -84,15 +85,15 @@ FN void outline_drop_pixel(Int px, Int py) {
   Real steep = near_outline_steep_trimmed(0, 0);
   Real lower = near_outline_flat_trimmed(0, 0);
   Bool any = is_piece(steep) || is_piece(lower);
-  Bool near = any;
-  if (some(any)) near = any && strays_around(px, py);
-  if (some(near)) {
-    steep = left_of(near, px, py, steep, 0);
-    lower = left_of(near, px, py, lower, 1);
-    Bool islet = near && (is_piece(steep) || is_piece(lower));
+  Bool strays = any;
+  if (some(any)) strays = any && strays_around(px, py);
+  if (some(strays)) {
+    steep = left_of(strays, px, py, steep, 0);
+    lower = left_of(strays, px, py, lower, 1);
+    Bool islet = strays && (is_piece(steep) || is_piece(lower));
     if (some(islet)) islet = is_islet(islet);
-    steep = select(islet, Real(0.0f), steep);
-    lower = select(islet, Real(0.0f), lower);
+    steep = select(islet && is_piece(steep), Real(0.0f), steep);
+    lower = select(islet && is_piece(lower), Real(0.0f), lower);
   }
   // What joins a piece that is dropped is dropped with it.
   Real join = near_outline_join(0, 0);
@@ -110,8 +111,8 @@ FN void outline_drop_pixel(Int px, Int py) {
     // What joins a line to another is as wide as it.
     Bool joined = has_join(bits_of(join));
     Real before = sure_of(select(joined_steep(join), steep, lower));
-    steep = penned(0, steep);
-    lower = penned(1, lower);
+    steep = penned(0, px, py, steep);
+    lower = penned(1, px, py, lower);
     Real after = sure_of(select(joined_steep(join), steep, lower));
     join = select(joined, with_sure(join, joined_sure(join) * min(after / max(before, Real(1.0f)), Real(1.0f))), join);
   }

@@ -1,6 +1,7 @@
 // How wide a line is drawn, as by a pen: thinner with distance, thinner the less of a surface another part of it hides,
-// and as wide, and as much on one side, as it is around. The text before has depth, object_id,
-// material_id, outline_steep_trimmed and outline_flat_trimmed.
+// as wide, and as much on one side, as it is around, in a point where it ends free; and gaps of a few rows closed,
+// which wide lines cover and thin ones do not. The text before has depth, object_id, material_id,
+// outline_steep_trimmed, outline_flat_trimmed, outline_join, and what outline_end.kernel.h knows.
 
 CONST int kPen = 3;            // rows to either side over which a line is even, and one more per pixel of stride
 CONST float kPenAside = 1.1f;  // pixels beside a line's way, up to which a piece is of it
@@ -12,7 +13,7 @@ struct Sides {
   Bool seen;     // neither is background
   Bool within;   // both are of one object and, if those are parted, of one material
   Real nearer;   // depth of the nearer surface,
-  Real farther;  // and of the other one
+  Real farther;  // and of the other one; a pixel beside it, if the jump is greater there
 };
 
 FN Sides sides_of(int lying, int i, int j) {
@@ -26,7 +27,17 @@ FN Sides sides_of(int lying, int i, int j) {
   if (C.materials != 0) within = within && near_material_id(i, j) == near_material_id(i2, j2);
   depth1 = select(first, depth1, select(second, depth2, Real(1.0f)));
   depth2 = select(second, depth2, depth1);
-  return Sides(first && second, within, min(depth1, depth2), max(depth1, depth2));
+  Real nearer = min(depth1, depth2);
+  Real farther = max(depth1, depth2);
+  // A line can be drawn a pixel beside where it was found.
+  if (some(within)) {
+    Real before = near_depth(i + i - i2, j + j - j2);
+    Real after = near_depth(i2 + i2 - i, j2 + j2 - j);
+    Real jump = max(select(is_surface(before), abs(before - depth1), Real(0.0f)),
+                    select(is_surface(after), abs(after - depth2), Real(0.0f)));
+    farther = select(within, max(farther, nearer + jump), farther);
+  }
+  return Sides(first && second, within, nearer, farther);
 }
 
 // The share of its width that a line has there. Things become smaller in proportion to their distance; lines, at most,
@@ -42,12 +53,12 @@ FN Real pen_share(Sides sides, Real piece) {
   }
   Real jump = (sides.farther - sides.nearer) / max(pixel, Real(1e-30f));
   Real less = Real(C.inner * C.inner_px) / (jump + C.inner_px);
-  return share * select(sides.within && abs(side_of(piece)) > kHasSide, Real(1.0f) - less, Real(1.0f));
+  return share * select(sides.within && !is_crease(piece) && !leans(piece), Real(1.0f) - less, Real(1.0f));
 }
 
 // Whether there is another line than its own near a piece, or one of the two is joined to anything, within so many
 // pixels: its end is not free.
-FN_RARE Bool is_met(Bool asked, int lying, Real place, Real slope, int within) {
+FN_RARE Bool has_company(Bool asked, int lying, Real place, Real slope, int within) {
   Bool met = asked && !asked;
   for (int j = -within; j <= within; ++j)
     for (int i = -within; i <= within; ++i) {
@@ -67,7 +78,7 @@ FN_RARE Bool is_met(Bool asked, int lying, Real place, Real slope, int within) {
 
 // The same piece, as wide as it is drawn, and as its line is in the rows (columns) around it, unless it is a rim before
 // the background, which lies wholly on one side anyway.
-FN Real penned(int lying, Real piece) {
+FN Real penned(int lying, Int px, Int py, Real piece) {
   Bool on = is_piece(piece);
   if (!some(on)) return piece;
   bool shares = C.recede > 0.0f || C.inner > 0.0f;
@@ -83,38 +94,42 @@ FN Real penned(int lying, Real piece) {
     Real levels = none;
     Real widths = none;
     Real count = none;
-    Real before = none;  // rows above (columns to the left) that the line has, and
+    Real before = none;  // rows above (columns to the left) as far as which the line goes on, and
     Real after = none;   // below
     int rows = kPen + C.stride;
     for (int j = -rows; j <= rows; ++j) {
       int most = (j < 0 ? -j : j) + 1;
-      Bool any = even && !even;
+      Real expected = floor(mad(slope, Real(float(j)), place) + kHalfway);
+      // It leaves the picture.
+      Bool any = lying == 0 ? !in_picture(px + to_int(expected), py + Int(j))
+                            : !in_picture(px + Int(j), py + to_int(expected));
       for (int i = -most; i <= most; ++i) {
         Real other = lying == 0 ? near_outline_steep_trimmed(i, j) : near_outline_flat_trimmed(j, i);
         Real off = place_of(other) + Real(float(i)) - mad(slope, Real(float(j)), place);
         Bool here = even && is_piece(other) && abs(off) < kPenAside;
         if (!some(here)) continue;
+        any = any || here;
         Sides beside = sides_of(lying, lying == 0 ? i : j, lying == 0 ? j : i);
-        here = here && beside.seen;
+        here = here && beside.seen && side_of(other) * side_of(piece) > -kHasSide;
         Real counts = select(here, Real(float(rows + 2 - most)), Real(0.0f));
         Real wide = sure_of(other);
         if (shares) wide = wide * pen_share(beside, other);
         count = count + counts;
         levels = mad(level_of(other), counts, levels);
         widths = mad(wide, counts, widths);
-        any = any || here;
       }
-      if (j < 0) before = before + select(any, Real(1.0f), none);
-      if (j > 0) after = after + select(any, Real(1.0f), none);
+      if (j < 0) before = select(any, max(before, Real(float(-j))), before);
+      if (j > 0) after = select(any, Real(float(j)), after);
     }
     Real per = Real(1.0f) / max(count, Real(1.0f));
-    width = select(even, widths * per, width);
-    level = select(even, levels * per, level);
+    Bool known = even && count > 0.0f;  // what closes a gap is not there yet
+    width = select(known, widths * per, width);
+    level = select(known, levels * per, level);
     // A free end within one object is a point.
     if (C.inner > 0.0f) {
       Real left = min(before, after);
       Bool ends = even && sides.within && left < Real(float(rows));
-      if (some(ends)) ends = ends && !is_met(ends, lying, place, slope, rows + 1);
+      if (some(ends)) ends = ends && !has_company(ends, lying, place, slope, rows + 1);
       Real point = (left + 1.0f) * Real(1.0f / float(rows + 1)) - 1.0f;
       width = select(ends, width * mad(point, Real(C.inner), Real(1.0f)), width);
     }
@@ -125,6 +140,9 @@ FN Real penned(int lying, Real piece) {
 }
 
 CONST int kBridge = 3;            // rows from a gap to the pieces on its two sides
+CONST float kBridgeRows = 4.5f;   // rows between those at most
+CONST float kPlaces = 0.99f;      // from the middle between two pixels: what a piece can tell, see outline_piece
+CONST int kPlacesAside = 3;       // pixels beside, at which another piece may be at the same place
 CONST float kBridgeBend = 0.6f;   // how much the slopes of those may differ from the way between them,
 CONST float kBridgeTurn = 16.5f;  // and their levels from each other
 
@@ -156,16 +174,21 @@ FN Real bridged(int lying, Real piece) {
   Bool asked = abs(piece) > 0.0f && !is_piece(piece);
   if (!some(asked)) return piece;
   Bank up = bank_of(lying, -1);
-  if (some(asked)) asked = asked && is_piece(up.piece);
+  asked = asked && is_piece(up.piece);
   if (!some(asked)) return piece;
   Bank down = bank_of(lying, 1);
   asked = asked && is_piece(down.piece);
   if (!some(asked)) return piece;
   Real slope = (down.place - up.place) / max(down.row - up.row, Real(1.0f));
   Real place = mad(slope, -up.row, up.place);
-  asked = asked && place >= -0.5f && place < 1.49f && abs(slope) < kSteepest;
+  asked = asked && down.row - up.row < Real(kBridgeRows) && abs(place - 0.5f) < kPlaces && abs(slope) < kSteepest;
   asked = asked && abs(slope_of(up.piece) - slope) < kBridgeBend && abs(slope_of(down.piece) - slope) < kBridgeBend;
   asked = asked && abs(level_of(up.piece) - level_of(down.piece)) < kBridgeTurn;
+  // Where its line is a pixel beside there is no gap.
+  for (int i = -kPlacesAside; i <= kPlacesAside; ++i) {
+    Real other = lying == 0 ? near_outline_steep_trimmed(i, 0) : near_outline_flat_trimmed(0, i);
+    asked = asked && !(is_piece(other) && abs(place_of(other) + Real(float(i)) - place) < kPenAside);
+  }
   Real level = floor((level_of(up.piece) + level_of(down.piece)) * 0.5f + kRounds);
   Real found = packed_piece(place, slope, level, min(sure_of(up.piece), sure_of(down.piece)));
   return select(asked, found, piece);
