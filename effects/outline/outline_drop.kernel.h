@@ -17,9 +17,6 @@ FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_strays(x, y); }
 #include "effects/outline/outline_lost.kernel.h"
-FN Bool has_piece_near(int i, int j) {
-  return has_piece(bits_of(near_outline_steep_trimmed(i, j)) | bits_of(near_outline_flat_trimmed(i, j)));
-}
 FN Bool told_near(int i, int j) { return abs(near_outline_strays(i, j)) > 0.0f; }
 #include "effects/outline/outline_islet.kernel.h"
 #include "effects/outline/outline_pen.kernel.h"

@@ -1,5 +1,5 @@
 // Islets: crumbs of lines that lie together and apart from all others. The text before has object_id, outline_join,
-// has_piece_near(i, j), and told_near(i, j): whether a piece there counts as one with an end that is told of.
+// outline_steep_trimmed, outline_flat_trimmed, and told_near(i, j): whether a piece there has an end that is told of.
 // All of it is told in cells of C.islet_cell pixels in either direction, from this pixel on.
 
 CONST int kIsletSweeps = 3;  // down and up over what is around, to find all of it
@@ -9,6 +9,10 @@ LIST_UINT(part, 31)   // islet_window() to either side and this pixel's own
 
 // An islet and a gap beyond: at most 15.
 FN int islet_window() { return C.islet + C.islet_gap; }
+
+FN Bool has_piece_near(int i, int j) {
+  return has_piece(bits_of(near_outline_steep_trimmed(i, j)) | bits_of(near_outline_flat_trimmed(i, j)));
+}
 
 FN Bool has_piece_in_cell(int m, int k) {
   Bool found = has_piece_near(m * C.islet_cell, k * C.islet_cell);

@@ -29,8 +29,8 @@ FN Sides sides_of(int lying, int i, int j) {
   depth2 = select(second, depth2, depth1);
   Real nearer = min(depth1, depth2);
   Real farther = max(depth1, depth2);
-  // A line can be drawn a pixel beside where it was found.
-  if (some(within)) {
+  // A line can be drawn a pixel beside where it was found. Asked only where it counts.
+  if (C.inner > 0.0f) {
     Real before = near_depth(i + i - i2, j + j - j2);
     Real after = near_depth(i2 + i2 - i, j2 + j2 - j);
     Real jump = max(select(is_surface(before), abs(before - depth1), Real(0.0f)),

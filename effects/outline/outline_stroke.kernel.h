@@ -53,6 +53,7 @@ FN Vec2 joined_apart(Real join) {
               (bits_at(join, 9, Uint(511u)) - kApart) * Real(1.0f / kApartSteps));
 }
 FN Real joined_sure(Real join) { return bits_at(join, 18, Uint(15u)) * Real(1.0f / kSure); }
+
 // The same joined end, where what it is joined to is so sure.
 FN Real with_sure(Real join, Real sure) {
   return real_of_bits((bits_of(join) & Uint(0xffc3ffffu)) | (to_uint(to_int(sure * kSure + 0.5f)) << 18));
