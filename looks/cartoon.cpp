@@ -1,5 +1,6 @@
 // Toon bands with coloured shadows, soft contact shade from a hemisphere of samples, and outlines that hold up: our own
-// settings for what [Lajzer and Nottingham] set out to do.
+// settings for what [Lajzer and Nottingham] set out to do. Four pictures are averaged: strips of tone that are hardly a
+// pixel wide would be dashes in one.
 #include "core/look.h"
 
 namespace umbrage {
@@ -26,6 +27,7 @@ const Look& look_cartoon() {
                   {"toon.ambient", "0.25"},        {"toon.extra", "0.1"},
                   {"output.background_r", "0.93"}, {"output.background_g", "0.91"},
                   {"output.background_b", "0.87"}},
+      .frames = 4,
   };
   return look;
 }

@@ -129,6 +129,9 @@ TEST(Public, TakesTheCommandLinesOptions) {
   EXPECT_NE(drawn({.occlusion_scale = "quarter"}), plain);
   EXPECT_NE(drawn({.background = {{1, 0, 0}}}), plain);
   EXPECT_NE(drawn({.guard_band = 10.0f}), plain);
+  const auto cartoon = drawn({.look = "cartoon"});
+  EXPECT_EQ(drawn({.look = "cartoon", .anti_aliasing = 4}), cartoon);
+  EXPECT_NE(drawn({.look = "cartoon", .anti_aliasing = 1}), cartoon);
   const auto cut = drawn({.transparent = true});
   float least = 1.0f;
   for (std::size_t k = 3; k < cut.size(); k += 4) least = std::min(least, cut[k]);

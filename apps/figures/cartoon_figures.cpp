@@ -24,6 +24,12 @@ constexpr Preset kPaper = {"cartoon-paper", "paper preset", ""}, kOurs = {"carto
 constexpr std::array kPresets = {kPaper, kOurs};
 bool is_paper(const Preset& preset) { return preset.look == kPaper.look; }
 
+/// Draws in a preset from now on, one picture and no mean of several: what is measured of passes is of single pixels.
+void use_single(Studio& studio, const Preset& preset) {
+  studio.draw.look = std::string(preset.look);
+  studio.draw.frames = is_paper(preset) ? std::nullopt : std::optional<int>(1);
+}
+
 const std::string kNoOutlines = "outline.opacity=0", kNoBlur = "gaussian.rounds=0";
 
 const Mesh& mesh_named(const Scene& scene, std::string_view name) {
@@ -251,7 +257,7 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
 
 /// Figure 1 a to d, and the buffers behind d: figures 2 to 6.
 Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
-  studio.draw.look = std::string(preset.look);
+  use_single(studio, preset);
   const auto plain = studio.shoot({kNoOutlines}, "none", kPlanes);
   const auto occluded = studio.shoot({kNoOutlines}, "", kPlanes);
   const auto outlined = studio.shoot({}, "none", kPlanes);
@@ -269,7 +275,7 @@ Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
 
 /// Section 5: the shortcuts that the authors name, undone one by one.
 Result<Figure> shortcuts_figure(Studio& studio) {
-  studio.draw.look = std::string(kPaper.look);
+  use_single(studio, kPaper);
   struct Shortcut {
     const char *setting, *file, *caption;
   };
@@ -428,7 +434,7 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
   if (auto done = ready(*studio); !done) return done.error();
   for (const Preset& preset : kPresets) {
     progress(fmt::format("time of every pass, {}", preset.name));
-    studio->draw.look = std::string(preset.look);
+    use_single(*studio, preset);
     const auto recipe = make_recipe(studio->draw);
     if (!recipe) return recipe.error();
     StageTimes first;

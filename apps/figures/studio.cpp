@@ -57,6 +57,7 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   if (!image) return image.error();
   std::string command =
       fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
+  if (with.frames) command += fmt::format(" --anti-aliasing {}", *with.frames);
   if (!occlusion.empty()) command += " --ao " + occlusion;
   if (with.framing.position) command += " --camera-position " + words(*with.framing.position);
   if (with.framing.focal_point) command += " --camera-focal-point " + words(*with.framing.focal_point);

@@ -399,7 +399,7 @@ Result<Recipe> make_recipe(const DrawSettings& draw) {
     for (const Quality& each : qualities()) names.push_back(each.name);
     return usage_error("--quality cannot be '{}'{}", draw.quality, suggestion(draw.quality, names));
   }
-  recipe.frames = draw.frames.value_or(quality ? quality->frames : 1);
+  recipe.frames = draw.frames.value_or(quality ? quality->frames : recipe.look->frames);
   recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
   if (traced) recipe.occlusion_every = 1;
   if (!draw.occlusion_scale.empty()) {

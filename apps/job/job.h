@@ -72,7 +72,7 @@ struct DrawSettings {
   Hdri hdri;
   std::optional<float> light_size_deg;  ///< of the key light, seen from the scene; nothing: as it is
   std::string quality;                  ///< a name of looks/quality.h; empty: the look's own
-  std::optional<int> frames;            ///< pictures that are averaged; nothing: as many as the quality says
+  std::optional<int> frames;            ///< pictures that are averaged; nothing: as quality or look say
   std::vector<std::string> averaged;    ///< planes besides the picture that are averaged, too, where it is of frames
   std::optional<int> extra_views;       ///< further cameras; nothing: as many as the look wants
   float guard_percent = 0.0f;  ///< band drawn beyond each side and cut off, as a share of the picture's longer side

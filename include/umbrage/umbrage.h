@@ -90,7 +90,7 @@ struct RenderRequest {
       point_size{};  ///< of a file's points: "0.01" scene units, or "0.5%" of the scene; empty: by their spacing
   std::string point_sprites = "auto";  ///< what they are drawn as: "auto", "disc", "sphere"
   std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: the look's own
-  std::optional<int> anti_aliasing{};  ///< pictures that are averaged, 1 to 256; as the quality says
+  std::optional<int> anti_aliasing{};  ///< pictures that are averaged, 1 to 256; as quality or look say
   std::string occlusion_radius{};      ///< "0.3" scene units, or "5%" of the scene; empty: the technique's own
   std::string occlusion_scale{};       ///< "full", "half", "quarter" resolution; empty: the look's own
   std::string ground = "auto";         ///< a ground that shows the shade alone: "auto", "on", "off"
