@@ -151,8 +151,18 @@ FN Vec2 surface_of(End a) {
   return Vec2(load_depth(x, y), load_object_id(x, y));
 }
 
-// Whether the surface is one from an end to another: of one object, not much deeper at one of them, and on the way not
-// before or behind both.
+// The depth under the middle of an end's stroke, where that is of its nearer surface, which is so deep beside the
+// crossing: on what is tilted much the two differ.
+FN Real depth_under(End a, Vec2 surface) {
+  Int x = to_int(floor(a.at.x + 0.5f));
+  Int y = to_int(floor(a.at.y + 0.5f));
+  Real depth = load_depth(x, y);
+  Bool own = in_picture(x, y) && is_surface(depth) && load_object_id(x, y) == surface.y;
+  return select(own, depth, surface.x);
+}
+
+// Whether the surface is one from an end to another: of one object, not much deeper at one of them, and on the way, as
+// the stroke is drawn, not before or behind both.
 FN Bool one_surface(Bool asked, End a, End b) {
   Vec2 here = surface_of(a);
   Vec2 there = surface_of(b);
@@ -160,9 +170,12 @@ FN Bool one_surface(Bool asked, End a, End b) {
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * min(here.x, there.x);
   Bool one = asked && here.y == there.y && abs(here.x - there.x) < pixel * (kShallow * float(C.stride));
+  if (!some(one)) return one;
+  Real under_a = depth_under(a, here);
+  Real under_b = depth_under(b, there);
   Real bound = pixel * mad(abs(apart.x) + abs(apart.y), Real(kDeeper), Real(kDeep));
-  Real nearest = min(here.x, there.x) - bound;
-  Real farthest = max(here.x, there.x) + bound;
+  Real nearest = min(min(here.x, there.x), min(under_a, under_b)) - bound;
+  Real farthest = max(max(here.x, there.x), max(under_a, under_b)) + bound;
   for (int k = 1; k <= kSamples; ++k) {
     if (!some(one)) continue;
     Real share = Real(float(k) / float(kSamples + 1));
