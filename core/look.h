@@ -22,6 +22,7 @@ struct Look {
   int occlusion_every = 1;
   /// Pictures that are averaged, each sampled elsewhere within its pixels, unless --anti-aliasing or a quality says.
   int frames = 1;
+  bool averages_for_eye = false;  ///< averaged pictures are mixed as square roots of light, as lines are
   std::string_view quality = {};  ///< one of looks/quality.h, unless --quality is given; empty: as the settings are
   bool studio_lights = false;     ///< a scene without lights gets a soft key and a fill light, else a key light alone
   /// What stands in the open stands on a ground that cannot be seen but for the shadows on it.

@@ -1,6 +1,6 @@
 // Toon bands with coloured shadows, soft contact shade from a hemisphere of samples, and outlines that hold up: our own
 // settings for what [Lajzer and Nottingham] set out to do. Four pictures are averaged: strips of tone that are hardly a
-// pixel wide would be dashes in one.
+// pixel wide would be dashes in one. They are mixed as lines are, or a line that is in three of them would be faint.
 #include "core/look.h"
 
 namespace umbrage {
@@ -28,6 +28,7 @@ const Look& look_cartoon() {
                   {"output.background_r", "0.93"}, {"output.background_g", "0.91"},
                   {"output.background_b", "0.87"}},
       .frames = 4,
+      .averages_for_eye = true,
   };
   return look;
 }

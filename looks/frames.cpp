@@ -55,7 +55,9 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
       const float* in = rows.planes[k].row(y);
       const float* share = alpha.row(y);
       float* out = total.sum.planes[k].row(first + y);
-      if (multiplied)
+      if (multiplied && total.for_eye)
+        for (int x = 0; x < rows.width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * share[x];
+      else if (multiplied)
         for (int x = 0; x < rows.width; ++x) out[x] += in[x] * share[x];
       else
         for (int x = 0; x < rows.width; ++x) out[x] += in[x];
@@ -64,7 +66,7 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
 }
 
 PictureSum rows_of(const PictureSum& total, int first, int count) {
-  PictureSum rows{.count = total.count, .sum = Image(total.sum.width, count)};
+  PictureSum rows{.for_eye = total.for_eye, .count = total.count, .sum = Image(total.sum.width, count)};
   for (const std::string& name : total.sum.names) {
     const Plane& from = total.sum.plane(name);
     Plane& to = rows.sum.add(name);
@@ -90,10 +92,15 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info) {
   g.info = info;
   g.info.more_layers.clear();
   Image& image = g.layers.emplace_back(total.sum.width, total.sum.height);
-  image.add("lit.r") = mean_plane(total, "color.r");
-  image.add("lit.g") = mean_plane(total, "color.g");
-  image.add("lit.b") = mean_plane(total, "color.b");
-  image.add("cover") = mean_plane(total, "color.a");
+  const Plane alpha = mean_plane(total, "color.a");
+  for (const std::string channel : {"r", "g", "b"}) {
+    Plane& lit = image.add("lit." + channel);
+    lit = mean_plane(total, "color." + channel);
+    for (int y = 0; total.for_eye && y < lit.height; ++y)
+      for (int x = 0; x < lit.width; ++x)
+        if (const float share = alpha.row(y)[x]; share > 0.0f) lit.row(y)[x] *= lit.row(y)[x] / share;
+  }
+  image.add(total.for_eye ? "outline" : "cover") = alpha;
   image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
   return g;
 }

@@ -19,8 +19,9 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
 
 /// A sum of pictures.
 struct PictureSum {
+  bool for_eye = false;  ///< colour is averaged as square roots of light, as mixed_for_the_eye has it
   int count = 0;
-  Image sum;  ///< colour multiplied by alpha, alpha, and what else is averaged
+  Image sum;  ///< colour, or its roots, multiplied by alpha; alpha; and what else is averaged
 };
 
 /// Adds a picture: planes color.r, .g, .b as light with straight alpha, color.a, and any others. All have the planes of
@@ -33,8 +34,8 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height);
 /// The sum of so many rows.
 PictureSum rows_of(const PictureSum& total, int first, int count);
 
-/// The average of the pictures' colour as light over their mean alpha, as planes that effect `output` makes the
-/// finished picture of: lit (multiplied by alpha), cover (alpha), depth (none).
+/// The average of the pictures' colour over their mean alpha, as planes that effect `output` makes the finished picture
+/// of: lit (multiplied by alpha), cover (alpha), depth (none). For the eye alpha is `outline`, which `output` mixes so.
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);
 
 /// The average of the planes besides color.

@@ -72,15 +72,31 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
   EXPECT_EQ(mean_planes(total).find("color.r"), nullptr);
 }
 
+TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
+  PictureSum total{.for_eye = true};
+  add_picture(total, one_pixel(0.64f, 1.0f, 0.25f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
+  add_picture(total, one_pixel(0.04f, 1.0f, 0.5f));
+  add_picture(total, one_pixel(-1.0f, 0.0f, 0.5f));
+  for (const PictureSum& sum : {total, rows_of(total, 0, 1)}) {
+    const GBuffer mean = mean_picture(sum, PictureInfo{.width = 1, .height = 1});
+    EXPECT_EQ(mean.layers[0].find("cover"), nullptr);
+    EXPECT_FLOAT_EQ(mean.layers[0].plane("outline").at(0, 0), 0.5f);
+    EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.125f);  // (0.8 + 0.2)^2 / 4 over half of the pixel
+    EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.b").at(0, 0), 0.0f);
+    EXPECT_FLOAT_EQ(mean_planes(sum).plane("ao").at(0, 0), 0.5f) << "what is no colour is averaged as it is";
+  }
+}
+
 /// A scene drawn with the look `ao` and no technique: white where there is a surface.
-Image silhouette(Scene scene, int frames, const std::vector<std::string>& settings = {}) {
+Image silhouette(Scene scene, int frames, const std::vector<std::string>& settings = {}, const char* look = "ao") {
   auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   DrawSettings draw_with;
   draw_with.width = 96;
   draw_with.height = 64;
-  draw_with.look = "ao";
+  draw_with.look = look;
   draw_with.occlusion = "none";
   draw_with.settings = {"output.background_r=0", "output.background_g=0", "output.background_b=0",
                         "output.transfer=none"};
@@ -89,6 +105,26 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   const auto frame = draw(*device, scene, draw_with, times);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   return *device->download(*frame, {"color.r", "color.a", "depth"});
+}
+
+// White before black: by the share of it that the model covers a pixel is between the two as square roots of light are.
+TEST(Frames, CartoonMixesAsTheEyeDoes) {
+  const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
+  const std::vector<std::string> settings = {"outline.opacity=0", "toon.bands=1", "toon.albedo=clay"};
+  const Image shares = silhouette(scene, 16), mixed = silhouette(scene, 16, settings, "cartoon");
+  int between = 0;
+  float white = 0.0f;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 96; ++x) white = std::max(white, mixed.planes[0].at(x, y));
+  EXPECT_GT(white, 0.1f);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 96; ++x) {
+      const float share = shares.planes[0].at(x, y);
+      if (share < 0.1f || share > 0.9f || shares.planes[1].at(x, y) < 1.0f) continue;
+      ++between;
+      EXPECT_NEAR(mixed.planes[0].at(x, y) / white, share * share, 0.02f) << x << ", " << y;
+    }
+  EXPECT_GT(between, 20);
 }
 
 TEST(Frames, AnEdgePixelHasTheShareThatTheModelCoversOfIt) {

@@ -257,7 +257,7 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
   std::vector<std::string> wanted = plan.planes;  // of the frame that stays
   for (const std::string& name : averaged)
     if (drawing->averages() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
-  PictureSum total;
+  PictureSum total{.for_eye = drawing->recipe.look->averages_for_eye};
   for (int k = drawing->recipe.frames - 1; k >= 0; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
     const auto add = [&](const Frame&, const Image& rows, int first) -> Result<void> {

@@ -630,7 +630,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   LookRun run = look_run(recipe, times, progress);
   if (settings.stops) run.stops = *settings.stops;
   run.run_handed_in = run_reference;
-  PictureSum total;
+  PictureSum total{.for_eye = recipe.look->averages_for_eye};
   // The last frame stays.
   for (int k = recipe.frames - 1;; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
