@@ -112,6 +112,9 @@ TEST(Frames, CartoonMixesAsTheEyeDoes) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const std::vector<std::string> settings = {"outline.opacity=0", "toon.bands=1", "toon.albedo=clay"};
   const Image shares = silhouette(scene, 16), mixed = silhouette(scene, 16, settings, "cartoon");
+  std::vector<std::string> transparent = settings;
+  transparent.push_back("output.transparent=on");
+  const Image cutout = silhouette(scene, 16, transparent, "cartoon");
   int between = 0;
   float white = 0.0f;
   for (int y = 0; y < 64; ++y)
@@ -123,6 +126,8 @@ TEST(Frames, CartoonMixesAsTheEyeDoes) {
       if (share < 0.1f || share > 0.9f || shares.planes[1].at(x, y) < 1.0f) continue;
       ++between;
       EXPECT_NEAR(mixed.planes[0].at(x, y) / white, share * share, 0.02f) << x << ", " << y;
+      EXPECT_NEAR(cutout.planes[1].at(x, y), share, 1e-5) << "alpha is the share";
+      EXPECT_NEAR(cutout.planes[0].at(x, y), white, 0.02f) << "colour is straight";
     }
   EXPECT_GT(between, 20);
 }

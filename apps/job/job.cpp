@@ -576,7 +576,7 @@ Result<Drawing> begin_drawing(Device& device, Scene& scene, const DrawSettings& 
   blend_as_written(drawing.recipe.settings);
   drawing.output = drawing.recipe.settings.find("output")->second;
   if (drawing.averages()) {
-    // Light with alpha, so that edges mix with the background as light does.
+    // Light with alpha, so that edges mix with the background as light does, or for the eye.
     must_apply(drawing.recipe, "output.transfer=none");
     if (!settings.hdri.shown()) must_apply(drawing.recipe, "output.transparent=on");
   }

@@ -25,6 +25,7 @@ CONST float kNear = 2.2f;         // to so many,
 CONST float kAside = 2.0f;        // and, not ahead, so many beside its way
 CONST float kLeastOnward = 0.6f;  // of an end's way, along its rows (columns): others lean too much
 CONST int kBeside = 2;            // per pixel of stride: see beside()
+CONST float kWholly = 0.8f;       // of its side, from which on a line lies on that alone
 CONST float kFacing = 1.0f;       // least pixels ahead per pixel aside
 CONST float kAlike = 0.5f;        // and between their ways, if one is turned round
 CONST float kBends = 2.0f;        // pixels farther that an end may be that is ahead, per pixel of detour
@@ -151,13 +152,14 @@ FN Vec2 surface_of(End a) {
   return Vec2(load_depth(x, y), load_object_id(x, y));
 }
 
-// The depth under the middle of an end's stroke, where that is of its nearer surface, which is so deep beside the
-// crossing: on what is tilted much the two differ.
+// The depth under the middle of an end's stroke, where that lies wholly on its nearer surface, which is so deep beside
+// the crossing: on what is tilted much the two differ.
 FN Real depth_under(End a, Vec2 surface) {
   Int x = to_int(floor(a.at.x + 0.5f));
   Int y = to_int(floor(a.at.y + 0.5f));
   Real depth = load_depth(x, y);
-  Bool own = in_picture(x, y) && is_surface(depth) && load_object_id(x, y) == surface.y;
+  Bool own = in_picture(x, y) && is_surface(depth) && load_object_id(x, y) == surface.y &&
+             dot(a.nearer, a.nearer) > kWholly * kWholly;
   return select(own, depth, surface.x);
 }
 

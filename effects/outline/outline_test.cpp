@@ -787,6 +787,33 @@ dvec2 on_relief(double angle_deg, const Lens& lens, int x, int y) {
   return {p.x * std::cos(a) - p.y * std::sin(a), -p.y * std::cos(a) - p.x * std::sin(a)};
 }
 
+// Where a surface is seen at a low angle, it is much nearer under the middle of a wide stroke than beside its crossing,
+// or much farther away.
+TEST(Outline, EndsOnTiltedSurfacesAreJoined) {
+  for (const double angle : {3.0, 20.0, 200.0})
+    for (const double tilt : {-9.0, 9.0}) {  // pixel sizes per pixel, towards the nearer side
+      const Lens lens{120, 2160, true};
+      const double a = radians(angle);
+      const dvec3 normal = glm::normalize(dvec3(std::sin(a) * tilt, -std::cos(a) * tilt, 1.0));
+      const auto is_whole = [&](double gap_px) {
+        const Scene straight_on = relief(angle, lens, [=](double u, double v) {
+          const double jump = std::clamp(std::fabs(u) - 0.5 * gap_px + 3.0, 0.0, 14.0);
+          return tilt * v + (v > 0.0 ? jump : 0.0);
+        });
+        const Scene tilted = [=](const dvec3& origin, const dvec3& direction) {
+          Hit hit = straight_on(origin, direction);
+          hit.normal = normal;
+          return hit;
+        };
+        const Plane lines = lines_of(seen(lens, tilted), {{"ids", "none"}, {"width", "5"}});
+        EXPECT_GT(count(lines), 100) << angle << ' ' << tilt;
+        return largest_set(lines) == count(lines);
+      };
+      EXPECT_TRUE(is_whole(8.0)) << angle << ' ' << tilt;
+      EXPECT_FALSE(is_whole(60.0)) << angle << ' ' << tilt;
+    }
+}
+
 /// What lines cover of each pixel's length of their way, by stretches so long along u, of which one begins at `from`.
 std::map<int, double> widths_along(const Plane& lines, double angle_deg, const Lens& lens, double stretch_px,
                                    double from_px, double half_u_px, double half_v_px) {

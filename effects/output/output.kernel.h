@@ -1,7 +1,8 @@
 // Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
 //
 // Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel, or what shade
-// sends, or surfaces in the mean of several pictures do, that cover the share `cover`.
+// sends, or surfaces in the mean of several pictures do, that cover the share `cover`; or `outline`, where those are
+// averaged for the eye.
 IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
