@@ -24,6 +24,8 @@ UMBRAGE_DECLARE_KERNEL(outline_strays_row)
 UMBRAGE_DECLARE_KERNEL(outline_strays_near)
 UMBRAGE_DECLARE_KERNEL(outline_drop)
 UMBRAGE_DECLARE_KERNEL(outline_join)
+UMBRAGE_DECLARE_KERNEL(outline_rejoin)
+UMBRAGE_DECLARE_KERNEL(outline_pen)
 UMBRAGE_DECLARE_KERNEL(outline_gather)
 UMBRAGE_DECLARE_KERNEL(outline_spread)
 UMBRAGE_DECLARE_KERNEL(outline)
@@ -73,6 +75,12 @@ constexpr std::uint32_t kDropSpirv[] = {
 };
 constexpr std::uint32_t kJoinSpirv[] = {
 #include "spirv/outline_join.inc"
+};
+constexpr std::uint32_t kRejoinSpirv[] = {
+#include "spirv/outline_rejoin.inc"
+};
+constexpr std::uint32_t kPenSpirv[] = {
+#include "spirv/outline_pen.inc"
 };
 constexpr std::uint32_t kGatherSpirv[] = {
 #include "spirv/outline_gather.inc"
@@ -296,6 +304,8 @@ int join_reach(const void* constants, int) {
   return std::max({2 * c.join + drift, int(std::ceil(2.6f * float(c.onward))) + 4,
                    int(std::ceil(2.6f * 4.0f * float(c.stride))) + beside, c.onward + c.bevel + drift});
 }
+/// As many rows as a line is made even over, and for free ends one more; what lies a pixel beside those.
+int pen_reach(const void* constants, int) { return static_cast<const OutlineConstants*>(constants)->stride + 6; }
 int spread_reach(const void* constants, int) { return static_cast<const OutlineConstants*>(constants)->gather; }
 int line_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
@@ -423,16 +433,34 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = strays_near_reach},
                  {.name = "outline_drop",
-                  .inputs = {"depth", "object_id", "material_id", "outline_steep_trimmed", "outline_flat_trimmed",
-                             "outline_join", "outline_strays", "outline_strays_near"},
-                  .outputs = {"outline_steep_left", "outline_flat_left", "outline_join_left"},
+                  .inputs = {"object_id", "outline_steep_trimmed", "outline_flat_trimmed", "outline_join",
+                             "outline_strays", "outline_strays_near"},
+                  .outputs = {"outline_steep_left", "outline_flat_left"},
                   .scalar = run_scalar_outline_drop,
                   .lanes = run_lanes_outline_drop,
                   .spirv = kDropSpirv,
                   .needed = is_robust,
                   .reach = drop_reach},
+                 {.name = "outline_rejoin",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_left",
+                             "outline_flat_left"},
+                  .outputs = {"outline_join_left"},
+                  .scalar = run_scalar_outline_rejoin,
+                  .lanes = run_lanes_outline_rejoin,
+                  .spirv = kRejoinSpirv,
+                  .needed = is_robust,
+                  .reach = join_reach},
+                 {.name = "outline_pen",
+                  .inputs = {"depth", "object_id", "material_id", "outline_steep_left", "outline_flat_left",
+                             "outline_join_left"},
+                  .outputs = {"outline_steep_pen", "outline_flat_pen", "outline_join_pen"},
+                  .scalar = run_scalar_outline_pen,
+                  .lanes = run_lanes_outline_pen,
+                  .spirv = kPenSpirv,
+                  .needed = is_robust,
+                  .reach = pen_reach},
                  {.name = "outline_gather",
-                  .inputs = {"outline_join_left"},
+                  .inputs = {"outline_join_pen"},
                   .outputs = {"outline_around"},
                   .scalar = run_scalar_outline_gather,
                   .lanes = run_lanes_outline_gather,
@@ -448,8 +476,8 @@ const Effect& effect_outline() {
                   .needed = is_robust,
                   .reach = spread_reach},
                  {.name = "outline",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_left",
-                             "outline_flat_left", "outline_join_left", "outline_around", "outline_near", "lit.r",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "outline_steep_pen",
+                             "outline_flat_pen", "outline_join_pen", "outline_around", "outline_near", "lit.r",
                              "lit.g", "lit.b"},
                   .outputs = {"lit.r", "lit.g", "lit.b", "outline"},
                   .scalar = run_scalar_outline,

@@ -7,9 +7,9 @@
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)
-IN_REAL(outline_steep_left)
-IN_REAL(outline_flat_left)
-IN_REAL(outline_join_left)
+IN_REAL(outline_steep_pen)
+IN_REAL(outline_flat_pen)
+IN_REAL(outline_join_pen)
 IN_REAL(outline_around)
 IN_REAL(outline_near)
 INOUT_COLOR(lit)
@@ -56,7 +56,7 @@ FN Real seen_cover(int lying, int towards, int sight) {
   Real open = Real(1.0f);
   for (int k = 0; k < sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
-    Real v = abs(lying == 0 ? near_outline_steep_left(i, 0) : near_outline_flat_left(0, i));
+    Real v = abs(lying == 0 ? near_outline_steep_pen(i, 0) : near_outline_flat_pen(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
     Vec3 line = met(v, i);
@@ -78,7 +78,7 @@ FN Vec3 seen(int lying, int towards, int sight) {
   Real open = Real(1.0f);
   for (int k = 0; k < sight; ++k) {
     int i = towards < 0 ? -1 - k : k;
-    Real v = abs(lying == 0 ? near_outline_steep_left(i, 0) : near_outline_flat_left(0, i));
+    Real v = abs(lying == 0 ? near_outline_steep_pen(i, 0) : near_outline_flat_pen(0, i));
     Bool here = v > 0.0f;
     if (!some(here)) continue;
     Vec3 line = met(v, i);
@@ -168,7 +168,7 @@ FN Real ends_cover(int j, Vec3 own) {
   for (int i = -C.reach; i <= C.reach; ++i) {
     Real fi = Real(float(i));
     // What lies beyond the picture's border reads as its last column.
-    Real v = -near_outline_steep_left(i, j);
+    Real v = -near_outline_steep_pen(i, j);
     if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.y, fi + place_of(v), own.z * fj);
@@ -176,7 +176,7 @@ FN Real ends_cover(int j, Vec3 own) {
                              near_object_id(i + 1, j), predicted);
       covered = select(v > 0.0f, max(covered, cover), covered);
     }
-    v = -near_outline_flat_left(i, j);
+    v = -near_outline_flat_pen(i, j);
     if (some(v > 0.0f)) v = select(near_inside(i, j), v, Real(0.0f));
     if (some(v > 0.0f)) {
       Real predicted = own.x + mad(own.z, fj + place_of(v), own.y * fi);
@@ -221,12 +221,12 @@ FN Real between_lines(Real covered, Real across, Real along, Bool ends, Int px, 
 FN Real joins_cover(int middle, int j, bool far) {
   Real covered = Real(0.0f);
   for (int i = middle - C.gather; i <= middle + C.gather; ++i) {
-    Real join = near_outline_join_left(i, j);
+    Real join = near_outline_join_pen(i, j);
     Bool here = far ? has_far_join(bits_of(join)) : has_join(bits_of(join));
     if (some(here)) here = here && near_inside(i, j);
     if (!some(here)) continue;
     Bool steep = joined_steep(join);
-    Real piece = select(steep, near_outline_steep_left(i, j), near_outline_flat_left(i, j));
+    Real piece = select(steep, near_outline_steep_pen(i, j), near_outline_flat_pen(i, j));
     Vec2 from = middle_of(piece, steep, C.width_px) + Vec2(Real(float(i)), Real(float(j)));
     Vec2 apart = joined_apart(join);
     Real share = unit_clamp(-dot(from, apart) / max(dot(apart, apart), Real(1e-6f)));

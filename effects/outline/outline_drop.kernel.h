@@ -1,10 +1,7 @@
-// Strays and islets dropped, and what goes on past joins, as outline_strays tells them, and crumbs on their way; and
-// how wide a pen draws what is left.
+// Strays and islets dropped, and what goes on past joins, as outline_strays tells them, and crumbs on their way.
 //
-// Planes: pieces of line as outline_piece.kernel.h has them, and what joins them, as outline_stroke.kernel.h has it.
-IN_REAL(depth)
+// Planes: pieces of line as outline_piece.kernel.h has them.
 IN_REAL(object_id)
-IN_REAL(material_id)
 IN_REAL(outline_steep_trimmed)
 IN_REAL(outline_flat_trimmed)
 IN_REAL(outline_join)
@@ -12,14 +9,12 @@ IN_REAL(outline_strays)
 IN_REAL(outline_strays_near)
 OUT_REAL(outline_steep_left)
 OUT_REAL(outline_flat_left)
-OUT_REAL(outline_join_left)
 FN Real steep_at(Int x, Int y) { return load_outline_steep_trimmed(x, y); }
 FN Real flat_at(Int x, Int y) { return load_outline_flat_trimmed(x, y); }
 FN Real told_at(Int x, Int y) { return load_outline_strays(x, y); }
 #include "effects/outline/outline_lost.kernel.h"
 FN Bool told_near(int i, int j) { return abs(near_outline_strays(i, j)) > 0.0f; }
 #include "effects/outline/outline_islet.kernel.h"
-#include "effects/outline/outline_pen.kernel.h"
 
 CONST int kBrief = 20;      // rows of what may be a crumb
 CONST int kCrumb = 2;       // pixels from a piece, within which another one
@@ -92,29 +87,6 @@ FN void outline_drop_pixel(Int px, Int py) {
     steep = select(islet && is_piece(steep), Real(0.0f), steep);
     lower = select(islet && is_piece(lower), Real(0.0f), lower);
   }
-  // What joins a piece that is dropped is dropped with it.
-  Real join = near_outline_join(0, 0);
-  Bool bare = has_join(bits_of(join)) && !is_piece(select(joined_steep(join), steep, lower));
-  join = select(bare, select(join < 0.0f, Real(-kOnlyEnds), Real(kOnlyEnds)), join);
-  Real steep_bridge = bridged(0, steep);
-  Real lower_bridge = bridged(1, lower);
-  Bool bridge = (is_piece(steep_bridge) && !is_piece(steep)) || (is_piece(lower_bridge) && !is_piece(lower));
-  // What is on its sides may be dropped.
-  if (some(bridge)) bridge = bridge && !strays_around(px, py);
-  steep = select(bridge, steep_bridge, steep);
-  lower = select(bridge, lower_bridge, lower);
-  any = any || is_piece(steep) || is_piece(lower);
-  if (some(any)) {
-    // What joins a line to another is as wide as it.
-    Bool joined = has_join(bits_of(join));
-    Real before = sure_of(select(joined_steep(join), steep, lower));
-    steep = penned(0, px, py, steep);
-    lower = penned(1, px, py, lower);
-    Real after = sure_of(select(joined_steep(join), steep, lower));
-    join = select(joined, with_sure(join, joined_sure(join) * min(after / max(before, Real(1.0f)), Real(1.0f))), join);
-  }
   store_outline_steep_left(steep);
   store_outline_flat_left(lower);
-  join = select(abs(join) > 0.0f, join, Real(kOnlyEnds));
-  store_outline_join_left(select(is_piece(steep) || is_piece(lower), join, Real(0.0f)));
 }

@@ -1,7 +1,20 @@
 // How wide a line is drawn, as by a pen: thinner with distance, thinner the less of a surface another part of it hides,
 // as wide, and as much on one side, as it is around, in a point where it ends free; and gaps of a few rows closed,
-// which wide lines cover and thin ones do not. The text before has depth, object_id, material_id,
-// outline_steep_trimmed, outline_flat_trimmed, outline_join, and what outline_end.kernel.h knows.
+// which wide lines cover and thin ones do not.
+//
+// Planes: pieces of line as outline_piece.kernel.h has them, and what joins them, as outline_stroke.kernel.h has it.
+IN_REAL(depth)
+IN_REAL(object_id)
+IN_REAL(material_id)
+IN_REAL(outline_steep_left)
+IN_REAL(outline_flat_left)
+IN_REAL(outline_join_left)
+OUT_REAL(outline_steep_pen)
+OUT_REAL(outline_flat_pen)
+OUT_REAL(outline_join_pen)
+FN Real steep_at(Int x, Int y) { return load_outline_steep_left(x, y); }
+FN Real flat_at(Int x, Int y) { return load_outline_flat_left(x, y); }
+#include "effects/outline/outline_end.kernel.h"
 
 CONST int kPen = 3;            // rows to either side over which a line is even, and one more per pixel of stride
 CONST float kPenAside = 1.1f;  // pixels beside a line's way, up to which a piece is of it
@@ -64,14 +77,14 @@ FN_RARE Bool has_company(Bool asked, int lying, Real place, Real slope, int with
     for (int i = -within; i <= within; ++i) {
       Bool look = asked && !met;
       if (!some(look)) continue;
-      Real steep = near_outline_steep_trimmed(i, j);
-      Real lower = near_outline_flat_trimmed(i, j);
+      Real steep = near_outline_steep_left(i, j);
+      Real lower = near_outline_flat_left(i, j);
       Real along = lying == 0 ? steep : lower;
       Real across = lying == 0 ? lower : steep;
       Real off = place_of(along) + Real(float(lying == 0 ? i : j)) - mad(slope, Real(float(lying == 0 ? j : i)), place);
       Real bends = Real(kPenAside + kPenBend * float(lying == 0 ? (j < 0 ? -j : j) : (i < 0 ? -i : i)));
       Bool other = is_piece(across) || (is_piece(along) && !(abs(off) < bends));
-      met = met || (look && (other || has_join(bits_of(near_outline_join(i, j)))));
+      met = met || (look && (other || has_join(bits_of(near_outline_join_left(i, j)))));
     }
   return met;
 }
@@ -104,7 +117,7 @@ FN Real penned(int lying, Int px, Int py, Real piece) {
       Bool any = lying == 0 ? !in_picture(px + to_int(expected), py + Int(j))
                             : !in_picture(px + Int(j), py + to_int(expected));
       for (int i = -most; i <= most; ++i) {
-        Real other = lying == 0 ? near_outline_steep_trimmed(i, j) : near_outline_flat_trimmed(j, i);
+        Real other = lying == 0 ? near_outline_steep_left(i, j) : near_outline_flat_left(j, i);
         Real off = place_of(other) + Real(float(i)) - mad(slope, Real(float(j)), place);
         Bool here = even && is_piece(other) && abs(off) < kPenAside;
         if (!some(here)) continue;
@@ -157,7 +170,7 @@ FN Bank bank_of(int lying, int towards) {
   Bank bank = Bank(none, none, none);
   for (int k = 1; k <= kBridge; ++k)
     for (int i = -k - 1; i <= k + 1; ++i) {
-      Real other = lying == 0 ? near_outline_steep_trimmed(i, k * towards) : near_outline_flat_trimmed(k * towards, i);
+      Real other = lying == 0 ? near_outline_steep_left(i, k * towards) : near_outline_flat_left(k * towards, i);
       Bool here = is_piece(other) &&
                   (bank.row == none || (bank.row == Real(float(k * towards)) && abs(Real(float(i))) < abs(bank.place)));
       bank.row = select(here, Real(float(k * towards)), bank.row);
@@ -186,10 +199,30 @@ FN Real bridged(int lying, Real piece) {
   asked = asked && abs(level_of(up.piece) - level_of(down.piece)) < kBridgeTurn;
   // Where its line is a pixel beside there is no gap.
   for (int i = -kPlacesAside; i <= kPlacesAside; ++i) {
-    Real other = lying == 0 ? near_outline_steep_trimmed(i, 0) : near_outline_flat_trimmed(0, i);
+    Real other = lying == 0 ? near_outline_steep_left(i, 0) : near_outline_flat_left(0, i);
     asked = asked && !(is_piece(other) && abs(place_of(other) + Real(float(i)) - place) < kPenAside);
   }
   Real level = floor((level_of(up.piece) + level_of(down.piece)) * 0.5f + kRounds);
   Real found = packed_piece(place, slope, level, min(sure_of(up.piece), sure_of(down.piece)));
   return select(asked, found, piece);
+}
+
+FN void outline_pen_pixel(Int px, Int py) {
+  Real steep = bridged(0, near_outline_steep_left(0, 0));
+  Real lower = bridged(1, near_outline_flat_left(0, 0));
+  Real join = near_outline_join_left(0, 0);
+  Bool any = is_piece(steep) || is_piece(lower);
+  if (some(any)) {
+    // What joins a line to another is as wide as it.
+    Bool joined = has_join(bits_of(join));
+    Real before = sure_of(select(joined_steep(join), steep, lower));
+    steep = penned(0, px, py, steep);
+    lower = penned(1, px, py, lower);
+    Real after = sure_of(select(joined_steep(join), steep, lower));
+    join = select(joined, with_sure(join, joined_sure(join) * min(after / max(before, Real(1.0f)), Real(1.0f))), join);
+  }
+  store_outline_steep_pen(steep);
+  store_outline_flat_pen(lower);
+  join = select(abs(join) > 0.0f, join, Real(kOnlyEnds));
+  store_outline_join_pen(select(any, join, Real(0.0f)));
 }
