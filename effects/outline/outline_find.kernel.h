@@ -40,6 +40,8 @@ CONST float kNoSlope = 1e30f;           // of normals that do not face the eye, 
 CONST float kMostSteepening = 4.0f;     // of a slope from one step to the next: 2.4 on a ball's last pixel
 CONST float kFirstStep = 0.3f;          // share of a jump in two steps, from which on it is at the first
 CONST float kLeastRamp = 2.0f;          // of such a jump, times `depth`
+CONST float kPlainRamp = 2.25f;         // and in high pictures where normals do not turn, there as clear as one of
+CONST float kPlainGrows = 2.0f;         // `depth` in one step, and so many times as fast clearer
 CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a surface that still tells its shape
 
 // Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
@@ -152,6 +154,13 @@ FN Real predicted_slope(Bool known, Vec2 last, Vec2 before, Real measured, Real 
   return select(known, both, select(last.y < kNoSlope, last.y, Real(0.0f)));
 }
 
+// How large a jump in two steps counts where normals do not turn.
+FN Real plain_ramp(Real ramp, Real pixel) {
+  Real less = pixel * (C.depth * (kPlainRamp * kPlainGrows - 1.0f));
+  Real counts = max(mad(abs(ramp), Real(kPlainGrows), -less), Real(0.0f));
+  return select(ramp < 0.0f, -counts, counts);
+}
+
 // What a step of nearness is beyond what either side predicts; below 0 for a step upwards.
 FN Real agreed_gap(Real step, Real of_pixel, Real of_neighbour) {
   Real gap = select(step < 0.0f, max(min(-of_pixel, -of_neighbour), Real(0.0f)), Real(0.0f));
@@ -190,16 +199,19 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   Real down = step + step2;
   Real ramp = agreed_gap(down, down - select(before, step0, slope1) * 2.0f,
                          down - (nearness_of(3 * i, 3 * j) - plane3.x) * 2.0f);
-  Bool two = after && step * step2 > 0.0f && abs(ramp) > least &&
-             max(turn, square(near_normal(2 * i, 2 * j) - n2)) > faint && same_object(2 * i, 2 * j, 3 * i, 3 * j) &&
+  Bool two = after && step * step2 > 0.0f && abs(ramp) > least && same_object(2 * i, 2 * j, 3 * i, 3 * j) &&
              near_inside(3 * i, 3 * j);
+  Bool turns = max(turn, square(near_normal(2 * i, 2 * j) - n2)) > faint;
+  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, pixel) : Real(0.0f));
   Bool first = abs(step) >= abs(down) * kFirstStep;
   gap = select(two && first && abs(ramp) > abs(gap), ramp, gap);
   down = step0 + step;
   ramp = agreed_gap(down, down - (plane0.x - nearness_of(-2 * i, -2 * j)) * 2.0f,
                     down - select(after, step2, slope2) * 2.0f);
-  two = before && step0 * step > 0.0f && abs(ramp) > least && max(turn, square(n1 - near_normal(-i, -j))) > faint &&
-        same_object(-i, -j, -2 * i, -2 * j) && near_inside(-2 * i, -2 * j);
+  two = before && step0 * step > 0.0f && abs(ramp) > least && same_object(-i, -j, -2 * i, -2 * j) &&
+        near_inside(-2 * i, -2 * j);
+  turns = max(turn, square(n1 - near_normal(-i, -j))) > faint;
+  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, pixel) : Real(0.0f));
   first = abs(step0) >= abs(down) * kFirstStep;
   gap = select(two && !first && abs(ramp) > abs(gap), ramp, gap);
   return gap / max(pixel, Real(1e-30f));
