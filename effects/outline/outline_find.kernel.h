@@ -154,17 +154,19 @@ FN Real predicted_slope(Bool known, Vec2 last, Vec2 before, Real measured, Real 
   return select(known, both, select(last.y < kNoSlope, last.y, Real(0.0f)));
 }
 
-// How large a jump in two steps counts where normals do not turn.
-FN Real plain_ramp(Real ramp, Real pixel) {
-  Real less = pixel * (C.depth * (kPlainRamp * kPlainGrows - 1.0f));
-  Real counts = max(mad(abs(ramp), Real(kPlainGrows), -less), Real(0.0f));
-  return select(ramp < 0.0f, -counts, counts);
-}
-
 // What a step of nearness is beyond what either side predicts; below 0 for a step upwards.
 FN Real agreed_gap(Real step, Real of_pixel, Real of_neighbour) {
   Real gap = select(step < 0.0f, max(min(-of_pixel, -of_neighbour), Real(0.0f)), Real(0.0f));
   return select(step > 0.0f, -max(min(of_pixel, of_neighbour), Real(0.0f)), gap);
+}
+
+// How large a jump in two steps counts where normals do not turn, if neither step tells of one: no more than the two
+// fall, since between two jumps a strip that is level does not.
+FN Real plain_ramp(Real ramp, Real down, Real gap, Real pixel) {
+  Real one = pixel * C.depth;
+  Real counts = mad(min(abs(ramp), abs(down)), Real(kPlainGrows), one * Real(1.0f - kPlainRamp * kPlainGrows));
+  counts = select(abs(gap) < one, max(counts, Real(0.0f)), Real(0.0f));
+  return select(ramp < 0.0f, -counts, counts);
 }
 
 // How far, in pixel sizes, this pixel lies in front of its neighbour (i, j), the right or the lower one; below 0 if the
@@ -202,7 +204,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   Bool two = after && step * step2 > 0.0f && abs(ramp) > least && same_object(2 * i, 2 * j, 3 * i, 3 * j) &&
              near_inside(3 * i, 3 * j);
   Bool turns = max(turn, square(near_normal(2 * i, 2 * j) - n2)) > faint;
-  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, pixel) : Real(0.0f));
+  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, down, gap, pixel) : Real(0.0f));
   Bool first = abs(step) >= abs(down) * kFirstStep;
   gap = select(two && first && abs(ramp) > abs(gap), ramp, gap);
   down = step0 + step;
@@ -211,7 +213,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   two = before && step0 * step > 0.0f && abs(ramp) > least && same_object(-i, -j, -2 * i, -2 * j) &&
         near_inside(-2 * i, -2 * j);
   turns = max(turn, square(n1 - near_normal(-i, -j))) > faint;
-  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, pixel) : Real(0.0f));
+  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, down, gap, pixel) : Real(0.0f));
   first = abs(step0) >= abs(down) * kFirstStep;
   gap = select(two && !first && abs(ramp) > abs(gap), ramp, gap);
   return gap / max(pixel, Real(1e-30f));
