@@ -304,7 +304,7 @@ int join_reach(const void* constants, int) {
   return std::max({2 * c.join + drift, int(std::ceil(2.6f * float(c.onward))) + 4,
                    int(std::ceil(2.6f * 4.0f * float(c.stride))) + beside, c.onward + c.bevel + drift});
 }
-/// As many rows as a line is made even over, and for free ends one more; what lies a pixel beside those.
+/// As many rows as a line is made even over, and for free ends one more; depths two pixels beside those.
 int pen_reach(const void* constants, int) { return static_cast<const OutlineConstants*>(constants)->stride + 6; }
 int spread_reach(const void* constants, int) { return static_cast<const OutlineConstants*>(constants)->gather; }
 int line_reach(const void* constants, int) {

@@ -160,13 +160,15 @@ FN Real agreed_gap(Real step, Real of_pixel, Real of_neighbour) {
   return select(step > 0.0f, -max(min(of_pixel, of_neighbour), Real(0.0f)), gap);
 }
 
-// How large a jump in two steps counts where normals do not turn, if neither step tells of one: no more than the two
-// fall, since between two jumps a strip that is level does not.
-FN Real plain_ramp(Real ramp, Real down, Real gap, Real pixel) {
+// How large a jump in two steps counts. Where normals do not turn a smooth thing's mesh has a flaw; in high pictures
+// such a jump counts in part, if neither step tells of one, and for no more than the two fall: between two jumps a
+// strip that is level does not.
+FN Real counted_ramp(Real ramp, Bool turns, Real down, Real gap, Real pixel) {
+  if (C.stride == 1) return select(turns, ramp, Real(0.0f));
   Real one = pixel * C.depth;
-  Real counts = mad(min(abs(ramp), abs(down)), Real(kPlainGrows), one * Real(1.0f - kPlainRamp * kPlainGrows));
-  counts = select(abs(gap) < one, max(counts, Real(0.0f)), Real(0.0f));
-  return select(ramp < 0.0f, -counts, counts);
+  Real part = mad(min(abs(ramp), abs(down)), Real(kPlainGrows), one * Real(1.0f - kPlainRamp * kPlainGrows));
+  part = select(abs(gap) < one, max(part, Real(0.0f)), Real(0.0f));
+  return select(turns, ramp, select(ramp < 0.0f, -part, part));
 }
 
 // How far, in pixel sizes, this pixel lies in front of its neighbour (i, j), the right or the lower one; below 0 if the
@@ -192,7 +194,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   of_pixel = select(after, milder(of_pixel, step2 - step), of_pixel);
   Real gap = agreed_gap(step, of_neighbour, -of_pixel);
   // A pixel in the middle of a jump, halfway down, parts it into two steps: it is at the first, unless that is small.
-  // Normals turn there; where they do not, a smooth thing's mesh has a flaw.
+  // Normals turn there, or else it counts less.
   Real least = pixel * (C.depth * kLeastRamp);
   Vec3 n1 = near_normal(0, 0);
   Vec3 n2 = near_normal(i, j);
@@ -204,7 +206,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   Bool two = after && step * step2 > 0.0f && abs(ramp) > least && same_object(2 * i, 2 * j, 3 * i, 3 * j) &&
              near_inside(3 * i, 3 * j);
   Bool turns = max(turn, square(near_normal(2 * i, 2 * j) - n2)) > faint;
-  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, down, gap, pixel) : Real(0.0f));
+  ramp = counted_ramp(ramp, turns, down, gap, pixel);
   Bool first = abs(step) >= abs(down) * kFirstStep;
   gap = select(two && first && abs(ramp) > abs(gap), ramp, gap);
   down = step0 + step;
@@ -213,7 +215,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   two = before && step0 * step > 0.0f && abs(ramp) > least && same_object(-i, -j, -2 * i, -2 * j) &&
         near_inside(-2 * i, -2 * j);
   turns = max(turn, square(n1 - near_normal(-i, -j))) > faint;
-  ramp = select(turns, ramp, C.stride > 1 ? plain_ramp(ramp, down, gap, pixel) : Real(0.0f));
+  ramp = counted_ramp(ramp, turns, down, gap, pixel);
   first = abs(step0) >= abs(down) * kFirstStep;
   gap = select(two && !first && abs(ramp) > abs(gap), ramp, gap);
   return gap / max(pixel, Real(1e-30f));
