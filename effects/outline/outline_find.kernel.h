@@ -161,13 +161,12 @@ FN Real agreed_gap(Real step, Real of_pixel, Real of_neighbour) {
 }
 
 // How large a jump in two steps counts. Where normals do not turn a smooth thing's mesh has a flaw; in high pictures
-// such a jump counts in part, if neither step tells of one, and for no more than the two fall: between two jumps a
-// strip that is level does not.
-FN Real counted_ramp(Real ramp, Bool turns, Real down, Real gap, Real pixel) {
+// such a jump counts in part, and for no more than the two fall: between two jumps a strip that is level does not.
+FN Real counted_ramp(Real ramp, Bool turns, Real down, Real pixel) {
   if (C.stride == 1) return select(turns, ramp, Real(0.0f));
   Real one = pixel * C.depth;
   Real part = mad(min(abs(ramp), abs(down)), Real(kPlainGrows), one * Real(1.0f - kPlainRamp * kPlainGrows));
-  part = select(abs(gap) < one, max(part, Real(0.0f)), Real(0.0f));
+  part = max(part, Real(0.0f));
   return select(turns, ramp, select(ramp < 0.0f, -part, part));
 }
 
@@ -206,7 +205,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   Bool two = after && step * step2 > 0.0f && abs(ramp) > least && same_object(2 * i, 2 * j, 3 * i, 3 * j) &&
              near_inside(3 * i, 3 * j);
   Bool turns = max(turn, square(near_normal(2 * i, 2 * j) - n2)) > faint;
-  ramp = counted_ramp(ramp, turns, down, gap, pixel);
+  ramp = counted_ramp(ramp, turns, down, pixel);
   Bool first = abs(step) >= abs(down) * kFirstStep;
   gap = select(two && first && abs(ramp) > abs(gap), ramp, gap);
   down = step0 + step;
@@ -215,7 +214,7 @@ FN Real jump_between(Int px, Int py, int i, int j) {
   two = before && step0 * step > 0.0f && abs(ramp) > least && same_object(-i, -j, -2 * i, -2 * j) &&
         near_inside(-2 * i, -2 * j);
   turns = max(turn, square(n1 - near_normal(-i, -j))) > faint;
-  ramp = counted_ramp(ramp, turns, down, gap, pixel);
+  ramp = counted_ramp(ramp, turns, down, pixel);
   first = abs(step0) >= abs(down) * kFirstStep;
   gap = select(two && !first && abs(ramp) > abs(gap), ramp, gap);
   return gap / max(pixel, Real(1e-30f));

@@ -1729,7 +1729,8 @@ TEST(Outline, DashesThatTrimmingLeavesAreDropped) {
         const double half_px = brief ? (height > 256 ? 11.0 : 7.0) : 24.0 * stride, apart_px = 1.8 + 0.5 * stride;
         const Lens lens{int(120.0 * std::sqrt(stride)), height, true};
         const Scene scene = relief(angle, lens, [=](double u, double v) {
-          const auto side = [u](double half) { return std::clamp(8.0 * (half - std::fabs(u)), 0.0, 8.0); };
+          // Its ends are slopes: a fall by 8 within a pixel would be a jump of its own.
+          const auto side = [u](double half) { return std::clamp(3.0 * (half + 0.6 - std::fabs(u)), 0.0, 8.0); };
           return (v > 0.0 ? side(half_px) : 0.0) + (v > apart_px ? side(0.5 * half_px) : 0.0);
         });
         const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
@@ -1739,7 +1740,7 @@ TEST(Outline, DashesThatTrimmingLeavesAreDropped) {
         else
           drawn += near > 40;
       }
-  EXPECT_GE(bare, 12) << "of 18";  // 5 before: some along rows, columns and halfway between keep both
+  EXPECT_GE(bare, 16) << "of 18";  // 9 where no stray is dropped
   EXPECT_EQ(drawn, 18);
 }
 
