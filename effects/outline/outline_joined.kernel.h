@@ -438,11 +438,9 @@ FN_RARE Target target_of(Bool asked, End a) {
     Real way = target.ahead * share;
     Bool here = own && surface.x - depth < pixel * mad(way, Real(kTilted), Real(kDeep)) &&
                 depth - surface.x < pixel * mad(way, select(crease, Real(kFalls), Real(kTilted)), Real(kDeep));
-    if (some(far)) {
-      here = here && (!far || turns_at(x, y, coming.way));
-      // Of a rim that it meets at a low angle the stroke begins before.
-      if (k > kSamples / 2) here = here || (far && !own && depth < surface.x);
-    }
+    if (some(far)) here = here && (!far || turns_at(x, y, coming.way));
+    // Of a rim that it meets at a low angle the stroke begins before.
+    if (k > kSamples / 2) here = here || (crease && !own && depth < surface.x);
     target.on = target.on && here;
   }
   return target;

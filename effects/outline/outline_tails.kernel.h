@@ -37,7 +37,8 @@ CONST float kBack = 0.6f;           // cosine from which on a way is back along 
 CONST int kTrunk = 3;               // rows that this goes on for beyond a crossing,
 CONST int kLonger = 2;              // and that the other one goes on for more than a burr
 CONST float kStraight = 0.6f;       // pixels beside the way of a line, up to which it comes straight,
-CONST float kHookOff = 1.0f;        // and from which on its last rows are a hook
+CONST float kHookOff = 1.0f;        // and from which on its last rows are a hook,
+CONST float kCutOff = 0.4f;         // or those of a bevel that is hidden in part
 
 // Whether an end touches nothing within so many pixels and nothing is ahead of it.
 FN_RARE Bool is_free(Bool asked, Tip end, float touching) {
@@ -243,12 +244,31 @@ FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, 
   return rows;
 }
 
+// Whether a nearer object hides a part of the bevel that a crease may be in the middle of.
+FN_RARE Bool is_cut(Bool asked, Int px, Int py, Bool steep) {
+  Real depth = load_depth(px, py);
+  Real object = load_object_id(px, py);
+  Bool found = asked && !asked;
+  for (int m = -C.bevel; m <= C.bevel; ++m) {
+    Bool look = asked && !found;
+    if (!some(look)) continue;
+    Int x = px + select(steep, Int(m), Int(0));
+    Int y = py + select(steep, Int(0), Int(m));
+    look = look && in_picture(x, y);
+    found = found || (look && !(load_object_id(x, y) == object) && load_depth(x, y) < depth);
+  }
+  return found;
+}
+
 // How many rows of a crease, or of a line that begins as a rim, from its end on, are a hook: they leave the way that it
-// came straight.
-FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towards) {
+// came straight. cut: where a bevel is hidden in part, its middle seems to lie in what is left of it.
+FN_RARE Real hook_of(Bool asked, Bool cut, Along here, Int px, Int py, Int side, Real towards) {
   Bool steep = here.steep;
   int all = kComing * C.stride;
   Bool is_rim = !is_crease(here.piece);
+  Real most = select(cut, Real(float(C.bevel)), Real(float(all / 4)));
+  Real middle = select(cut, Real(float((C.bevel + all) / 2)), Real(float(all / 2)));
+  Real off_way = select(cut, Real(kCutOff), Real(kHookOff));
   Vec2 zero = Vec2(Real(0.0f), Real(0.0f));
   Vec2 far = zero;
   Vec2 near = zero;
@@ -259,13 +279,14 @@ FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towa
     last = next_along(last, px, py, steep, side * Int(-k), -towards);
     last.on = last.on && (is_rim || is_crease(last.piece));
     Vec2 at = middle_at(last, px, py, 0.0f);
-    if (k > all / 2) far = far + at;
-    if (k > all / 4 && k <= all / 2) near = near + at;
+    Real row = Real(float(k));
+    far = chosen(row > middle, far + at, far);
+    near = chosen(row > most && row <= middle, near + at, near);
   }
   Bool straight = last.on;
   if (!some(straight)) return Real(0.0f);
-  far = far * Real(1.0f / float(all - all / 2));
-  near = near * Real(1.0f / float(all / 2 - all / 4));
+  far = far * (Real(1.0f) / (Real(float(all)) - middle));
+  near = near * (Real(1.0f) / (middle - most));
   Vec2 way = near - far;
   way = way * (Real(1.0f) / sqrt(max(dot(way, way), Real(1e-6f))));
   Real rows = Real(0.0f);
@@ -276,8 +297,9 @@ FN_RARE Real hook_of(Bool asked, Along here, Int px, Int py, Int side, Real towa
     if (k > 0) last = next_along(last, px, py, steep, side * Int(-k), -towards);
     Vec2 at = middle_at(last, px, py, 0.0f);
     Real off = abs(cross(way, at - near));
-    if (k <= all / 4) rows = select(off > kHookOff, Real(float(k + 1)), rows);
-    if (k > all / 4) straight = straight && off < kStraight;
+    Bool may = Real(float(k)) <= most;
+    rows = select(may && off > off_way, Real(float(k + 1)), rows);
+    straight = straight && (may || off < kStraight);
     last.on = last.on && straight;
   }
   return select(straight, rows, Real(0.0f));
@@ -308,7 +330,9 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     if (some(burr)) lost = select(faces_end(burr, end), Real(0.0f), lost);
     code = select(passed, code + (side < 0 ? kPassedBefore : kPassedAfter), code);
     Bool hook = ends && (free || is_crease(piece)) && !(lost > 0.0f);
-    if (some(hook)) lost = select(hook, hook_of(hook, here, px, py, Int(side), towards), lost);
+    Bool cut = hook && is_crease(piece);
+    if (some(cut)) cut = is_cut(cut, px, py, steep);
+    if (some(hook)) lost = select(hook, hook_of(hook, cut, here, px, py, Int(side), towards), lost);
     Along from = here;
     from.on = ends;
     Real stroke = stroke_of(end, from, px, py, Int(side), towards);

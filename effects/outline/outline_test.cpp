@@ -1330,6 +1330,31 @@ TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLine) {
         }
 }
 
+// Normals that are interpolated over a mesh do not turn there: in high pictures depths alone tell.
+TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLineThoughNormalsDoNotTurn) {
+  for (const bool orthographic : {false, true})
+    for (const double angle : {1.5, 86.0})
+      for (const double wide_px : {0.8, 1.0})
+        for (const double depth_px : {9.0, 12.0}) {
+          const Straight straight{true, angle};
+          const Lens lens{256, 2160, orthographic};
+          const Scene step = steep_step(angle, wide_px, depth_px, lens);
+          const Scene smooth = [&](const dvec3& origin, const dvec3& direction) {
+            Hit hit = step(origin, direction);
+            hit.normal = {0, 0, 1};
+            return hit;
+          };
+          const Plane lines = lines_of(seen(lens, smooth), {{"width", "2"}});
+          const Profile p = profile_of(lines, straight, lens, 2.0);
+          const std::string what =
+              fmt::format("{} degrees, {} wide, {} deep{}: mean {:.2f}, worst {:.2f}, wobble {:.2f}", angle, wide_px,
+                          depth_px, orthographic ? ", orthographic" : "", p.mean, p.worst, p.wobble);
+          EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
+          EXPECT_LE(p.worst, 0.75) << what;
+          EXPECT_LE(p.wobble, 0.35) << what;
+        }
+}
+
 TEST(Outline, SidesOfFoldsAreOneLine) {
   for (const int height : {256, 1700, 2200, 3300})  // pixels by ones, and by strides of two to four
     for (const bool orthographic : {false, true})
