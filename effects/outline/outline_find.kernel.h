@@ -166,7 +166,7 @@ FN Real counted_ramp(Real ramp, Bool turns, Real down, Real pixel) {
   if (C.stride == 1) return select(turns, ramp, Real(0.0f));
   Real one = pixel * C.depth;
   Real part = mad(min(abs(ramp), abs(down)), Real(kPlainGrows), one * Real(1.0f - kPlainRamp * kPlainGrows));
-  part = max(part, Real(0.0f));
+  part = min(max(part, Real(0.0f)), abs(ramp));
   return select(turns, ramp, select(ramp < 0.0f, -part, part));
 }
 

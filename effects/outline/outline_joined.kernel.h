@@ -30,16 +30,20 @@ CONST int kShort = 3;             // pixels, per pixel of stride,
 CONST int kShortMore = 2;         // and more, of a line that it points to,
 CONST float kShortMost = 1.0f;    // and more if nothing is near, or it is a crease, or meets that at no low angle
 CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
-CONST float kPointsFar = 0.15f;   // and where it is farther off
+CONST float kPointsFar = 0.15f;   // and where it is farther off;
+CONST float kAsideCosts = 3.0f;   // what those count beside those ahead, of a crease that is cut
 CONST float kOnFaith = 2.5f;      // pixels more than a crease came straight, that it goes on to what is near
 CONST float kMeets = 0.5f;        // sine of the angle at which that way meets a line of its own object at least
 CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what it turns along the way,
 CONST float kEven = 0.02f;        // and what a side of it turns that is flat
-CONST float kFirm = 0.7f;         // share of sure, of both
+CONST float kFirm = 0.7f;         // share of sure, of both,
+CONST float kFirmCut = 0.55f;     // or of the end of a crease that is cut
 CONST float kNearly = 0.8f;       // share of the way to it on which its surface is asked
 CONST float kTilted = 6.0f;       // pixel sizes per pixel that its surface may be tilted,
 CONST float kFalls = 12.0f;       // and fall away behind the end of a crease, where another side of it begins
 CONST float kNever = 1e6f;        // the cost of what is not joined
+
+#include "effects/outline/outline_cut.kernel.h"
 
 // An end of a line.
 struct End {
@@ -370,8 +374,13 @@ FN_RARE Target target_of(Bool asked, End a) {
   Bool sure_way = crease || a.open;
   Coming coming = Coming(Real(0.0f), a.x, a.y, at, at - at);
   if (some(crease)) coming = coming_to(crease, a);
+  Bool straight = crease && dot(coming.way, coming.way) > 0.5f;
+  Bool cut = straight;
+  if (some(cut)) cut = is_cut(cut, a.x, a.y, a.steep);
+  Vec2 way = chosen(cut, coming.way, a.way);
   // A crease of one row, between lines, is the end of one of them.
   Bool leads = asked && (a.open || !crease || coming.rows >= 1.0f);
+  leads = leads && (cut || linked_of(piece_at(a.steep, a.x, a.y)) > kFirm);
   for (int j = -short_px - 2; j <= short_px + 2; ++j)
     for (int i = -short_px - 2; i <= short_px + 2; ++i)
       for (int lying = 0; lying < 2; ++lying) {
@@ -380,16 +389,18 @@ FN_RARE Target target_of(Bool asked, End a) {
         Bool here = leads && is_piece(piece) && linked_of(piece) > kFirm;
         if (!some(here)) continue;
         Vec2 apart = apart_from(at, piece, lying, Int(i), Int(j), C.width_px);
-        Real along = dot(a.way, apart);
-        Real aside = abs(cross(a.way, apart));
+        Vec2 onward = chosen(cut, apart + at - coming.at, apart);
+        Real along = dot(way, onward);
+        Real aside = abs(cross(way, onward));
         here = here && along > kAhead && along < short_way && aside < mad(along, Real(kPoints), Real(0.5f));
+        aside = aside * select(cut, Real(kAsideCosts), Real(1.0f));
         Vec2 lean = lean_of(slope_of(piece), steep_of(lying), Real(1.0f));
         here = here && (sure_way || along < short_way - kShortMost || abs(cross(a.way, lean)) > kMeets);
         here = here && (!crease || along < coming.rows + kOnFaith);
-        target = better_of(here, target, piece, lying, a.way, apart, along, aside);
+        target = better_of(here, target, piece, lying, way, apart, along, aside);
       }
   // Farther off, row by row (column by column) along its way.
-  Bool far = crease && !target.on && dot(coming.way, coming.way) > 0.5f;
+  Bool far = straight && !target.on && leads;
   if (some(far)) {
     Bool steep = abs(coming.way.y) > abs(coming.way.x);
     Real most = max(abs(coming.way.x), abs(coming.way.y));
@@ -440,7 +451,7 @@ FN_RARE Target target_of(Bool asked, End a) {
                 depth - surface.x < pixel * mad(way, select(crease, Real(kFalls), Real(kTilted)), Real(kDeep));
     if (some(far)) here = here && (!far || turns_at(x, y, coming.way));
     // Of a rim that it meets at a low angle the stroke begins before.
-    if (k > kSamples / 2) here = here || (crease && !own && depth < surface.x);
+    if (k > kSamples / 2) here = here || ((far || cut) && !own && depth < surface.x);
     target.on = target.on && here;
   }
   return target;
@@ -472,7 +483,9 @@ FN Ends joined(Int px, Int py, int lying, Real piece, int side, Ends ends) {
     Real other = piece_at(b.steep, b.x, b.y);
     ends.coded = select(both, packed_join(b.at - a.at, linked_of(other), steep, both && !both), ends.coded);
   }
-  Bool alone = a.on && !both && linked_of(piece) > kFirm && (a.open || !ends.alone.open);
+  Real firm = linked_of(piece);
+  Bool alone = a.on && !both && (a.open || !ends.alone.open);
+  alone = alone && (firm > kFirm || (firm > kFirmCut && !ends.alone.on));
   ends.alone = chosen(alone, a, ends.alone);
   return ends;
 }

@@ -40,6 +40,8 @@ CONST float kStraight = 0.6f;       // pixels beside the way of a line, up to wh
 CONST float kHookOff = 1.0f;        // and from which on its last rows are a hook,
 CONST float kCutOff = 0.4f;         // or those of a bevel that is hidden in part
 
+#include "effects/outline/outline_cut.kernel.h"
+
 // Whether an end touches nothing within so many pixels and nothing is ahead of it.
 FN_RARE Bool is_free(Bool asked, Tip end, float touching) {
   Bool free = asked;
@@ -242,22 +244,6 @@ FN_RARE Real burr_of(Bool asked, Tip end, Along here, Int px, Int py, Int side, 
     last.on = last.on && !crossed;
   }
   return rows;
-}
-
-// Whether a nearer object hides a part of the bevel that a crease may be in the middle of.
-FN_RARE Bool is_cut(Bool asked, Int px, Int py, Bool steep) {
-  Real depth = load_depth(px, py);
-  Real object = load_object_id(px, py);
-  Bool found = asked && !asked;
-  for (int m = -C.bevel; m <= C.bevel; ++m) {
-    Bool look = asked && !found;
-    if (!some(look)) continue;
-    Int x = px + select(steep, Int(m), Int(0));
-    Int y = py + select(steep, Int(0), Int(m));
-    look = look && in_picture(x, y);
-    found = found || (look && !(load_object_id(x, y) == object) && load_depth(x, y) < depth);
-  }
-  return found;
 }
 
 // How many rows of a crease, or of a line that begins as a rim, from its end on, are a hook: they leave the way that it
