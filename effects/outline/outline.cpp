@@ -238,7 +238,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const int cap = 1 + int(std::ceil(0.5f * c.width_px));
   c.around = std::max({c.sight, c.join / 2 + cap, c.onward + cap});
   // Three windows so far apart from each other leave no gap: apart is at most 2 gather + 1.
-  constexpr int kShort = 3, kShortMore = 3;  // pixels to a line ahead, per pixel of stride and more: see outline_join
+  constexpr int kShort = 3, kShortMore = 3;  // pixels to a line ahead, per pixel of stride and more: as outline_joined
   c.gather = std::max({c.sight, std::max(c.join / 2, kShort * c.stride + kShortMore) + cap, (c.around + 1) / 3});
   c.apart = std::max(c.around - c.gather, 1);
 }

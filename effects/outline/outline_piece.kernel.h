@@ -1,5 +1,5 @@
 // A piece of line, in one number: where it passes, how it leans, on whose side it lies, how sure it is. outline_refine,
-// outline_link, outline_trim, outline_drop and outline_pen write such numbers, outline draws them.
+// outline_link, outline_even, outline_trim, outline_drop and outline_pen write such numbers, outline draws them.
 //
 // 0 is none; kOnlyEnds a place where a surface ends but no line is drawn; beyond is a piece, below 0 where a line ends.
 // Its bits, from the lowest: 8 for t, -1/2 to 3/2 from this pixel to its neighbour; 8 for the slope, in pixels aside

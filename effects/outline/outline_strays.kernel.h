@@ -210,7 +210,7 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     spur = spur && within_one(end, steep) && within_one(stroke.other, stroke.steep);
     if (some(spur)) spur = is_spur(spur, spur, stray, end, stroke.other);
     Real lost = select(alone || spur, rows_lost(stroke), Real(0.0f));
-    // What is but one piece, in a gap, has no way that could be joined, and is in the way of others.
+    // What is but one piece has no way that could be joined, and is in the way of others.
     Bool single = stroke.on && !leads && stroke.rows == Int(0);
     if (some(single)) single = single && within_one(end, steep) && !is_met(single, single && !single, end, stroke);
     lost = select(single, Real(1.0f), lost);

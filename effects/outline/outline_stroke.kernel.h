@@ -1,5 +1,5 @@
-// What outline_join and outline know of a piece: the stroke that is drawn along it, and the stroke that joins its end
-// to another line's, or to a line that it points to.
+// What outline_join, outline_rejoin and what reads their planes know of a piece: the stroke that is drawn along it, and
+// the stroke that joins its end to another line's, or to a line that it points to.
 //
 // outline_join is 0 where there is no piece and kOnlyEnds where there is one, below 0 where a line ends; of an end that
 // is joined it has these bits, from the lowest: 9 and 9 for how far the middle of the other end, or of that line, is to

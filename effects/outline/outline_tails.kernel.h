@@ -5,8 +5,8 @@
 // A tail goes, in a few rows, to an end that touches nothing and has nothing ahead, while another line of its object,
 // the nearer surface not on the other side, runs beside it and on past that. A spur is but a few pieces, near another
 // line, that lead nowhere, or stand on its side. A burr is what goes on past a crossing for a few rows. A hook is where
-// a crease, or a rim that ends free, leaves its way in its last rows. A stray is a stroke alone on its surface; one of
-// a crease may run beside other lines.
+// a crease, or a rim that ends free, leaves its way in its last rows, or near what hides a part of its bevel. A stray
+// is a stroke alone on its surface; one of a crease may run beside other lines.
 //
 // outline_tails: as outline_tail.kernel.h has it.
 IN_REAL(depth)
