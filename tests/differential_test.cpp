@@ -294,36 +294,40 @@ TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
 }
 
 // Lines of high pictures are told by strides of several pixels.
-TEST(Differential, LinesOfHighPicturesAgreeWithScalar) {
+class HighPictures : public testing::TestWithParam<Size> {};
+
+TEST_P(HighPictures, LinesAgreeWithScalar) {
   const Effect& effect = *find_effect("outline");
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  for (const Size size : {Size{37, 1300}, Size{33, 2200}, Size{35, 2900}}) {
-    GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7);
-    add_made_inputs(effect, gbuffer);
-    const ParameterBytes params = variant_of(effect, 0);
-    const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
-    const auto check = [&](const Image& image, const std::string& what) {
-      for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-        const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * scale_of(oracle.planes[p]));
-        EXPECT_LE(d.share_over, kMostFlips) << oracle.names[p] << ' ' << what << " at " << size.height;
-      }
-    };
-    for (const std::string& target : simd_target_names()) {
-      ASSERT_TRUE(choose_simd_target(target));
-      check(outputs(effect, params, gbuffer, {}), target);
+  const Size size = GetParam();
+  GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7);
+  add_made_inputs(effect, gbuffer);
+  const ParameterBytes params = variant_of(effect, 0);
+  const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
+  const auto check = [&](const Image& image, const std::string& what) {
+    for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
+      const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * scale_of(oracle.planes[p]));
+      EXPECT_LE(d.share_over, kMostFlips) << oracle.names[p] << ' ' << what << " at " << size.height;
     }
-    choose_simd_target("");
-    const Image image = outputs(effect, params, gbuffer, *device);
-    const auto d = test::difference(oracle.plane("outline"), image.plane("outline"), 2.0 / 255.0);
-    EXPECT_LE(d.share_over, 1e-3) << "at " << size.height;
-    double drawn = 0.0;
-    for (int y = 0; y < size.height; ++y)
-      for (int x = 0; x < size.width; ++x) drawn += oracle.plane("outline").at(x, y);
-    EXPECT_GT(drawn, 100.0);
+  };
+  for (const std::string& target : simd_target_names()) {
+    ASSERT_TRUE(choose_simd_target(target));
+    check(outputs(effect, params, gbuffer, {}), target);
   }
+  choose_simd_target("");
+  const Image image = outputs(effect, params, gbuffer, *device);
+  const auto d = test::difference(oracle.plane("outline"), image.plane("outline"), 2.0 / 255.0);
+  EXPECT_LE(d.share_over, 1e-3) << "at " << size.height;
+  double drawn = 0.0;
+  for (int y = 0; y < size.height; ++y)
+    for (int x = 0; x < size.width; ++x) drawn += oracle.plane("outline").at(x, y);
+  EXPECT_GT(drawn, 100.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Strides, HighPictures, testing::Values(Size{37, 1300}, Size{33, 2200}, Size{35, 2900}),
+                         [](const auto& info) { return std::to_string(info.param.height); });
 
 bool is_missing(int x, int y) { return test::hash(unsigned(x) + 4099u * unsigned(y)) % 7 == 0 || (x > 90 && y == 17); }
 
