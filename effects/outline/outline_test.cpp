@@ -1347,21 +1347,25 @@ Scene steep_step(double angle_deg, double wide_px, double depth_px, const Lens& 
                    convex_solid({{front, glm::dot(front, behind)}})});
 }
 
+/// That the lines of such a step, two pixels wide, are one.
+void expect_step_line(const Plane& lines, double angle_deg, double wide_px, double depth_px, const Lens& lens) {
+  const Profile p = profile_of(lines, {true, angle_deg}, lens, 2.0);
+  const std::string what =
+      fmt::format("{} degrees, {} wide, {} deep{}: mean {:.2f}, worst {:.2f}, wobble {:.2f}", angle_deg, wide_px,
+                  depth_px, lens.orthographic ? ", orthographic" : "", p.mean, p.worst, p.wobble);
+  EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
+  EXPECT_LE(p.worst, 0.75) << what;
+  EXPECT_LE(p.wobble, 0.35) << what;
+}
+
 TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLine) {
   for (const bool orthographic : {false, true})
     for (const double angle : {1.5, 4.0, 86.0, 88.5})
       for (const double wide_px : {0.5, 0.8, 1.0, 1.2})
         for (const double depth_px : {8.0, 10.0, 15.0}) {
-          const Straight straight{true, angle};
           const Lens lens{256, 256, orthographic};
           const Plane lines = lines_of(seen(lens, steep_step(angle, wide_px, depth_px, lens)), {{"width", "2"}});
-          const Profile p = profile_of(lines, straight, lens, 2.0);
-          const std::string what =
-              fmt::format("{} degrees, {} wide, {} deep{}: mean {:.2f}, worst {:.2f}, wobble {:.2f}", angle, wide_px,
-                          depth_px, orthographic ? ", orthographic" : "", p.mean, p.worst, p.wobble);
-          EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
-          EXPECT_LE(p.worst, 0.75) << what;
-          EXPECT_LE(p.wobble, 0.35) << what;
+          expect_step_line(lines, angle, wide_px, depth_px, lens);
         }
 }
 
@@ -1371,7 +1375,6 @@ TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLineThoughNormalsDoNotTurn) {
     for (const double angle : {1.5, 86.0})
       for (const double wide_px : {0.8, 1.0})
         for (const double depth_px : {9.0, 12.0}) {
-          const Straight straight{true, angle};
           const Lens lens{256, 2160, orthographic};
           const Scene step = steep_step(angle, wide_px, depth_px, lens);
           const Scene smooth = [&](const dvec3& origin, const dvec3& direction) {
@@ -1380,13 +1383,7 @@ TEST(Outline, JumpsThatFallOnTwoPixelsAreOneLineThoughNormalsDoNotTurn) {
             return hit;
           };
           const Plane lines = lines_of(seen(lens, smooth), {{"width", "2"}});
-          const Profile p = profile_of(lines, straight, lens, 2.0);
-          const std::string what =
-              fmt::format("{} degrees, {} wide, {} deep{}: mean {:.2f}, worst {:.2f}, wobble {:.2f}", angle, wide_px,
-                          depth_px, orthographic ? ", orthographic" : "", p.mean, p.worst, p.wobble);
-          EXPECT_NEAR(p.mean, 2.0, 0.25) << what;
-          EXPECT_LE(p.worst, 0.75) << what;
-          EXPECT_LE(p.wobble, 0.35) << what;
+          expect_step_line(lines, angle, wide_px, depth_px, lens);
         }
 }
 
