@@ -1,6 +1,5 @@
 // Where a nearer object hides a part of the bevel that a crease may be in the middle of: what is left of that seems to
-// have its middle elsewhere. The text before has depth, object_id
-// and what outline_end.kernel.h has.
+// have its middle elsewhere. The text before has depth, object_id and what outline_end.kernel.h has.
 
 // Whether that is so at a piece within an object.
 FN_RARE Bool is_cut(Bool asked, Int px, Int py, Bool steep) {

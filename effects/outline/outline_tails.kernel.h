@@ -316,7 +316,8 @@ FN Real told(Int px, Int py, Real piece, int lying) {
     if (some(burr)) lost = select(faces_end(burr, end), Real(0.0f), lost);
     code = select(passed, code + (side < 0 ? kPassedBefore : kPassedAfter), code);
     Bool hook = ends && (free || is_crease(piece)) && !(lost > 0.0f);
-    Bool cut = hook && is_crease(piece);
+    // Where a bevel takes all rows that would tell the way, hooks are as elsewhere.
+    Bool cut = hook && is_crease(piece) && Int(C.bevel + 2) <= Int(kComing * C.stride);
     if (some(cut)) cut = is_cut(cut, px, py, steep);
     if (some(hook)) lost = select(hook, hook_of(hook, cut, here, px, py, Int(side), towards), lost);
     Along from = here;
