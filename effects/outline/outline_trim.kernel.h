@@ -157,14 +157,15 @@ FN_RARE Bool is_dot(Bool asked, Tail tail, Int px, Int py, Real piece, int lying
 }
 
 // This pixel's piece, or nothing if it is lost, or a dot, or of a tail, or between two, and has the other line beside
-// it; of what is left of these, marked as an end: it is one where the rest is dropped.
-FN_RARE Real without_tails(Bool asked, Int px, Int py, Real piece, int lying) {
+// it; of what is left of these, marked as an end: it is one where the rest is dropped. own: the piece as it was, since
+// what stands for it is known as it was, too.
+FN_RARE Real without_tails(Bool asked, Int px, Int py, Real own, Real piece, int lying) {
   Tail up = tail_at(asked, px, py, piece, steep_of(lying), -1, tail_rows(), false);
   Tail down = tail_at(asked, px, py, piece, steep_of(lying), 1, tail_rows(), false);
   Bool dropped = up.lost || down.lost;
   Bool tail = up.near || down.near || (up.passed && down.passed);
   Bool ask = tail && !dropped;
-  if (some(ask)) dropped = dropped || has_beside(ask, px, py, piece, steep_of(lying), kLeastSeen);
+  if (some(ask)) dropped = dropped || has_beside(ask, px, py, own, steep_of(lying), kLeastSeen);
   ask = ask && !dropped;
   if (some(ask)) dropped = dropped || is_dot(ask, up, px, py, piece, lying, -1);
   if (some(ask)) dropped = dropped || is_dot(ask, down, px, py, piece, lying, 1);
@@ -238,6 +239,7 @@ FN_RARE Led led_on(Bool asked, Int px, Int py, Real piece, int lying, int side) 
 }
 
 FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
+  Real own = piece;
   Bool on = is_piece(piece);
   Bool faint = on && sure_of(piece) < kWhole;
   // What is so faint beside another line would be specks.
@@ -258,7 +260,7 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   }
   piece = select(hair, Real(0.0f), piece);
   Bool look = near_end && is_piece(piece);
-  if (some(look)) piece = select(look, without_tails(look, px, py, piece, lying), piece);
+  if (some(look)) piece = select(look, without_tails(look, px, py, own, piece, lying), piece);
   return piece;
 }
 
