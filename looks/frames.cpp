@@ -1,7 +1,9 @@
 #include "looks/frames.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <glm/exponential.hpp>
 #include <limits>
 
 #include "core/check.h"
@@ -15,6 +17,12 @@ glm::vec2 r2(int k) {
   constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;  // 1 over the plastic number, and its square
   const double x = 0.5 + k * kX, y = 0.5 + k * kY;
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
+}
+
+Plane some_rows(const Plane& from, int first, int count) {
+  Plane rows(from.width, count);
+  for (int y = 0; y < count; ++y) std::copy_n(from.row(first + y), from.width, rows.row(y));
+  return rows;
 }
 
 }  // namespace
@@ -44,10 +52,23 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   if (total.sum.planes.empty()) {
     total.sum = Image(rows.width, height);
     for (const std::string& name : rows.names) total.sum.add(name) = Plane(rows.width, height, 0.0f);
+    if (total.opacity > 0.0f) {
+      total.least = Plane(rows.width, height, std::numeric_limits<float>::infinity());
+      total.most = Plane(rows.width, height, 0.0f);
+    }
   }
   if (total.sum.names != rows.names || total.sum.width != rows.width || total.sum.height != height)
     fail_check("pictures that are averaged must have the same planes");
   total.count += first == 0;
+  if (total.opacity > 0.0f) {
+    const Plane& lines = rows.plane("outline");
+    for (int y = 0; y < rows.height; ++y)
+      for (int x = 0; x < rows.width; ++x) {
+        float &least = total.least.row(first + y)[x], &most = total.most.row(first + y)[x];
+        least = std::min(least, lines.row(y)[x]);
+        most = std::max(most, lines.row(y)[x]);
+      }
+  }
   const Plane& alpha = rows.plane("color.a");
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
     const bool multiplied = is_color(rows.names[k]) && rows.names[k] != "color.a";
@@ -66,11 +87,12 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
 }
 
 PictureSum rows_of(const PictureSum& total, int first, int count) {
-  PictureSum rows{.for_eye = total.for_eye, .count = total.count, .sum = Image(total.sum.width, count)};
-  for (const std::string& name : total.sum.names) {
-    const Plane& from = total.sum.plane(name);
-    Plane& to = rows.sum.add(name);
-    for (int y = 0; y < count; ++y) std::copy_n(from.row(first + y), from.width, to.row(y));
+  PictureSum rows{
+      .for_eye = total.for_eye, .opacity = total.opacity, .count = total.count, .sum = Image(total.sum.width, count)};
+  for (const std::string& name : total.sum.names) rows.sum.add(name) = some_rows(total.sum.plane(name), first, count);
+  if (total.opacity > 0.0f) {
+    rows.least = some_rows(total.least, first, count);
+    rows.most = some_rows(total.most, first, count);
   }
   return rows;
 }
@@ -85,30 +107,68 @@ Plane mean_plane(const PictureSum& total, std::string_view name) {
   return mean;
 }
 
+/// The share of each pixel that lines cover.
+Plane voted_lines(const PictureSum& total) {
+  Plane lines = mean_plane(total, "outline");
+  if (!(total.opacity > 0.0f)) return lines;
+  for (int y = 0; y < lines.height; ++y)
+    for (int x = 0; x < lines.width; ++x)
+      lines.row(y)[x] =
+          voted_line(lines.row(y)[x], total.least.row(y)[x], total.most.row(y)[x], total.count, total.opacity);
+  return lines;
+}
+
+/// Lets lines cover what was voted, in a mean of pictures: `roots`, its colour, multiplied by `alpha`.
+void draw_voted_lines(const PictureSum& total, glm::vec3 root, std::array<Plane*, 3> roots, Plane& alpha) {
+  constexpr float kAllLine = 1e-3f;  // less than this beside a line does not tell what it is
+  const Plane lines = mean_plane(total, "outline"), voted = voted_lines(total);
+  for (int y = 0; y < lines.height; ++y)
+    for (int x = 0; x < lines.width; ++x) {
+      const float mean = lines.row(y)[x], rest = 1.0f - mean, covered = voted.row(y)[x];
+      if (covered == mean || rest < kAllLine) continue;
+      const float scale = (1.0f - covered) / rest;
+      for (int c = 0; c < 3; ++c) {
+        float& v = roots[c]->row(y)[x];
+        v = std::max(v - root[c] * mean, 0.0f) * scale + root[c] * covered;
+      }
+      float& share = alpha.row(y)[x];
+      share = std::max(share - mean, 0.0f) * scale + covered;
+    }
+}
+
 }  // namespace
 
-GBuffer mean_picture(const PictureSum& total, const PictureInfo& info) {
+float voted_line(float mean, float least, float most, int pictures, float opacity) {
+  constexpr float kAgree = 0.5f, kDisagree = 0.9f;  // of a line's share, between pictures
+  if (pictures < 3) return mean;
+  const float apart = std::clamp(((most - least) / opacity - kAgree) / (kDisagree - kAgree), 0.0f, 1.0f);
+  if (apart <= 0.0f) return mean;
+  const float voted = std::clamp((mean * float(pictures) - least - most) / float(pictures - 2), 0.0f, opacity);
+  return mean + (voted - mean) * apart * apart * (3.0f - 2.0f * apart);
+}
+
+GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3 line) {
   GBuffer g;
   g.info = info;
   g.info.more_layers.clear();
   Image& image = g.layers.emplace_back(total.sum.width, total.sum.height);
-  const Plane alpha = mean_plane(total, "color.a");
-  for (const std::string channel : {"r", "g", "b"}) {
-    Plane& lit = image.add("lit." + channel);
-    lit = mean_plane(total, "color." + channel);
-    for (int y = 0; total.for_eye && y < lit.height; ++y)
-      for (int x = 0; x < lit.width; ++x)
-        if (const float share = alpha.row(y)[x]; share > 0.0f) lit.row(y)[x] *= lit.row(y)[x] / share;
-  }
+  Plane alpha = mean_plane(total, "color.a");
+  for (const std::string channel : {"r", "g", "b"}) image.add("lit." + channel) = mean_plane(total, "color." + channel);
+  const std::array<Plane*, 3> lit = {&image.plane("lit.r"), &image.plane("lit.g"), &image.plane("lit.b")};
+  if (total.for_eye && total.opacity > 0.0f) draw_voted_lines(total, glm::sqrt(line), lit, alpha);
+  for (Plane* plane : lit)
+    for (int y = 0; total.for_eye && y < plane->height; ++y)
+      for (int x = 0; x < plane->width; ++x)
+        if (const float share = alpha.row(y)[x]; share > 0.0f) plane->row(y)[x] *= plane->row(y)[x] / share;
   image.add(total.for_eye ? "outline" : "cover") = alpha;
   image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
   return g;
 }
 
-Image mean_planes(const PictureSum& total) {
+Image mean_planes(const PictureSum& total, std::span<const std::string> names) {
   Image means(total.sum.width, total.sum.height);
-  for (const std::string& name : total.sum.names)
-    if (!is_color(name)) means.add(name) = mean_plane(total, name);
+  for (const std::string& name : names)
+    means.add(name) = name == "outline" ? voted_lines(total) : mean_plane(total, name);
   return means;
 }
 

@@ -2,6 +2,9 @@
 // and with less noise.
 #pragma once
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
+#include <string>
 
 #include "core/device.h"
 
@@ -20,8 +23,10 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
 /// A sum of pictures.
 struct PictureSum {
   bool for_eye = false;  ///< colour is averaged as square roots of light, as mixed_for_the_eye has it
+  float opacity = 0.0f;  ///< of lines, plane `outline`, if pictures outvote each other on them; or 0
   int count = 0;
-  Image sum;  ///< colour, or its roots, multiplied by alpha; alpha; and what else is averaged
+  Image sum;          ///< colour, or its roots, multiplied by alpha; alpha; and what else is averaged
+  Plane least, most;  ///< of `outline`, if pictures outvote each other on lines
 };
 
 /// Adds a picture: planes color.r, .g, .b as light with straight alpha, color.a, and any others. All have the planes of
@@ -36,9 +41,15 @@ PictureSum rows_of(const PictureSum& total, int first, int count);
 
 /// The average of the pictures' colour over their mean alpha, as planes that effect `output` makes the finished picture
 /// of: lit (multiplied by alpha), cover (alpha), depth (none). For the eye alpha is `outline`, which `output` mixes so.
-GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);
+/// Where pictures outvote each other on lines `line` is the colour of those in the pictures, as light.
+GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3 line = glm::vec3(0.0f));
 
-/// The average of the planes besides color.
-Image mean_planes(const PictureSum& total);
+/// The average of planes besides color.
+Image mean_planes(const PictureSum& total, std::span<const std::string> names);
+
+/// The share of a pixel that lines of that opacity cover in so many pictures, 0 to `opacity`: the mean, or, where the
+/// least and the most are farther apart than pictures that are sampled elsewhere within a pixel are, the mean without
+/// those two. So a line that one picture lacks is whole, and what one has alone is not there.
+float voted_line(float mean, float least, float most, int pictures, float opacity);
 
 }  // namespace umbrage

@@ -51,6 +51,8 @@ TEST(Frames, AShiftedCameraSeesWhatIsAside) {
   EXPECT_LT(glm::distance(at(shifted, 10, 20), at(camera, 11, 21)), 1e-6);
 }
 
+const std::vector<std::string> kAo = {"ao"};
+
 Image one_pixel(float r, float alpha, float ao) {
   Image image(1, 1);
   for (const auto& [name, v] :
@@ -68,8 +70,7 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
   const GBuffer mean = mean_picture(total, PictureInfo{.width = 1, .height = 1});
   EXPECT_FLOAT_EQ(mean.layers[0].plane("cover").at(0, 0), 0.5f);
   EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.25f);  // 0.5 over half of the pixel
-  EXPECT_FLOAT_EQ(mean_planes(total).plane("ao").at(0, 0), 0.5f);
-  EXPECT_EQ(mean_planes(total).find("color.r"), nullptr);
+  EXPECT_FLOAT_EQ(mean_planes(total, kAo).plane("ao").at(0, 0), 0.5f);
 }
 
 TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
@@ -84,8 +85,53 @@ TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
     EXPECT_FLOAT_EQ(mean.layers[0].plane("outline").at(0, 0), 0.5f);
     EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.125f);  // (0.8 + 0.2)^2 / 4 over half of the pixel
     EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.b").at(0, 0), 0.0f);
-    EXPECT_FLOAT_EQ(mean_planes(sum).plane("ao").at(0, 0), 0.5f) << "what is no colour is averaged as it is";
+    EXPECT_FLOAT_EQ(mean_planes(sum, kAo).plane("ao").at(0, 0), 0.5f) << "what is no colour is averaged as it is";
   }
+}
+
+/// A pixel of a surface, or of none, whose square root of light is `surface`, under a line of root 0.5 that covers the
+/// share `line`.
+Image lined_pixel(float surface, bool background, float line) {
+  Image image(1, 1);
+  const float root = background ? 0.5f : surface * (1.0f - line) + 0.5f * line;
+  for (const char* name : {"color.r", "color.g", "color.b"}) image.add(name) = Plane(1, 1, root * root);
+  image.add("color.a") = Plane(1, 1, background ? line : 1.0f);
+  image.add("outline") = Plane(1, 1, line);
+  return image;
+}
+
+TEST(Frames, PicturesOutvoteEachOtherOnLines) {
+  struct Case {
+    std::array<float, 4> lines;
+    float opacity, covered;
+  };
+  // Three of four have it; one of four; two of each; shares that differ no more than an edge's do.
+  for (const auto& [lines, opacity, covered] :
+       {Case{{1, 1, 0, 1}, 1, 1}, Case{{0, 0, 0, 1}, 1, 0}, Case{{1, 0, 0, 1}, 1, 0.5f},
+        Case{{0.3f, 0.8f, 0.5f, 0.4f}, 1, 0.5f}, Case{{0.4f, 0, 0.4f, 0.4f}, 0.4f, 0.4f},
+        Case{{0.4f, 0, 0, 0}, 0.4f, 0}})
+    for (const bool background : {false, true}) {
+      PictureSum total{.for_eye = true, .opacity = opacity};
+      for (const float line : lines) add_picture(total, lined_pixel(0.9f, background, line));
+      for (const PictureSum& sum : {total, rows_of(total, 0, 1)}) {
+        const std::vector<std::string> names = {"outline"};
+        EXPECT_NEAR(mean_planes(sum, names).plane("outline").at(0, 0), covered, 1e-6);
+        const GBuffer mean = mean_picture(sum, PictureInfo{.width = 1, .height = 1}, glm::vec3(0.25f));
+        const float alpha = background ? covered : 1.0f;
+        EXPECT_NEAR(mean.layers[0].plane("outline").at(0, 0), alpha, 1e-6);
+        // Light over alpha, multiplied by that: where there is a surface, of the one and of the line.
+        const float root = background ? 0.5f : 0.9f * (1.0f - covered) + 0.5f * covered;
+        EXPECT_NEAR(mean.layers[0].plane("lit.g").at(0, 0), root * root * alpha, 1e-6);
+      }
+    }
+}
+
+TEST(Frames, TwoPicturesHaveNoMajority) {
+  PictureSum total{.for_eye = true, .opacity = 1.0f};
+  add_picture(total, lined_pixel(0.9f, false, 0.0f));
+  add_picture(total, lined_pixel(0.9f, false, 1.0f));
+  const GBuffer mean = mean_picture(total, PictureInfo{.width = 1, .height = 1}, glm::vec3(0.25f));
+  EXPECT_NEAR(mean.layers[0].plane("lit.r").at(0, 0), 0.49f, 1e-6);
 }
 
 /// A scene drawn with the look `ao` and no technique: white where there is a surface.
@@ -105,6 +151,38 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   const auto frame = draw(*device, scene, draw_with, times);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   return *device->download(*frame, {"color.r", "color.a", "depth"});
+}
+
+// Where lines cover a pixel it has their colour, as each of the pictures has it.
+TEST(Frames, LinesThatAreVotedKeepTheirColour) {
+  const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
+  auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  DrawSettings draw_with;
+  draw_with.width = draw_with.height = 200;
+  draw_with.look = "cartoon";
+  draw_with.occlusion = "none";
+  draw_with.settings = {"outline.width=4", "outline.r=0.6",        "outline.g=0.3",
+                        "outline.b=0.05",  "output.transfer=none", "output.exposure=-1"};
+  draw_with.averaged = {"outline"};
+  StageTimes times;
+  Scene drawn = scene;
+  const auto frame = draw(*device, drawn, draw_with, times);
+  ASSERT_TRUE(frame) << frame.error().message;
+  const Image picture = *device->download(*frame, {"color.r", "color.g", "color.b", "outline"});
+  int lines = 0, voted = 0;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const float covered = picture.planes[3].at(x, y);
+      voted += covered > 0.0f && covered < 1.0f;
+      if (covered < 1.0f) continue;
+      ++lines;
+      EXPECT_NEAR(picture.planes[0].at(x, y), 0.3f, 1e-3f) << x << ", " << y;
+      EXPECT_NEAR(picture.planes[1].at(x, y), 0.15f, 1e-3f) << x << ", " << y;
+      EXPECT_NEAR(picture.planes[2].at(x, y), 0.025f, 1e-3f) << x << ", " << y;
+    }
+  EXPECT_GT(lines, 200);
+  EXPECT_GT(voted, 200);
 }
 
 // White before black: by the share of it that the model covers a pixel is between the two as square roots of light are.

@@ -106,6 +106,9 @@ class BandDrawer {
     return {};
   }
 
+  /// Of exposure, that were added to the last band's.
+  float stops() const { return stops_; }
+
  private:
   /// Draws a band, with more margin as long as that lacks. Errors: kUnfinished where it waits for others.
   Result<void> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
@@ -142,7 +145,9 @@ class BandDrawer {
     if (auto added = add_sky(device_, scene_, drawing_, settings_, *frame); !added) return added;
     if (settings_.hdri.shown()) times_.done("sky");
     if (auto known = know_picture(drawing_, frame->info, settings_); !known) return known;
-    if (const auto stops = run_look(run_, device_, *frame); !stops) return stops.error();
+    const auto stops = run_look(run_, device_, *frame);
+    if (!stops) return stops.error();
+    stops_ = *stops;
     const auto rows = device_.download(*frame, planes);
     if (!rows) return rows.error();
     return rows->height > 0 ? finish(*frame, *rows, first_) : Result<void>();
@@ -166,6 +171,7 @@ class BandDrawer {
   LookRun run_;
   Metering seen_;
   float usual_ = 0.0f;     // stops
+  float stops_ = 0.0f;     // that were added to the last band's exposure
   bool metering_ = false;  // in this sweep
   int height_ = 0;
   std::size_t sweep_ = 0;     // of the frame
@@ -209,7 +215,10 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
   count.held = double(kCaptured * layers) + kBesides + double(full.size());
   if (!small.empty()) count.held += reduced * double(small.size() + std::size_t(kCaptured * layers)) + 8.0;
   count.far = double(far_full.size()) + reduced * double(far_small.size());
-  if (recipe.frames > 1) count.averaged = 4.0 + double(settings.averaged.size());
+  if (recipe.frames > 1) {
+    const PictureSum sum = empty_sum(recipe);
+    count.averaged = double(averaged_planes(settings, sum).size()) + (sum.opacity > 0.0f ? 2.0 : 0.0);
+  }
   count.held += recipe.frames > 1 ? kOfAverage : 0.0;
   return count;
 }
@@ -253,11 +262,11 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
   if (!drawing) return drawing.error();
   BandProgress progress(device, settings.progress, drawing->recipe.frames);
   BandDrawer drawer(device, scene, *drawing, settings, times);
-  const std::vector<std::string> averaged = averaged_planes(settings);
+  PictureSum total = empty_sum(drawing->recipe);
+  const std::vector<std::string> averaged = averaged_planes(settings, total);
   std::vector<std::string> wanted = plan.planes;  // of the frame that stays
   for (const std::string& name : averaged)
     if (drawing->averages() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
-  PictureSum total{.for_eye = drawing->recipe.look->averages_for_eye};
   for (int k = drawing->recipe.frames - 1; k >= 0; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
     const auto add = [&](const Frame&, const Image& rows, int first) -> Result<void> {
@@ -274,9 +283,9 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
       sum.count = drawing->recipe.frames;
       PictureInfo info = inner_info(frame.info);
       info.height = rows.height;
-      const auto color = finished_color(device, sum, drawing->output, info);
+      const auto color = finished_color(device, sum, *drawing, drawer.stops(), info);
       if (!color) return color.error();
-      const Image means = mean_planes(sum);
+      const Image means = mean_planes(sum, settings.averaged);
       Image finished(rows.width, rows.height);
       for (const std::string& name : plan.planes) {
         const Plane* made = color->find(name) ? color->find(name) : means.find(name);

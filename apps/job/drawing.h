@@ -35,10 +35,15 @@ Result<void> add_sky(Device& device, const Scene& scene, const Drawing& drawing,
 /// Applies what hangs on the picture: --ao-radius.
 Result<void> know_picture(Drawing& drawing, const PictureInfo& info, const DrawSettings& settings);
 
-/// The planes of a frame that are averaged.
-std::vector<std::string> averaged_planes(const DrawSettings& settings);
+/// An empty sum of its frames.
+PictureSum empty_sum(const Recipe& recipe);
 
-/// The finished colour of averaged frames, as planes color.r, .g, .b and .a. `info`: of a picture of the sum's size.
-Result<Image> finished_color(Device& device, const PictureSum& total, ParameterBytes output, const PictureInfo& info);
+/// The planes of a frame that are averaged.
+std::vector<std::string> averaged_planes(const DrawSettings& settings, const PictureSum& total);
+
+/// The finished colour of averaged frames, as planes color.r, .g, .b and .a. `stops`: of exposure, that were added to
+/// each frame's. `info`: of a picture of the sum's size.
+Result<Image> finished_color(Device& device, const PictureSum& total, const Drawing& drawing, float stops,
+                             const PictureInfo& info);
 
 }  // namespace umbrage

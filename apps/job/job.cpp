@@ -17,6 +17,7 @@
 #include "devices/cpu/cpu_device.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
+#include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "looks/quality.h"
 #include "rays/interior_lights.h"
@@ -465,13 +466,30 @@ Image with_band(const Image& inner, int band) {
   return whole;
 }
 
-/// Makes the finished picture of averaged ones, and puts it and what else was averaged into a frame. `output`: how the
-/// look would have finished a single one.
-Result<void> finish_average(Device& device, const PictureSum& total, const ParameterBytes& output, Frame& frame) {
-  const auto color = finished_color(device, total, output, inner_info(frame.info));
+/// Makes the finished picture of averaged ones, and puts it and what else was averaged into a frame.
+Result<void> finish_average(Device& device, const PictureSum& total, const Drawing& drawing, float stops,
+                            const std::vector<std::string>& averaged, Frame& frame) {
+  const auto color = finished_color(device, total, drawing, stops, inner_info(frame.info));
   if (!color) return color.error();
   if (auto done = device.add(with_band(*color, frame.info.guard), frame); !done) return done;
-  return device.add(with_band(mean_planes(total), frame.info.guard), frame);
+  return device.add(with_band(mean_planes(total, averaged), frame.info.guard), frame);
+}
+
+/// The light that a line sends, as `output` hands it out.
+Result<glm::vec3> finished_line(Device& device, const OutlineParams& outline, const ParameterBytes& output) {
+  GBuffer g;
+  g.info = {.width = 1, .height = 1};
+  Image& image = g.layers.emplace_back(1, 1);
+  image.add("lit.r") = Plane(1, 1, outline.r);
+  image.add("lit.g") = Plane(1, 1, outline.g);
+  image.add("lit.b") = Plane(1, 1, outline.b);
+  image.add("depth") = Plane(1, 1, 1.0f);
+  auto frame = device.upload(g);
+  if (!frame) return frame.error();
+  if (auto done = device.run(*find_effect("output"), output, *frame); !done) return done.error();
+  const auto color = device.download(*frame, {"color.r", "color.g", "color.b"});
+  if (!color) return color.error();
+  return glm::vec3(color->planes[0].at(0, 0), color->planes[1].at(0, 0), color->planes[2].at(0, 0));
 }
 
 /// The reference tells whoever traces; this tells the thread that made it alone, and not more often than people see.
@@ -542,14 +560,35 @@ LookRun look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress
 
 }  // namespace
 
-std::vector<std::string> averaged_planes(const DrawSettings& settings) {
+PictureSum empty_sum(const Recipe& recipe) {
+  PictureSum sum{.for_eye = recipe.look->averages_for_eye};
+  const auto& effects = recipe.look->effects;
+  if (sum.for_eye && std::find(effects.begin(), effects.end(), "outline") != effects.end())
+    sum.opacity = as<OutlineParams>(recipe.settings.find("outline")->second).opacity;
+  return sum;
+}
+
+std::vector<std::string> averaged_planes(const DrawSettings& settings, const PictureSum& total) {
   std::vector<std::string> names = {"color.r", "color.g", "color.b", "color.a"};
   names.insert(names.end(), settings.averaged.begin(), settings.averaged.end());
+  if (total.opacity > 0.0f && std::find(names.begin(), names.end(), "outline") == names.end())
+    names.emplace_back("outline");
   return names;
 }
 
-Result<Image> finished_color(Device& device, const PictureSum& total, ParameterBytes output, const PictureInfo& info) {
-  auto mean = device.upload(mean_picture(total, info));
+Result<Image> finished_color(Device& device, const PictureSum& total, const Drawing& drawing, float stops,
+                             const PictureInfo& info) {
+  glm::vec3 line(0.0f);
+  if (total.opacity > 0.0f) {
+    const EffectSettings& settings = drawing.recipe.settings;
+    ParameterBytes single = settings.find("output")->second;
+    as<OutputParams>(single).exposure += stops;
+    auto light = finished_line(device, as<OutlineParams>(settings.find("outline")->second), single);
+    if (!light) return light.error();
+    line = *light;
+  }
+  ParameterBytes output = drawing.output;
+  auto mean = device.upload(mean_picture(total, info, line));
   if (!mean) return mean.error();
   as<OutputParams>(output).exposure = 0.0f;  // each frame had them
   as<OutputParams>(output).shoulder = 1.0f;
@@ -630,7 +669,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   LookRun run = look_run(recipe, times, progress);
   if (settings.stops) run.stops = *settings.stops;
   run.run_handed_in = run_reference;
-  PictureSum total{.for_eye = recipe.look->averages_for_eye};
+  PictureSum total = empty_sum(recipe);
   // The last frame stays.
   for (int k = recipe.frames - 1;; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
@@ -649,13 +688,14 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
       if (auto done = progress.end(); !done) return done.error();
       return frame;
     }
-    const auto picture = device.download(*frame, averaged_planes(settings));
+    const auto picture = device.download(*frame, averaged_planes(settings, total));
     if (!picture) return picture.error();
     add_picture(total, *picture);
     progress.frame_done();
     times.done("average");
     if (k > 0) continue;
-    if (auto done = finish_average(device, total, drawing->output, *frame); !done) return done.error();
+    if (auto done = finish_average(device, total, *drawing, *stops, settings.averaged, *frame); !done)
+      return done.error();
     times.done("average");
     if (auto done = progress.end(); !done) return done.error();
     return frame;
