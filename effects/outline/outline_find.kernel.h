@@ -78,6 +78,7 @@ CONST int kTurnWithin = 2;       // pixels to either side of it, seen from the f
 CONST float kLeastSteep = 2.0f;  // pixel sizes per pixel, of such a side
 CONST float kLevelOff = 1.0f / 3.0f;  // of its slope, at its end,
 CONST float kSetsOut = 0.25f;         // and at least at its beginning
+CONST int kSlitRows = 28;             // pixels from a slit's end, as pixels fall on it, at most
 CONST float kMostOfIt = 0.7f;         // of its depth, in one step: or else that is a rim
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
@@ -337,6 +338,49 @@ FN_RARE Real steep_side(int k, int l, int i, int j, Bool peak, Real clear) {
     after = beyond;
   }
   return answer;
+}
+
+// Whether what lies behind pixel (0, 0) or (i, j), the nearer one, is seen through a slit: one pixel wide, no more
+// than kSlitRows long to either side, and with another rim of the same object that is nearer, and has the line. Of two
+// as near the one that comes after. Two surfaces that just touch have a row of such slits, as pixels fall on it.
+FN_RARE Bool is_slit(Bool asked, Int px, Int py, int i, int j, Real side) {
+  Bool first = side > 0.0f;
+  Real id = select(first, near_object_id(0, 0), near_object_id(i, j));
+  Real rim = select(first, near_depth(0, 0), near_depth(i, j));
+  Real behind = select(first, near_depth(i, j), near_depth(0, 0));
+  Real other = select(first, near_depth(2 * i, 2 * j), near_depth(-i, -j));
+  Real other_id = select(first, near_object_id(2 * i, 2 * j), near_object_id(-i, -j));
+  Real deep = Real(F.ray_scale_x * C.depth);
+  if (F.orthographic == 0) deep = deep * rim;
+  Bool slit = asked && id == other_id && is_surface(other) && is_surface(behind) && behind - rim > deep &&
+              (other < rim || (first && other == rim));
+  Real halfway = (rim + behind) * Real(0.5f);
+  for (int towards = -1; towards <= 1; towards += 2) {
+    Int aside = select(first, Int(1), Int(0));
+    Bool on = slit;
+    for (int k = 1; k <= kSlitRows; ++k) {
+      if (!some(on)) continue;
+      Int next = aside;
+      Real wide = Real(0.0f);
+      for (int drift = -1; drift <= 1; ++drift) {
+        Int across = aside + Int(drift);
+        Bool here = on && load_depth(px + Int(j * k * towards) + across * Int(i),
+                                     py + Int(i * k * towards) + across * Int(j)) > halfway;
+        next = select(here, across, next);
+        wide = select(here, wide + 1.0f, wide);
+      }
+      // Where another object hides it, it may go on.
+      Bool closed = on && !(wide > 0.0f);
+      slit = slit && !(wide > 1.0f);
+      if (some(closed))
+        slit = slit && (!closed || load_object_id(px + Int(j * k * towards) + aside * Int(i),
+                                                  py + Int(i * k * towards) + aside * Int(j)) == id);
+      on = on && slit && !closed;
+      aside = next;
+    }
+    slit = slit && !on;
+  }
+  return slit;
 }
 
 // The mean normal of `stride` pixels from (k, l) on in steps of (i, j), of those that are of one surface: in high
@@ -743,7 +787,10 @@ FN Real edge(Int px, Int py, int i, int j, int stride, Bool parted, Bool turned,
     Bool any = (surface1 || surface2) && (!both || other || abs(gap) > 1.0f);
     any = any && parted;
     // As pixels fall on it, such a surface has that width in some rows alone: those are faint, and the mean decides.
-    apart = select(both && !other && sliver(i, j, gap), Real(-1.0f), max(clear, apart));
+    Bool narrow = both && !other && sliver(i, j, gap);
+    Bool slit = any && both && !narrow;
+    if (some(slit)) slit = is_slit(slit, px, py, i, j, side);
+    apart = select(narrow || slit, Real(-1.0f), max(clear, apart));
     code = select(any, level + level + 1.5f, code);
     clear = select(any, max(apart, Real(0.0f)), clear);
   }

@@ -1801,6 +1801,39 @@ TEST(Outline, DashesThatTrimmingLeavesAreDropped) {
   EXPECT_EQ(drawn, 18);
 }
 
+TEST(Outline, SlitsBetweenThingsThatJustTouchHaveOneLine) {
+  // A face, another one behind it and, between the two, a slit: narrower than a pixel it is seen in some rows alone.
+  int single = 0, whole = 0, both = 0;
+  for (const int height : {512, 1024, 2160})
+    for (const double angle : kReliefAngles)
+      for (const double wide_px : {0.3, 0.6, 5.0}) {
+        const Lens lens{180, height, true};
+        const Scene scene = relief(angle, lens, [=](double, double v) {
+          return v > 0.0 ? 0.0 : v > -wide_px ? -60.0 : -12.0;
+        });
+        const Plane lines = lines_of(seen(lens, scene), {{"ids", "none"}, {"width", "2"}});
+        const auto inside = [&](const dvec2& p) { return std::fabs(p.x) < 60.0; };
+        const long beyond = count(lines, [&](int x, int y) {
+          const dvec2 p = on_relief(angle, lens, x, y);
+          return inside(p) && p.y < -wide_px - 1.2 && p.y > -12.0;
+        });
+        double covered = 0.0;
+        for (int y = 0; y < lines.height; ++y)
+          for (int x = 0; x < lines.width; ++x)
+            if (const dvec2 p = on_relief(angle, lens, x, y); inside(p) && p.y > -2.0 && p.y < 4.0)
+              covered += lines.at(x, y);
+        if (wide_px < 1.0) {
+          single += beyond == 0;
+          whole += std::fabs(covered - 240.0) < 24.0;
+        } else {
+          both += beyond > 60;
+        }
+      }
+  EXPECT_EQ(single, 3 * 18);
+  EXPECT_EQ(whole, 3 * 18);
+  EXPECT_EQ(both, 3 * 9);
+}
+
 TEST(Outline, StraysAreDroppedUnlessTheyLeadToALine) {
   // Jumps that fade on a surface by a pixel size per pixel: alone, from a deep rim on, two that face, and a long one.
   const std::pair<int, double> rows[] = {{256, 14.0}, {1024, 20.0}, {2160, 40.0}};
