@@ -31,7 +31,7 @@ CONST int kShortMore = 2;         // and more, of a line that it points to,
 CONST float kShortMost = 1.0f;    // and more if nothing is near, or it is a crease, or meets that at no low angle
 CONST float kPoints = 0.3f;       // pixels beside its way, per pixel, and half of one, that this may be,
 CONST float kPointsFar = 0.15f;   // and where it is farther off;
-CONST float kAsideCosts = 3.0f;   // what those count beside those ahead, of a crease that is cut
+CONST float kAsideCosts = 3.0f;   // what those count beside those ahead, of a crease that is cut, and far off
 CONST float kOnFaith = 2.5f;      // pixels more than a crease came straight, that it goes on to what is near
 CONST float kMeets = 0.5f;        // sine of the angle at which that way meets a line of its own object at least
 CONST float kStillTurns = 0.3f;   // of the crease's squared chord, what it turns along the way,
@@ -423,7 +423,7 @@ FN_RARE Target target_of(Bool asked, End a) {
           Real aside = abs(cross(coming.way, onward));
           here = here && along > kAhead && along <= coming.rows && aside < mad(along, Real(kPointsFar), Real(0.5f)) &&
                  max(abs(apart.x), abs(apart.y)) < Real(float(C.onward));
-          target = better_of(here, target, piece, lying, coming.way, apart, along, aside);
+          target = better_of(here, target, piece, lying, coming.way, apart, along, aside * kAsideCosts);
         }
     }
   }
