@@ -107,9 +107,20 @@ Plane mean_plane(const PictureSum& total, std::string_view name) {
   return mean;
 }
 
-/// The share of each pixel that lines cover.
-Plane voted_lines(const PictureSum& total) {
-  Plane lines = mean_plane(total, "outline");
+/// The share of a pixel that lines of that opacity cover in so many pictures, 0 to `opacity`: the mean, or, where the
+/// least and the most are farther apart than pictures that are sampled elsewhere within a pixel are, the mean without
+/// those two. So a line that one picture lacks is whole, and what one has alone is not there.
+float voted_line(float mean, float least, float most, int pictures, float opacity) {
+  constexpr float kAgree = 0.5f, kDisagree = 0.9f;  // of a line's share, between pictures
+  if (pictures < 3) return mean;
+  const float apart = std::clamp(((most - least) / opacity - kAgree) / (kDisagree - kAgree), 0.0f, 1.0f);
+  if (apart <= 0.0f) return mean;
+  const float voted = std::clamp((mean * float(pictures) - least - most) / float(pictures - 2), 0.0f, opacity);
+  return mean + (voted - mean) * apart * apart * (3.0f - 2.0f * apart);
+}
+
+/// The share of each pixel that lines cover, of which the mean is known.
+Plane voted_lines(const PictureSum& total, Plane lines) {
   if (!(total.opacity > 0.0f)) return lines;
   for (int y = 0; y < lines.height; ++y)
     for (int x = 0; x < lines.width; ++x)
@@ -121,7 +132,7 @@ Plane voted_lines(const PictureSum& total) {
 /// Lets lines cover what was voted, in a mean of pictures: `roots`, its colour, multiplied by `alpha`.
 void draw_voted_lines(const PictureSum& total, glm::vec3 root, std::array<Plane*, 3> roots, Plane& alpha) {
   constexpr float kAllLine = 1e-3f;  // less than this beside a line does not tell what it is
-  const Plane lines = mean_plane(total, "outline"), voted = voted_lines(total);
+  const Plane lines = mean_plane(total, "outline"), voted = voted_lines(total, lines);
   for (int y = 0; y < lines.height; ++y)
     for (int x = 0; x < lines.width; ++x) {
       const float mean = lines.row(y)[x], rest = 1.0f - mean, covered = voted.row(y)[x];
@@ -138,15 +149,6 @@ void draw_voted_lines(const PictureSum& total, glm::vec3 root, std::array<Plane*
 
 }  // namespace
 
-float voted_line(float mean, float least, float most, int pictures, float opacity) {
-  constexpr float kAgree = 0.5f, kDisagree = 0.9f;  // of a line's share, between pictures
-  if (pictures < 3) return mean;
-  const float apart = std::clamp(((most - least) / opacity - kAgree) / (kDisagree - kAgree), 0.0f, 1.0f);
-  if (apart <= 0.0f) return mean;
-  const float voted = std::clamp((mean * float(pictures) - least - most) / float(pictures - 2), 0.0f, opacity);
-  return mean + (voted - mean) * apart * apart * (3.0f - 2.0f * apart);
-}
-
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3 line) {
   GBuffer g;
   g.info = info;
@@ -155,11 +157,12 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3
   Plane alpha = mean_plane(total, "color.a");
   for (const std::string channel : {"r", "g", "b"}) image.add("lit." + channel) = mean_plane(total, "color." + channel);
   const std::array<Plane*, 3> lit = {&image.plane("lit.r"), &image.plane("lit.g"), &image.plane("lit.b")};
-  if (total.for_eye && total.opacity > 0.0f) draw_voted_lines(total, glm::sqrt(line), lit, alpha);
-  for (Plane* plane : lit)
-    for (int y = 0; total.for_eye && y < plane->height; ++y)
-      for (int x = 0; x < plane->width; ++x)
-        if (const float share = alpha.row(y)[x]; share > 0.0f) plane->row(y)[x] *= plane->row(y)[x] / share;
+  if (total.opacity > 0.0f) draw_voted_lines(total, glm::sqrt(line), lit, alpha);
+  if (total.for_eye)
+    for (Plane* plane : lit)
+      for (int y = 0; y < plane->height; ++y)
+        for (int x = 0; x < plane->width; ++x)
+          if (const float share = alpha.row(y)[x]; share > 0.0f) plane->row(y)[x] *= plane->row(y)[x] / share;
   image.add(total.for_eye ? "outline" : "cover") = alpha;
   image.add("depth") = Plane(image.width, image.height, std::numeric_limits<float>::infinity());
   return g;
@@ -167,8 +170,10 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3
 
 Image mean_planes(const PictureSum& total, std::span<const std::string> names) {
   Image means(total.sum.width, total.sum.height);
-  for (const std::string& name : names)
-    means.add(name) = name == "outline" ? voted_lines(total) : mean_plane(total, name);
+  for (const std::string& name : names) {
+    Plane& mean = means.add(name) = mean_plane(total, name);
+    if (name == "outline") mean = voted_lines(total, mean);
+  }
   return means;
 }
 

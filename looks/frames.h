@@ -47,9 +47,4 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3
 /// The average of planes besides color.
 Image mean_planes(const PictureSum& total, std::span<const std::string> names);
 
-/// The share of a pixel that lines of that opacity cover in so many pictures, 0 to `opacity`: the mean, or, where the
-/// least and the most are farther apart than pictures that are sampled elsewhere within a pixel are, the mean without
-/// those two. So a line that one picture lacks is whole, and what one has alone is not there.
-float voted_line(float mean, float least, float most, int pictures, float opacity);
-
 }  // namespace umbrage

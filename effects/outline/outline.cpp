@@ -253,8 +253,9 @@ int find_reach(const void* constants, int) {
   const int stride = c.stride;
   // Means of normals from four to five strides off; along a fold's side, of kRoom strides and pixels and kFootRoom
   // more, depths three pixels and normals kTurnWithin beyond its end, which begins one pixel off. A wide bevel's sides
-  // are as wide as it may be; of a bar half and one pixel. A slit is followed for kSlitRows, and a pixel beside.
-  return std::max({5 * stride, 2 * stride + 8, 2 * c.bevel + 1, c.bar + 1, 28 + 2});
+  // are as wide as it may be; of a bar half and one pixel. A slit is followed for kOutlineSlitRows, from
+  // the pixel after, and a pixel aside.
+  return std::max({5 * stride, 2 * stride + 8, 2 * c.bevel + 1, c.bar + 1, kOutlineSlitRows + 2});
 }
 int settle_reach(const void*, int) { return 4; }
 int refine_reach(const void*, int) { return 14; }

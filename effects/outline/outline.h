@@ -28,6 +28,7 @@ const float kOutlineWidest = 16.0f;  // pixels
 // twice as fast.
 const int kOutlineUsualSight = 4;
 const int kOutlineStraysNear = 10;  // pixels around, within which outline_strays_near tells whether there are any
+const int kOutlineSlitRows = 28;  // rows (columns) within which outline_find asks whether a slit closes, to either side
 
 struct OutlineConstants {
   int mode;

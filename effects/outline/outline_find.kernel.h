@@ -10,6 +10,7 @@
 //             measured slope, since interpolated normals of coarse meshes are not their surface's
 //             A jump that falls on two pixels, one of them halfway down, is told by both steps. Of two with a steep
 //             side of a few pixels between them the nearer one is clear, if it is the larger, and the other one faint
+//             Of a slit of one pixel between two surfaces that just touch the nearer rim alone is clear
 //   a crease  normals that turn by the crease angle within five steps, most strongly here, and hardly before and after:
 //             a sharp edge or a bevelled one; noise, roughness and round things are none. In high pictures the same
 //             within five strides, so that what is an edge is one at any resolution; wider bevels between flat sides
@@ -78,7 +79,6 @@ CONST int kTurnWithin = 2;       // pixels to either side of it, seen from the f
 CONST float kLeastSteep = 2.0f;  // pixel sizes per pixel, of such a side
 CONST float kLevelOff = 1.0f / 3.0f;  // of its slope, at its end,
 CONST float kSetsOut = 0.25f;         // and at least at its beginning
-CONST int kSlitRows = 28;             // pixels from a slit's end, as pixels fall on it, at most
 CONST float kMostOfIt = 0.7f;         // of its depth, in one step: or else that is a rim
 // What a turn that takes five steps counts: 45 degrees as 30.
 CONST float kSoft = 0.45f;
@@ -341,8 +341,8 @@ FN_RARE Real steep_side(int k, int l, int i, int j, Bool peak, Real clear) {
 }
 
 // Whether what lies behind pixel (0, 0) or (i, j), the nearer one, is seen through a slit: one pixel wide, no more
-// than kSlitRows long to either side, and with another rim of the same object that is nearer, and has the line. Of two
-// as near the one that comes after. Two surfaces that just touch have a row of such slits, as pixels fall on it.
+// than kOutlineSlitRows long to either side, and with another rim of the same object that is nearer, and has the line.
+// Of two as near the one that comes after. Two surfaces that just touch have a row of such slits, as pixels fall on it.
 FN_RARE Bool is_slit(Bool asked, Int px, Int py, int i, int j, Real side) {
   Bool first = side > 0.0f;
   Real id = select(first, near_object_id(0, 0), near_object_id(i, j));
@@ -354,11 +354,12 @@ FN_RARE Bool is_slit(Bool asked, Int px, Int py, int i, int j, Real side) {
   if (F.orthographic == 0) deep = deep * rim;
   Bool slit = asked && id == other_id && is_surface(other) && is_surface(behind) && behind - rim > deep &&
               (other < rim || (first && other == rim));
+  if (!some(slit)) return slit;
   Real halfway = (rim + behind) * Real(0.5f);
   for (int towards = -1; towards <= 1; towards += 2) {
     Int aside = select(first, Int(1), Int(0));
     Bool on = slit;
-    for (int k = 1; k <= kSlitRows; ++k) {
+    for (int k = 1; k <= kOutlineSlitRows; ++k) {
       if (!some(on)) continue;
       Int next = aside;
       Real wide = Real(0.0f);
