@@ -32,11 +32,22 @@ int padded_stride(int width) {
   return aliased ? stride + kRowAlignment : stride;
 }
 
+/// A sparse plane that is gone: cells outside `cells` hold 0.
+struct SparseBlock {
+  void* base;
+  std::size_t size;
+  float* data;
+  std::unique_ptr<Cells> cells;
+};
+
+void release(const SparseBlock& block) { munmap(block.base, block.size); }
+
 /// Memory of planes that are gone, by its size, while somebody wants it kept.
 struct Kept {
   std::mutex mutex;
   int wanted_by = 0;
   std::multimap<std::size_t, void*> blocks;
+  std::vector<SparseBlock> sparse;
 };
 
 Kept& kept() {
@@ -67,9 +78,21 @@ KeptPlanes::~KeptPlanes() {
   if (--all.wanted_by > 0) return;
   for (const auto& [size, base] : all.blocks) std::free(base);
   all.blocks.clear();
+  for (const SparseBlock& block : all.sparse) release(block);
+  all.sparse.clear();
 }
 
-void Plane::Free::operator()(float*) const {
+void Plane::Free::operator()(float* data) {
+  if (cells) {
+    SparseBlock block{base, size, data, std::move(cells)};
+    Kept& all = kept();
+    const std::lock_guard lock(all.mutex);
+    if (all.wanted_by > 0)
+      all.sparse.push_back(std::move(block));
+    else
+      release(block);
+    return;
+  }
   if (size >= kHugePage) {
     Kept& all = kept();
     const std::lock_guard lock(all.mutex);
@@ -81,15 +104,24 @@ void Plane::Free::operator()(float*) const {
   std::free(base);
 }
 
+namespace {
+
+/// Where in its memory a large plane starts, bytes: another place each time.
+std::size_t next_stagger() {
+  static std::atomic<unsigned> count{0};
+  return count++ % kStaggers * kStagger;
+}
+
+}  // namespace
+
 Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(padded_stride(width_)) {
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
   if (bytes == 0) return;
   // Large planes ask for huge pages: a picture's planes are fresh memory, whose page faults cost as much as an effect.
   // What is left over takes small ones: of a huge page the system clears all, and a plane of 1024 x 1024 is a little
   // more than two.
-  static std::atomic<unsigned> count{0};
   const bool large = bytes >= kHugePage;
-  const std::size_t offset = large ? count++ % kStaggers * kStagger : 0;
+  const std::size_t offset = large ? next_stagger() : 0;
   const std::size_t alignment = large ? kHugePage : kCacheLine;
   const std::size_t rounding = large ? kPage : kCacheLine;
   // The same for all planes of one size, so that one serves the next.
@@ -104,7 +136,45 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
       if (huge < whole) madvise(static_cast<std::byte*>(base) + huge, whole - huge, MADV_NOHUGEPAGE);
     }
   }
-  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole}};
+  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, nullptr}};
+}
+
+Plane Plane::sparse(int width, int height) {
+  Plane plane;
+  plane.width = width;
+  plane.height = height;
+  plane.stride = padded_stride(width);
+  const std::size_t bytes = std::size_t(plane.stride) * height * sizeof(float);
+  if (bytes == 0) return plane;
+  {
+    Kept& all = kept();
+    const std::lock_guard lock(all.mutex);
+    const auto found = std::find_if(all.sparse.begin(), all.sparse.end(), [&](const SparseBlock& block) {
+      return block.cells->width == width && block.cells->height == height;
+    });
+    if (found != all.sparse.end()) {
+      plane.data_ = {found->data, Free{found->base, found->size, std::move(found->cells)}};
+      all.sparse.erase(found);
+      return plane;
+    }
+  }
+  auto cells = std::make_unique<Cells>();
+  const int in_row = (width + kCellWidth - 1) / kCellWidth;
+  *cells = {width, height, (in_row + 63) / 64, {}};
+  cells->bits.assign(std::size_t(cells->words) * height, 0);
+  // Straight from the system, which hands out zeros.
+  const bool large = bytes >= kHugePage;
+  const std::size_t whole = (bytes + (large ? kHugePage + kStaggers * kStagger : 0) + kPage - 1) / kPage * kPage;
+  void* base = mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (base == MAP_FAILED) throw std::bad_alloc();
+  std::size_t offset = 0;
+  if (large) {
+    offset = (kHugePage - reinterpret_cast<std::uintptr_t>(base) % kHugePage) % kHugePage;
+    madvise(static_cast<std::byte*>(base) + offset, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
+    offset += next_stagger();
+  }
+  plane.data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, std::move(cells)}};
+  return plane;
 }
 
 Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
@@ -142,6 +212,12 @@ Plane& Image::add(std::string_view name) {
   if (Plane* found = find(name)) return *found;
   names.emplace_back(name);
   return planes.emplace_back(width, height);
+}
+
+Plane& Image::add_sparse(std::string_view name) {
+  if (Plane* found = find(name)) return *found;
+  names.emplace_back(name);
+  return planes.emplace_back(Plane::sparse(width, height));
 }
 
 Plane cropped(const Plane& plane, int margin) {

@@ -2,12 +2,16 @@
 //   UMBRAGE_KERNEL            its name: the text's entry is NAME_pixel(Int x, Int y)
 //   UMBRAGE_KERNEL_TEXT       the path of the text
 //   UMBRAGE_KERNEL_CONSTANTS  the constants struct
+//   UMBRAGE_KERNEL_VIEW       of a pass that is packed (core/effect.h) PackedView; else nothing
 // and gets run_scalar_NAME and run_lanes_NAME of machine/kernel_frame.h. Included once per SIMD target.
 #include <algorithm>
 
 #include "machine/lanes.h"
 #include "machine/lanes_view.h"
 
+#ifndef UMBRAGE_KERNEL_VIEW
+#define UMBRAGE_KERNEL_VIEW LanesView
+#endif
 #define UMBRAGE_CONCAT_(a, b) a##b
 #define UMBRAGE_CONCAT(a, b) UMBRAGE_CONCAT_(a, b)
 
@@ -33,7 +37,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 struct Kernel {
-  LanesView view;
+  UMBRAGE_KERNEL_VIEW view;
 #include "machine/kernel_begin.h"
 
 #include UMBRAGE_KERNEL_TEXT
@@ -42,31 +46,26 @@ struct Kernel {
 };
 
 void Run(const KernelFrame& frame, const Tile& tile) {
-  MissingPixels missing(frame, tile);
-  Int px = 0, py = 0;
+  TilePixels pixels(frame, tile);
   // Where nothing is to be computed, not even planes are looked up by their names.
-  if (frame.frame.missing != 0 && !missing.next(px, py)) return;
-  Kernel kernel{{frame}};
+  if (!pixels.next()) return;
+  const bool packs = pixels.packs;
+  Kernel kernel{{{frame}}};
   const auto lane = hn::Iota(DI(), 0);  // once: it is made number by number
-  int x = tile.x0, y = tile.y0;
-  // One call, since it is inlined.
-  for (;;) {
-    if (HWY_LIKELY(frame.frame.missing == 0)) {
-      if (x >= tile.x1) {
-        x = tile.x0;
-        ++y;
+  do {
+    const int y = pixels.y, end = pixels.end;
+    for (int x = pixels.x; x < end; x += kLanes) {
+      Int px = hn::Add(lane, hn::Set(DI(), x)), py = y;
+      if (HWY_LIKELY(!packs)) {
+        kernel.view.move(x, y);
+      } else {
+        px = pixels.columns;
+        py = pixels.rows;
+        kernel.view.move_to(px, py);
       }
-      if (y >= tile.y1) break;
-      kernel.view.move(x, y);
-      px = hn::Add(lane, hn::Set(DI(), x));
-      py = Int(y);
-      x += kLanes;
-    } else {
-      kernel.view.move_to(px, py);
+      kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(px, py);  // one call, since it is inlined
     }
-    kernel.UMBRAGE_CONCAT(UMBRAGE_KERNEL, _pixel)(px, py);
-    if (HWY_UNLIKELY(frame.frame.missing != 0) && !missing.next(px, py)) break;
-  }
+  } while (pixels.next());
 }
 
 }  // namespace

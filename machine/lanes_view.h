@@ -130,27 +130,95 @@ struct LanesView {
   }
 };
 
-/// The pixels of a tile where `ao` is kMissing, kLanes at a time. Where fewer are left, the last of them stands in all
-/// other lanes: they compute the same, and store it to the same place.
-class MissingPixels {
- public:
-  MissingPixels(const KernelFrame& frame, const Tile& tile) : frame_(frame), tile_(tile), x_(tile.x0), y_(tile.y0) {}
+/// The same where lanes are pixels from anywhere in the picture, always: neighbours are gathered. Of kernels that are
+/// compiled for passes whose pixels are few, see Pass::packed. There is no corner and no block.
+struct PackedView : LanesView {
+  Int place = 0;  // of each pixel in a plane
 
-  HWY_NOINLINE bool next(Int& columns, Int& rows) {
-    for (; count_ < kLanes && y_ < tile_.y1; x_ += kLanes) {
-      if (x_ >= tile_.x1) {
-        x_ = tile_.x0 - kLanes;
-        ++y_;
-        continue;
+  HWY_INLINE void move_to(Int columns, Int rows) {
+    LanesView::move_to(columns, rows);
+    place = rows * Int(frame.frame.stride) + columns;
+    const Bool within = columns >= Int(kMargin) && columns < Int(frame.frame.width - kMargin) && rows >= Int(kMargin) &&
+                        rows < Int(frame.frame.height - kMargin);
+    inner = !some(!within);
+  }
+  HWY_INLINE Real near(const float* plane, int i, int j) const {
+    const bool close = unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin;
+    if (HWY_LIKELY(inner && close))
+      return hn::GatherIndex(D(), plane + std::ptrdiff_t(j) * frame.frame.stride + i, place.v);
+    return near_border(plane, i, j);
+  }
+  HWY_INLINE void store(float* plane, Real v) const { hn::ScatterIndex(v.v, D(), plane, place.v); }
+};
+
+/// Runs of a tile's pixels, each in one row: whole rows, or cells that are neighbours.
+struct Stretches {
+  const Tile& tile;
+  int y = tile.y0;
+  int x = 0, end = 0;
+  int seen = 0;  // of row y: cells that have been looked at, or whether it has been
+
+  /// The next one; false after the last.
+  HWY_INLINE bool next() {
+    for (; y < tile.y1; ++y, seen = 0) {
+      if (!tile.cells) {
+        if (seen++ > 0) continue;
+        x = tile.x0;
+        end = tile.x1;
+        return true;
       }
-      const float* ao = frame_.ao + std::ptrdiff_t(y_) * frame_.frame.stride;
-      const Bool missing = {hn::Ge(hn::LoadU(D(), ao + x_), hn::Set(D(), kMissing))};
-      if (HWY_LIKELY(!some(missing))) continue;
-      const Int x = hn::Iota(DI(), x_);
-      const Bool inside = missing && x < Int(tile_.x1);
-      hn::StoreU(packed(inside, to_uint(x)).v, DU(), columns_ + count_);
-      hn::StoreU(to_uint(Int(y_)).v, DU(), rows_ + count_);
-      count_ += how_many(inside);
+      const int first = next_cell(seen, true);
+      x = first * kTileCell;
+      if (x >= tile.x1) continue;
+      seen = next_cell(first, false);
+      end = HWY_MIN(seen * kTileCell, tile.x1);
+      return true;
+    }
+    return false;
+  }
+
+  /// The first cell from `cell` on that is set, or is not.
+  HWY_INLINE int next_cell(int cell, bool set) const {
+    const std::uint64_t* bits = tile.cells + std::ptrdiff_t(y - tile.y0) * tile.words;
+    while (cell < tile.words * 64) {
+      const std::uint64_t rest = (set ? bits[cell / 64] : ~bits[cell / 64]) >> (cell % 64);
+      if (rest != 0) return cell + int(hwy::Num0BitsBelowLS1Bit_Nonzero64(rest));
+      cell += 64 - cell % 64;
+    }
+    return cell;
+  }
+};
+
+/// What a tile computes, in steps of kLanes pixels: runs of its pixels or, wherever they are, those where `ao` is
+/// kMissing or any of KernelFrame::packed_by is not 0. Where fewer of these are left, the last of them stands in all
+/// other lanes: they compute the same, and store it to the same place.
+class TilePixels {
+ public:
+  TilePixels(const KernelFrame& frame, const Tile& tile)
+      : packs(frame.frame.missing != 0 || !frame.packed_by.empty()), frame_(frame), stretches_{tile} {}
+
+  const bool packs;
+  int y = 0, x = 0, end = 0;  // of a run
+  Int columns = 0, rows = 0;  // of packed pixels, for which x to end is one step
+
+  /// The next run or packed pixels; false after the last.
+  HWY_NOINLINE bool next() {
+    if (packs) return pack();
+    if (!stretches_.next()) return false;
+    y = stretches_.y;
+    x = stretches_.x;
+    end = stretches_.end;
+    return true;
+  }
+
+ private:
+  bool pack() {
+    for (; count_ < kLanes; at_ += kLanes) {
+      if (at_ >= stretches_.end) {
+        if (!stretches_.next()) break;
+        at_ = stretches_.x;
+      }
+      take_from(at_);
     }
     if (count_ == 0) return false;
     for (int i = count_; i < kLanes; ++i) {
@@ -159,16 +227,33 @@ class MissingPixels {
     }
     columns = to_signed(hn::Load(DU(), columns_));
     rows = to_signed(hn::Load(DU(), rows_));
+    end = 1;
     hn::Store(hn::Load(DU(), columns_ + kLanes), DU(), columns_);
     hn::Store(hn::Load(DU(), rows_ + kLanes), DU(), rows_);
     count_ = HWY_MAX(count_ - kLanes, 0);
     return true;
   }
 
- private:
+  HWY_INLINE void take_from(int first) {
+    const Bool chosen = chosen_from(std::ptrdiff_t(stretches_.y) * frame_.frame.stride + first);
+    if (HWY_LIKELY(!some(chosen))) return;
+    const Int x_here = hn::Iota(DI(), first);
+    const Bool inside = chosen && x_here < Int(stretches_.tile.x1);
+    hn::StoreU(packed(inside, to_uint(x_here)).v, DU(), columns_ + count_);
+    hn::StoreU(to_uint(Int(stretches_.y)).v, DU(), rows_ + count_);
+    count_ += how_many(inside);
+  }
+
+  HWY_INLINE Bool chosen_from(std::ptrdiff_t here) const {
+    if (frame_.frame.missing != 0) return {hn::Ge(hn::LoadU(D(), frame_.ao + here), hn::Set(D(), kMissing))};
+    auto any = hn::Zero(DU());
+    for (const float* plane : frame_.packed_by) any = hn::Or(any, hn::BitCast(DU(), hn::LoadU(D(), plane + here)));
+    return !(to_signed(Uint(any)) == Int(0));
+  }
+
   const KernelFrame& frame_;
-  const Tile& tile_;
-  int x_, y_;
+  Stretches stretches_;
+  int at_ = 0;     // of the stretch
   int count_ = 0;  // pixels found, not yet handed out
   HWY_ALIGN std::uint32_t columns_[2 * kLanes];
   HWY_ALIGN std::uint32_t rows_[2 * kLanes];

@@ -2,6 +2,7 @@
 #define UMBRAGE_KERNEL outline_fit
 #define UMBRAGE_KERNEL_TEXT "effects/outline/outline_fit.kernel.h"
 #define UMBRAGE_KERNEL_CONSTANTS OutlineConstants
+#define UMBRAGE_KERNEL_VIEW PackedView
 #include "effects/outline/outline.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "effects/outline/outline_fit.cpu.cpp"
