@@ -135,6 +135,7 @@ struct LanesView {
 struct PackedView : LanesView {
   Int place = 0;  // of each pixel in a plane
 
+  HWY_INLINE void move(int to_x, int to_y) { move_to(Int(hn::Iota(DI(), to_x)), Int(to_y)); }
   HWY_INLINE void move_to(Int columns, Int rows) {
     LanesView::move_to(columns, rows);
     place = rows * Int(frame.frame.stride) + columns;
@@ -190,8 +191,9 @@ struct Stretches {
 };
 
 /// What a tile computes, in steps of kLanes pixels: runs of its pixels or, wherever they are, those where `ao` is
-/// kMissing or any of KernelFrame::packed_by is not 0. Where fewer of these are left, the last of them stands in all
-/// other lanes: they compute the same, and store it to the same place.
+/// kMissing or any of KernelFrame::packed_by is not 0. Those where the first of these is not 0 run together, and so do
+/// the others, since kernels often ask one plane after the other. Where fewer are left than lanes, the last of them
+/// stands in all other lanes: they compute the same, and store it to the same place.
 class TilePixels {
  public:
   TilePixels(const KernelFrame& frame, const Tile& tile)
@@ -212,51 +214,67 @@ class TilePixels {
   }
 
  private:
+  /// Pixels found, and not yet handed out.
+  struct Queue {
+    int count = 0;
+    HWY_ALIGN std::uint32_t columns[2 * kLanes];
+    HWY_ALIGN std::uint32_t rows[2 * kLanes];
+
+    HWY_INLINE void add(Bool where, Uint x, Uint y) {
+      hn::StoreU(packed(where, x).v, DU(), columns + count);
+      hn::StoreU(y.v, DU(), rows + count);
+      count += how_many(where);
+    }
+  };
+
   bool pack() {
-    for (; count_ < kLanes; at_ += kLanes) {
+    for (; first_.count < kLanes && others_.count < kLanes; at_ += kLanes) {
       if (at_ >= stretches_.end) {
         if (!stretches_.next()) break;
         at_ = stretches_.x;
       }
       take_from(at_);
     }
-    if (count_ == 0) return false;
-    for (int i = count_; i < kLanes; ++i) {
-      columns_[i] = columns_[count_ - 1];
-      rows_[i] = rows_[count_ - 1];
+    Queue& queue = first_.count >= kLanes || others_.count == 0 ? first_ : others_;
+    if (queue.count == 0) return false;
+    for (int i = queue.count; i < kLanes; ++i) {
+      queue.columns[i] = queue.columns[queue.count - 1];
+      queue.rows[i] = queue.rows[queue.count - 1];
     }
-    columns = to_signed(hn::Load(DU(), columns_));
-    rows = to_signed(hn::Load(DU(), rows_));
+    columns = to_signed(hn::Load(DU(), queue.columns));
+    rows = to_signed(hn::Load(DU(), queue.rows));
     end = 1;
-    hn::Store(hn::Load(DU(), columns_ + kLanes), DU(), columns_);
-    hn::Store(hn::Load(DU(), rows_ + kLanes), DU(), rows_);
-    count_ = HWY_MAX(count_ - kLanes, 0);
+    hn::Store(hn::Load(DU(), queue.columns + kLanes), DU(), queue.columns);
+    hn::Store(hn::Load(DU(), queue.rows + kLanes), DU(), queue.rows);
+    queue.count = HWY_MAX(queue.count - kLanes, 0);
     return true;
   }
 
-  HWY_INLINE void take_from(int first) {
-    const Bool chosen = chosen_from(std::ptrdiff_t(stretches_.y) * frame_.frame.stride + first);
+  HWY_INLINE void take_from(int from) {
+    const std::ptrdiff_t here = std::ptrdiff_t(stretches_.y) * frame_.frame.stride + from;
+    const Int x_here = hn::Iota(DI(), from);
+    const Uint y_here = to_uint(Int(stretches_.y));
+    const Bool inside = x_here < Int(stretches_.tile.x1);
+    if (frame_.frame.missing != 0) {
+      const Bool missing = {hn::Ge(hn::LoadU(D(), frame_.ao + here), hn::Set(D(), kMissing))};
+      if (HWY_UNLIKELY(some(missing))) first_.add(missing && inside, to_uint(x_here), y_here);
+      return;
+    }
+    const auto by_first = hn::BitCast(DU(), hn::LoadU(D(), frame_.packed_by[0] + here));
+    auto any = by_first;
+    for (const float* plane : frame_.packed_by.subspan(1))
+      any = hn::Or(any, hn::BitCast(DU(), hn::LoadU(D(), plane + here)));
+    const Bool chosen = inside && !(to_signed(Uint(any)) == Int(0));
     if (HWY_LIKELY(!some(chosen))) return;
-    const Int x_here = hn::Iota(DI(), first);
-    const Bool inside = chosen && x_here < Int(stretches_.tile.x1);
-    hn::StoreU(packed(inside, to_uint(x_here)).v, DU(), columns_ + count_);
-    hn::StoreU(to_uint(Int(stretches_.y)).v, DU(), rows_ + count_);
-    count_ += how_many(inside);
-  }
-
-  HWY_INLINE Bool chosen_from(std::ptrdiff_t here) const {
-    if (frame_.frame.missing != 0) return {hn::Ge(hn::LoadU(D(), frame_.ao + here), hn::Set(D(), kMissing))};
-    auto any = hn::Zero(DU());
-    for (const float* plane : frame_.packed_by) any = hn::Or(any, hn::BitCast(DU(), hn::LoadU(D(), plane + here)));
-    return !(to_signed(Uint(any)) == Int(0));
+    const Bool in_first = chosen && !(to_signed(Uint(by_first)) == Int(0));
+    first_.add(in_first, to_uint(x_here), y_here);
+    others_.add(chosen && !in_first, to_uint(x_here), y_here);
   }
 
   const KernelFrame& frame_;
   Stretches stretches_;
-  int at_ = 0;     // of the stretch
-  int count_ = 0;  // pixels found, not yet handed out
-  HWY_ALIGN std::uint32_t columns_[2 * kLanes];
-  HWY_ALIGN std::uint32_t rows_[2 * kLanes];
+  int at_ = 0;  // of the stretch
+  Queue first_, others_;
 };
 
 }  // namespace

@@ -393,9 +393,9 @@ class CpuDevice final : public Device {
 
   /// Where a pass passes over what holds nothing.
   struct Skips {
-    std::vector<NearCells> near;  ///< empty: all pixels are computed
-    std::vector<const float*> packed_by;
-    std::vector<Plane*> outputs;  ///< those that are sparse
+    std::vector<NearCells> near;   ///< empty: all cells are computed
+    std::vector<Plane*> outputs;   ///< those that are sparse
+    std::vector<float*> unpacked;  ///< row 0 of all of them, of a pass that is packed and does not skip cells
     bool packed = false;
   };
 
@@ -429,7 +429,6 @@ class CpuDevice final : public Device {
       const void* constants = run.constants.data();
       skips.near.push_back(
           {plane->cells(), where.columns ? where.columns(constants) : 0, where.rows ? where.rows(constants) : 0});
-      skips.packed_by.push_back(plane->data());
     }
     skips.packed = run.pass.packed;
     return skips;
@@ -450,6 +449,10 @@ class CpuDevice final : public Device {
     } else {
       for (Plane* plane : skips.outputs)
         for (int y = tile.y0; y < tile.y1; ++y) keep_all_cells(*plane, y);
+      // Pixels that a packed pass does not choose hold 0.
+      for (float* plane : skips.unpacked)
+        for (int y = tile.y0; y < tile.y1; ++y)
+          std::fill_n(plane + std::ptrdiff_t(y) * frame.frame.stride + tile.x0, tile.x1 - tile.x0, 0.0f);
     }
     kernel(frame, tile);
     for (Plane* plane : skips.outputs)
@@ -511,8 +514,15 @@ class CpuDevice final : public Device {
     const int tile_height = all ? pass.tile_height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (band.rows.count() + tile_height - 1) / tile_height;
-    const Skips skips = skips_of(run, planes, may_skip && columns == 1);
-    if (pass.packed && !skips.near.empty()) kernel_frame.packed_by = skips.packed_by;
+    Skips skips = skips_of(run, planes, may_skip && columns == 1);
+    std::vector<const float*> packed_by;
+    if (pass.packed && all && !settings_.scalar) {
+      for (const Where& where : pass.where) packed_by.push_back(row_zero_of(run, planes, band, run.plane(where.plane)));
+      kernel_frame.packed_by = packed_by;
+      if (skips.near.empty())
+        for (const std::string_view output : pass.outputs)
+          if (run.is_there(output)) skips.unpacked.push_back(row_zero_of(run, planes, band, run.plane(output)));
+    }
     Watch watch(go_on, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
