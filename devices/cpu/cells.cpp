@@ -1,6 +1,7 @@
 #include "devices/cpu/cells.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 
@@ -12,78 +13,79 @@ namespace {
 static_assert(kTileCell == kCellWidth && kRowAlignment % kCellWidth == 0);
 constexpr int kWordBits = 64;
 
-/// Calls work(word, bit) for each bit that is set.
-template <class Work>
-void for_bits(const std::uint64_t* bits, int words, const Work& work) {
-  for (int w = 0; w < words; ++w)
-    for (std::uint64_t rest = bits[w]; rest != 0; rest &= rest - 1) work(w, std::countr_zero(rest));
-}
-
 float* pixels_of(Plane& plane, int y, int word, int bit) {
   return plane.row(y) + std::ptrdiff_t(word * kWordBits + bit) * kCellWidth;
 }
 
-void clear_pixels(Plane& plane, int y, const std::uint64_t* bits) {
-  for_bits(bits, plane.cells()->words,
-           [&](int w, int bit) { std::fill_n(pixels_of(plane, y, w, bit), kCellWidth, 0.0f); });
+void clear_pixels(Plane& plane, int y, int word, std::uint64_t bits) {
+  for (; bits != 0; bits &= bits - 1) std::fill_n(pixels_of(plane, y, word, std::countr_zero(bits)), kCellWidth, 0.0f);
 }
 
-/// Bits up to `far` places beside each one too, over the ends of words.
-void widen(std::uint64_t* bits, int words, int far) {
-  for (; far > 0; --far) {
-    std::uint64_t before = 0;  // the word before, as it was
-    for (int w = 0; w < words; ++w) {
-      const std::uint64_t own = bits[w], after = w + 1 < words ? bits[w + 1] : 0;
-      bits[w] = own | own << 1 | own >> 1 | before >> (kWordBits - 1) | after << (kWordBits - 1);
-      before = own;
-    }
-  }
+bool holds_something(const float* pixels) {
+  std::array<std::uint64_t, kCellWidth / 2> bits;
+  std::memcpy(bits.data(), pixels, sizeof(bits));
+  std::uint64_t any = 0;
+  for (const std::uint64_t two : bits) any |= two;
+  return any != 0;
+}
+
+/// Those of a word's cells that are in the row.
+std::uint64_t in_row(const Cells& cells, int word) {
+  const int count = (cells.width + kCellWidth - 1) / kCellWidth - word * kWordBits;
+  return count < kWordBits ? (std::uint64_t(1) << count) - 1 : ~std::uint64_t(0);
+}
+
+/// Word w of the cells of row y, and of as many rows around as the plane counts.
+std::uint64_t word_of_rows(const NearCells& plane, int y, int w) {
+  const Cells& cells = *plane.cells;
+  if (w < 0 || w >= cells.words) return 0;
+  std::uint64_t any = 0;
+  const int last = std::min(y + plane.rows, cells.height - 1);
+  for (int row = std::max(y - plane.rows, 0); row <= last; ++row) any |= cells.row(row)[w];
+  return any;
 }
 
 }  // namespace
 
 void find_near_cells(std::span<const NearCells> planes, int y, std::uint64_t* near) {
-  const int words = planes[0].cells->words, width = planes[0].cells->width;
-  std::fill_n(near, words, 0);
-  std::uint64_t* const all = near;
-  thread_local std::vector<std::uint64_t> own;
-  own.resize(words);
-  for (const NearCells& plane : planes) {
-    std::fill(own.begin(), own.end(), 0);
-    const int first = std::max(y - plane.rows, 0), last = std::min(y + plane.rows, plane.cells->height - 1);
-    for (int row = first; row <= last; ++row)
-      for (int w = 0; w < words; ++w) own[w] |= plane.cells->row(row)[w];
-    widen(own.data(), words, (plane.columns + kCellWidth - 1) / kCellWidth);
-    for (int w = 0; w < words; ++w) all[w] |= own[w];
+  const Cells& cells = *planes[0].cells;
+  for (int w = 0; w < cells.words; ++w) {
+    std::uint64_t any = 0;
+    for (const NearCells& plane : planes) {
+      const std::uint64_t own = word_of_rows(plane, y, w);
+      any |= own;
+      const int far = std::min((plane.columns + kCellWidth - 1) / kCellWidth, kWordBits - 1);
+      if (far == 0) continue;
+      const std::uint64_t before = word_of_rows(plane, y, w - 1), after = word_of_rows(plane, y, w + 1);
+      for (int k = 1; k <= far; ++k) any |= own << k | own >> k | before >> (kWordBits - k) | after << (kWordBits - k);
+    }
+    near[w] = any & in_row(cells, w);
   }
-  // What was widened beyond the row's end.
-  const int in_last = (width + kCellWidth - 1) / kCellWidth - (words - 1) * kWordBits;
-  if (in_last < kWordBits) near[words - 1] &= (std::uint64_t(1) << in_last) - 1;
 }
 
 void keep_cells(Plane& plane, int y, const std::uint64_t* kept, bool clear_kept) {
   std::uint64_t* bits = plane.cells()->row(y);
-  for (int w = 0; w < plane.cells()->words; ++w) bits[w] &= ~kept[w];
-  clear_pixels(plane, y, bits);
-  std::copy_n(kept, plane.cells()->words, bits);
-  if (clear_kept) clear_pixels(plane, y, bits);
+  for (int w = 0; w < plane.cells()->words; ++w) {
+    clear_pixels(plane, y, w, clear_kept ? bits[w] | kept[w] : bits[w] & ~kept[w]);
+    bits[w] = kept[w];
+  }
 }
 
 void note_cells(Plane& plane, int y) {
   std::uint64_t* bits = plane.cells()->row(y);
-  for_bits(bits, plane.cells()->words, [&](int w, int bit) {
-    std::uint32_t any = 0, pixels[kCellWidth];
-    std::memcpy(pixels, pixels_of(plane, y, w, bit), sizeof(pixels));
-    for (const std::uint32_t pixel : pixels) any |= pixel;
-    if (any == 0) bits[w] &= ~(std::uint64_t(1) << bit);
-  });
+  for (int w = 0; w < plane.cells()->words; ++w) {
+    std::uint64_t found = 0;
+    for (std::uint64_t rest = bits[w]; rest != 0; rest &= rest - 1) {
+      const int bit = std::countr_zero(rest);
+      found |= std::uint64_t(holds_something(pixels_of(plane, y, w, bit))) << bit;
+    }
+    bits[w] = found;
+  }
 }
 
 void keep_all_cells(Plane& plane, int y) {
   Cells& cells = *plane.cells();
-  std::fill_n(cells.row(y), cells.words, ~std::uint64_t(0));
-  const int in_last = (cells.width + kCellWidth - 1) / kCellWidth - (cells.words - 1) * kWordBits;
-  if (in_last < kWordBits) cells.row(y)[cells.words - 1] = (std::uint64_t(1) << in_last) - 1;
+  for (int w = 0; w < cells.words; ++w) cells.row(y)[w] = in_row(cells, w);
 }
 
 }  // namespace umbrage
