@@ -40,7 +40,12 @@ struct SparseBlock {
   std::unique_ptr<Cells> cells;
 };
 
-void release(const SparseBlock& block) { munmap(block.base, block.size); }
+void release(const SparseBlock& block) {
+  if (block.size >= kHugePage)
+    munmap(block.base, block.size);
+  else
+    std::free(block.base);
+}
 
 /// Memory of planes that are gone, by its size, while somebody wants it kept.
 struct Kept {
@@ -83,25 +88,22 @@ KeptPlanes::~KeptPlanes() {
 }
 
 void Plane::Free::operator()(float* data) {
-  if (cells) {
-    SparseBlock block{base, size, data, std::move(cells)};
-    Kept& all = kept();
-    const std::lock_guard lock(all.mutex);
-    if (all.wanted_by > 0)
-      all.sparse.push_back(std::move(block));
-    else
-      release(block);
-    return;
-  }
+  SparseBlock block{base, size, data, std::move(cells)};
   if (size >= kHugePage) {
     Kept& all = kept();
     const std::lock_guard lock(all.mutex);
     if (all.wanted_by > 0) {
-      all.blocks.emplace(size, base);
+      if (block.cells)
+        all.sparse.push_back(std::move(block));
+      else
+        all.blocks.emplace(size, base);
       return;
     }
   }
-  std::free(base);
+  if (block.cells)
+    release(block);
+  else
+    std::free(base);
 }
 
 namespace {
@@ -162,18 +164,21 @@ Plane Plane::sparse(int width, int height) {
   const int in_row = (width + kCellWidth - 1) / kCellWidth;
   *cells = {width, height, (in_row + 63) / 64, {}};
   cells->bits.assign(std::size_t(cells->words) * height, 0);
-  // Straight from the system, which hands out zeros.
-  const bool large = bytes >= kHugePage;
-  const std::size_t whole = (bytes + (large ? kHugePage + kStaggers * kStagger : 0) + kPage - 1) / kPage * kPage;
-  void* base = mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (base == MAP_FAILED) throw std::bad_alloc();
-  std::size_t offset = 0;
-  if (large) {
-    offset = (kHugePage - reinterpret_cast<std::uintptr_t>(base) % kHugePage) % kHugePage;
-    madvise(static_cast<std::byte*>(base) + offset, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
-    offset += next_stagger();
+  if (bytes < kHugePage) {
+    void* base = nullptr;
+    if (posix_memalign(&base, kCacheLine, bytes) != 0) throw std::bad_alloc();
+    std::memset(base, 0, bytes);
+    plane.data_ = {static_cast<float*>(base), Free{base, bytes, std::move(cells)}};
+    return plane;
   }
-  plane.data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, std::move(cells)}};
+  // Straight from the system, which hands out zeros: what no line comes near is never touched.
+  const std::size_t whole = (bytes + kHugePage + kStaggers * kStagger + kPage - 1) / kPage * kPage;
+  void* mapped = mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (mapped == MAP_FAILED) throw std::bad_alloc();
+  auto* first = static_cast<std::byte*>(mapped);
+  first += (kHugePage - reinterpret_cast<std::uintptr_t>(mapped) % kHugePage) % kHugePage;
+  madvise(first, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
+  plane.data_ = {reinterpret_cast<float*>(first + next_stagger()), Free{mapped, whole, std::move(cells)}};
   return plane;
 }
 
