@@ -1454,6 +1454,47 @@ TEST(Outline, StripsBetweenTwoJumpsHaveOneLine) {
       }
 }
 
+TEST(Outline, FeetOfFoldsGoOnToTheRimThatTheyRunInto) {
+  // The same side, which narrows to nothing: the line at its foot does not end before it meets the rim's.
+  for (const int height : {1024, 2160})
+    for (const bool flat : {false, true})
+      for (const double narrows : {0.25, 0.4, 0.6})  // pixels per row
+        for (const double second_px : {11.0, 16.0, 24.0}) {
+          constexpr double kFirstPx = 30.0, kSteep = 4.0, kWidest = 40.0, kApart = 3.0;
+          const double room_px = height == 1024 ? 4.0 : 8.0;  // without a line of its own along a side as narrow
+          const Lens lens{flat ? 240 : 96, height, true};
+          const double pixel = lens.pixel();
+          const auto wide_at = [=](double v) { return std::clamp(-v * narrows, 0.0, kWidest); };
+          const Scene scene = [=](const dvec3& origin, const dvec3& direction) {
+            const double u = (flat ? -origin.y : origin.x) / pixel, v = (flat ? origin.x : -origin.y) / pixel;
+            const double wide = wide_at(v);
+            const bool strip = u >= 0.0 && u < wide;
+            const double behind = u < 0.0 ? 0.0 : kFirstPx + (strip ? kSteep * u : kSteep * wide + second_px);
+            Hit hit{.object = 0, .material = 0};
+            hit.distance = (kFocus + origin.z + behind * pixel) / -direction.z;
+            const dvec3 along = flat ? dvec3(0, -1, 0) : dvec3(1, 0, 0);
+            hit.normal = strip ? glm::normalize(dvec3(0, 0, 1) + kSteep * along) : dvec3(0, 0, 1);
+            return hit;
+          };
+          const Plane lines = lines_of(seen(lens, scene), {{"width", "2"}});
+          int rows = 0, bare = 0;
+          for (double v = -kWidest / narrows; v < 0.0; ++v) {
+            const double wide = wide_at(v);
+            if (wide > room_px || wide < kApart) continue;
+            const dvec2 middle(0.5 * lens.width, 0.5 * lens.height);
+            const dvec2 foot = middle + (flat ? dvec2(v, wide) : dvec2(wide, v));
+            double most = 0.0;
+            for (int k = -1; k <= 1; ++k)
+              most = std::max(most, double(lines.at(int(foot.x) + (flat ? 0 : k), int(foot.y) + (flat ? k : 0))));
+            ++rows;
+            bare += most < 0.5;
+          }
+          EXPECT_GE(rows, 1);
+          EXPECT_EQ(bare, 0) << fmt::format("{} high, narrows by {}, second {}{}: of {} rows", height, narrows,
+                                            second_px, flat ? ", lying" : "", rows);
+        }
+}
+
 TEST(Outline, RoundEdgesOfNarrowRibsDoNotBreak) {
   // In high pictures: a rib seen from its corner, with a side, a round edge, its narrow front, and a round edge that
   // ends in the rim, as radiators have them. There is no room for lines inside.
