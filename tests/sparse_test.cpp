@@ -222,5 +222,26 @@ TEST(Sparse, WhatWasDrawnBeforeIsGone) {
   EXPECT_GT(lines, 500);
 }
 
+// A G-buffer may bring planes of any name, as shades of an earlier run that was saved whole: they are ordinary planes.
+TEST(Sparse, WhatAFileBringsUnderAPassesNamesIsGone) {
+  const Effect& effect = *find_effect("outline");
+  const GBuffer gbuffer = lit(spheres(191, 347, 9));
+  const auto names = test::made_planes(effect, test::parameters_of(effect, {}));
+  const Image fresh = test::run_effect(effect, gbuffer, {}, {});
+  for (const char* brought : {"outline_right_settled", "outline_steep", "outline_flat_fit", "outline_tails",
+                              "outline_steep_left", "outline_join_pen", "outline_around"}) {
+    GBuffer other = gbuffer;
+    other.layers[0].add(brought) = Plane(gbuffer.info.width, gbuffer.info.height, 3.0f);
+    const Image image = test::run_effect(effect, other, {}, {});
+    for (std::size_t p = 0; p < names.size(); ++p) {
+      long wrong = 0;
+      for (int y = 0; y < fresh.height; ++y)
+        for (int x = 0; x < fresh.width; ++x)
+          wrong += bits_of(fresh.planes[p].at(x, y)) != bits_of(image.planes[p].at(x, y));
+      EXPECT_EQ(wrong, 0) << names[p] << " after " << brought;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace umbrage

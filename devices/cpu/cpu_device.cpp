@@ -229,6 +229,10 @@ class CpuDevice final : public Device {
       const Plane* in = find_plane(planes_of(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
       Plane& out = planes_of(full).image.add(reduced_plane(name));
+      if (out.cells()) {
+        out = Plane(out.width, out.height);
+        whole.placed.erase(reduced_plane(name));
+      }
       if (const Held* held = find_held(planes_of(small), name); held && whole.band) {
         // A pass reads it where the rows are that it stands for.
         const Rows valid{held->valid.begin * factor,
@@ -411,15 +415,18 @@ class CpuDevice final : public Device {
 
   static Skips skips_of(const PassRun& run, Planes& planes, bool may_skip) {
     Skips skips;
+    bool all_sparse = true;  // what a G-buffer brought under the name of an output is an ordinary plane
     for (const std::string_view output : run.pass.outputs) {
       Plane* plane = run.is_there(output) ? planes.image.find(run.plane(output)) : nullptr;
-      if (!plane || !plane->cells()) continue;
-      if (may_skip)
+      if (!plane) continue;
+      if (!plane->cells())
+        all_sparse = false;
+      else if (may_skip)
         skips.outputs.push_back(plane);
       else
         for (int y = 0; y < plane->height; ++y) keep_all_cells(*plane, y);
     }
-    if (!may_skip) return skips;
+    if (!may_skip || !all_sparse) return skips;
     for (const Where& where : run.pass.where) {
       const Plane* plane = planes.image.find(run.plane(where.plane));
       if (!plane || !plane->cells()) {
@@ -480,7 +487,7 @@ class CpuDevice final : public Device {
       band = std::move(*ready);
       if (band.done) return {};
     }
-    // Bands hold other rows of each plane, and draw all of them.
+    // Bands hold other rows of each plane, and look at all cells.
     const bool may_skip = !settings_.scalar && !planes.band && run.pixels == PixelSet::kAll;
     for (std::string_view output : pass.outputs) {
       if (!run.is_there(output)) continue;
