@@ -32,20 +32,13 @@ int padded_stride(int width) {
   return aliased ? stride + kRowAlignment : stride;
 }
 
-/// A sparse plane that is gone: cells outside `cells` hold 0.
+/// A sparse plane that is gone: outside its cells it holds 0.
 struct SparseBlock {
   void* base;
   std::size_t size;
   float* data;
   std::unique_ptr<Cells> cells;
 };
-
-void release(const SparseBlock& block) {
-  if (block.size >= kHugePage)
-    munmap(block.base, block.size);
-  else
-    std::free(block.base);
-}
 
 /// Memory of planes that are gone, by its size, while somebody wants it kept.
 struct Kept {
@@ -54,6 +47,12 @@ struct Kept {
   std::multimap<std::size_t, void*> blocks;
   std::vector<SparseBlock> sparse;
 };
+
+/// Where in its memory a large plane starts, bytes: another place each time.
+std::size_t next_stagger() {
+  static std::atomic<unsigned> count{0};
+  return count++ % kStaggers * kStagger;
+}
 
 Kept& kept() {
   static Kept& all = *new Kept;  // planes may outlive what is static
@@ -83,38 +82,31 @@ KeptPlanes::~KeptPlanes() {
   if (--all.wanted_by > 0) return;
   for (const auto& [size, base] : all.blocks) std::free(base);
   all.blocks.clear();
-  for (const SparseBlock& block : all.sparse) release(block);
+  for (const SparseBlock& block : all.sparse) std::free(block.base);
   all.sparse.clear();
 }
 
 void Plane::Free::operator()(float* data) {
-  SparseBlock block{base, size, data, std::move(cells)};
   if (size >= kHugePage) {
     Kept& all = kept();
     const std::lock_guard lock(all.mutex);
     if (all.wanted_by > 0) {
-      if (block.cells)
-        all.sparse.push_back(std::move(block));
+      if (cells)
+        all.sparse.push_back({base, size, data, std::move(cells)});
       else
         all.blocks.emplace(size, base);
       return;
     }
   }
-  if (block.cells)
-    release(block);
-  else
-    std::free(base);
+  std::free(base);
 }
 
-namespace {
-
-/// Where in its memory a large plane starts, bytes: another place each time.
-std::size_t next_stagger() {
-  static std::atomic<unsigned> count{0};
-  return count++ % kStaggers * kStagger;
-}
-
-}  // namespace
+Cells::Cells(int width_, int height_)
+    : width(width_),
+      height(height_),
+      in_row((width_ + kCellWidth - 1) / kCellWidth),
+      words((in_row + kCellsInWord - 1) / kCellsInWord),
+      bits(std::size_t(words) * height_, 0) {}
 
 Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(padded_stride(width_)) {
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
@@ -141,6 +133,10 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, nullptr}};
 }
 
+Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
+  std::fill_n(data(), std::size_t(stride) * height, value);
+}
+
 Plane Plane::sparse(int width, int height) {
   Plane plane;
   plane.width = width;
@@ -160,30 +156,20 @@ Plane Plane::sparse(int width, int height) {
       return plane;
     }
   }
-  auto cells = std::make_unique<Cells>();
-  const int in_row = (width + kCellWidth - 1) / kCellWidth;
-  *cells = {width, height, (in_row + 63) / 64, {}};
-  cells->bits.assign(std::size_t(cells->words) * height, 0);
-  if (bytes < kHugePage) {
-    void* base = nullptr;
-    if (posix_memalign(&base, kCacheLine, bytes) != 0) throw std::bad_alloc();
-    std::memset(base, 0, bytes);
-    plane.data_ = {static_cast<float*>(base), Free{base, bytes, std::move(cells)}};
-    return plane;
+  // Zeros that the system hands out as they are wanted: what is never written takes no memory and stays in the caches.
+  const bool large = bytes >= kHugePage;
+  std::size_t room = bytes + (large ? kHugePage + kStaggers * kStagger : kCacheLine);
+  const std::size_t whole = room;
+  void* base = std::calloc(1, whole);
+  if (!base) throw std::bad_alloc();
+  void* first = base;
+  std::align(large ? kHugePage : kCacheLine, bytes, first, room);
+  if (large) {
+    madvise(first, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
+    first = static_cast<std::byte*>(first) + next_stagger();
   }
-  // Straight from the system, which hands out zeros: what no line comes near is never touched.
-  const std::size_t whole = (bytes + kHugePage + kStaggers * kStagger + kPage - 1) / kPage * kPage;
-  void* mapped = mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (mapped == MAP_FAILED) throw std::bad_alloc();
-  auto* first = static_cast<std::byte*>(mapped);
-  first += (kHugePage - reinterpret_cast<std::uintptr_t>(mapped) % kHugePage) % kHugePage;
-  madvise(first, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
-  plane.data_ = {reinterpret_cast<float*>(first + next_stagger()), Free{mapped, whole, std::move(cells)}};
+  plane.data_ = {static_cast<float*>(first), Free{base, whole, std::make_unique<Cells>(width, height)}};
   return plane;
-}
-
-Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
-  std::fill_n(data(), std::size_t(stride) * height, value);
 }
 
 Plane::Plane(const Plane& other) : Plane(other.width, other.height) {
@@ -220,7 +206,10 @@ Plane& Image::add(std::string_view name) {
 }
 
 Plane& Image::add_sparse(std::string_view name) {
-  if (Plane* found = find(name)) return *found;
+  if (Plane* found = find(name)) {
+    if (!found->cells()) *found = Plane::sparse(width, height);
+    return *found;
+  }
   names.emplace_back(name);
   return planes.emplace_back(Plane::sparse(width, height));
 }

@@ -13,14 +13,19 @@ namespace umbrage {
 /// stored over the end of a row.
 inline constexpr int kRowAlignment = 16;
 
-/// Pixels of a row that one bit of Cells stands for.
+/// Pixels of a row that one bit of Cells stands for, and how many such bits are in a word.
 inline constexpr int kCellWidth = 16;
+inline constexpr int kCellsInWord = 64;
 
 /// Which stretches of a plane's rows may hold anything but 0. Bit b of word w of a row stands for the kCellWidth pixels
-/// from (64 w + b) kCellWidth on.
+/// from (kCellsInWord w + b) kCellWidth on.
 struct Cells {
+  Cells() = default;
+  /// None.
+  Cells(int width, int height);
+
   int width = 0, height = 0;  ///< of the plane
-  int words = 0;              ///< of a row
+  int in_row = 0, words = 0;  ///< cells of a row, and their words
   std::vector<std::uint64_t> bits;
   std::uint64_t* row(int y) { return bits.data() + std::size_t(y) * words; }
   const std::uint64_t* row(int y) const { return bits.data() + std::size_t(y) * words; }
@@ -88,7 +93,7 @@ struct Image {
   const Plane& plane(std::string_view name) const;
   /// The plane of that name, added uninitialised if it is missing.
   Plane& add(std::string_view name);
-  /// The same; a plane that was missing is sparse.
+  /// The plane of that name as a sparse one: an ordinary one is replaced, and what it held is gone.
   Plane& add_sparse(std::string_view name);
 };
 

@@ -5,16 +5,16 @@
 #include <bit>
 #include <cstring>
 
+#include "core/check.h"
 #include "machine/kernel_frame.h"
 
 namespace umbrage {
 namespace {
 
 static_assert(kTileCell == kCellWidth && kRowAlignment % kCellWidth == 0);
-constexpr int kWordBits = 64;
 
 float* pixels_of(Plane& plane, int y, int word, int bit) {
-  return plane.row(y) + std::ptrdiff_t(word * kWordBits + bit) * kCellWidth;
+  return plane.row(y) + std::ptrdiff_t(word * kCellsInWord + bit) * kCellWidth;
 }
 
 void clear_pixels(Plane& plane, int y, int word, std::uint64_t bits) {
@@ -31,8 +31,8 @@ bool holds_something(const float* pixels) {
 
 /// Those of a word's cells that are in the row.
 std::uint64_t in_row(const Cells& cells, int word) {
-  const int count = (cells.width + kCellWidth - 1) / kCellWidth - word * kWordBits;
-  return count < kWordBits ? (std::uint64_t(1) << count) - 1 : ~std::uint64_t(0);
+  const int count = cells.in_row - word * kCellsInWord;
+  return count < kCellsInWord ? (std::uint64_t(1) << count) - 1 : ~std::uint64_t(0);
 }
 
 /// Word w of the cells of row y, and of as many rows around as the plane counts.
@@ -54,10 +54,12 @@ void find_near_cells(std::span<const NearCells> planes, int y, std::uint64_t* ne
     for (const NearCells& plane : planes) {
       const std::uint64_t own = word_of_rows(plane, y, w);
       any |= own;
-      const int far = std::min((plane.columns + kCellWidth - 1) / kCellWidth, kWordBits - 1);
+      const int far = (plane.columns + kCellWidth - 1) / kCellWidth;
+      check_less(far, kCellsInWord, "cells from a pixel to what counts there");
       if (far == 0) continue;
       const std::uint64_t before = word_of_rows(plane, y, w - 1), after = word_of_rows(plane, y, w + 1);
-      for (int k = 1; k <= far; ++k) any |= own << k | own >> k | before >> (kWordBits - k) | after << (kWordBits - k);
+      for (int k = 1; k <= far; ++k)
+        any |= own << k | own >> k | before >> (kCellsInWord - k) | after << (kCellsInWord - k);
     }
     near[w] = any & in_row(cells, w);
   }
@@ -66,7 +68,7 @@ void find_near_cells(std::span<const NearCells> planes, int y, std::uint64_t* ne
 void keep_cells(Plane& plane, int y, const std::uint64_t* kept, bool clear_kept) {
   std::uint64_t* bits = plane.cells()->row(y);
   for (int w = 0; w < plane.cells()->words; ++w) {
-    clear_pixels(plane, y, w, clear_kept ? bits[w] | kept[w] : bits[w] & ~kept[w]);
+    clear_pixels(plane, y, w, clear_kept ? bits[w] : bits[w] & ~kept[w]);
     bits[w] = kept[w];
   }
 }

@@ -7,7 +7,7 @@
 
 namespace umbrage {
 
-/// A sparse plane, and how far from a pixel it counts.
+/// A sparse plane, and how far from a pixel it counts; in columns less than kCellsInWord cells.
 struct NearCells {
   const Cells* cells;
   int columns, rows;
@@ -16,8 +16,7 @@ struct NearCells {
 /// Sets those cells of row y near which any of the planes may hold something: `near` has the row's words.
 void find_near_cells(std::span<const NearCells> planes, int y, std::uint64_t* near);
 
-/// Sets the pixels of those cells of row y to 0 that are among the plane's own or, if `clear_kept`, that are kept, and
-/// makes the kept ones the plane's.
+/// Makes the kept cells of row y the plane's. The pixels of all others are 0 then or, if `clear_kept`, all are.
 void keep_cells(Plane& plane, int y, const std::uint64_t* kept, bool clear_kept);
 
 /// Leaves of the plane's cells of row y those that hold something.

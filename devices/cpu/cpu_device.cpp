@@ -400,7 +400,6 @@ class CpuDevice final : public Device {
     std::vector<NearCells> near;   ///< empty: all cells are computed
     std::vector<Plane*> outputs;   ///< those that are sparse
     std::vector<float*> unpacked;  ///< row 0 of all of them, of a pass that is packed and does not skip cells
-    bool packed = false;
   };
 
   /// Whether it matters where a plane of an effect holds nothing.
@@ -415,18 +414,15 @@ class CpuDevice final : public Device {
 
   static Skips skips_of(const PassRun& run, Planes& planes, bool may_skip) {
     Skips skips;
-    bool all_sparse = true;  // what a G-buffer brought under the name of an output is an ordinary plane
     for (const std::string_view output : run.pass.outputs) {
       Plane* plane = run.is_there(output) ? planes.image.find(run.plane(output)) : nullptr;
-      if (!plane) continue;
-      if (!plane->cells())
-        all_sparse = false;
-      else if (may_skip)
+      if (!plane || !plane->cells()) continue;
+      if (may_skip)
         skips.outputs.push_back(plane);
       else
         for (int y = 0; y < plane->height; ++y) keep_all_cells(*plane, y);
     }
-    if (!may_skip || !all_sparse) return skips;
+    if (!may_skip) return skips;
     for (const Where& where : run.pass.where) {
       const Plane* plane = planes.image.find(run.plane(where.plane));
       if (!plane || !plane->cells()) {
@@ -437,7 +433,6 @@ class CpuDevice final : public Device {
       skips.near.push_back(
           {plane->cells(), where.columns ? where.columns(constants) : 0, where.rows ? where.rows(constants) : 0});
     }
-    skips.packed = run.pass.packed;
     return skips;
   }
 
@@ -449,7 +444,7 @@ class CpuDevice final : public Device {
       for (int y = tile.y0; y < tile.y1; ++y) {
         std::uint64_t* row = cells.data() + std::size_t(y - tile.y0) * words;
         find_near_cells(skips.near, y, row);
-        for (Plane* plane : skips.outputs) keep_cells(*plane, y, row, skips.packed);
+        for (Plane* plane : skips.outputs) keep_cells(*plane, y, row, !frame.packed_by.empty());
       }
       tile.cells = cells.data();
       tile.words = words;

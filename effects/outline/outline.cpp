@@ -315,8 +315,8 @@ int line_reach(const void* constants, int) {
 int paper_reach(const void*, int) { return 1; }
 
 // How far from a pixel there must be something for a pass to find anything, in columns or rows: see the kernel texts.
-int settle_near(const void*) { return 4; }
-int even_near(const void*) { return 6; }
+int settle_near(const void*) { return 1; }  // along its row or column: a crossing that moves, moves by one
+int even_near(const void*) { return kOutlineComes; }
 int strays_near(const void*) { return kOutlineStraysNear; }
 int gathered(const void* constants) { return static_cast<const OutlineConstants*>(constants)->gather; }
 
@@ -350,8 +350,8 @@ const Effect& effect_outline() {
                   .spirv = kSettleSpirv,
                   .needed = is_robust,
                   .reach = settle_reach,
-                  .where = {{.plane = "outline_right", .columns = settle_near, .rows = settle_near},
-                            {.plane = "outline_below", .columns = settle_near, .rows = settle_near}}},
+                  .where = {{.plane = "outline_right", .columns = settle_near},
+                            {.plane = "outline_below", .rows = settle_near}}},
                  {.name = "outline_refine",
                   .inputs = {"outline_right_settled", "outline_below_settled"},
                   .outputs = {"outline_steep", "outline_flat"},
@@ -402,8 +402,8 @@ const Effect& effect_outline() {
                   .reach = even_reach,
                   .where = {{.plane = "outline_steep_linked"},
                             {.plane = "outline_flat_linked"},
-                            {.plane = "outline_steep_fit", .columns = even_near, .rows = even_near},
-                            {.plane = "outline_flat_fit", .columns = even_near, .rows = even_near}}},
+                            {.plane = "outline_steep_fit", .columns = even_near},
+                            {.plane = "outline_flat_fit", .rows = even_near}}},
                  {.name = "outline_tails",
                   .inputs = {"depth", "object_id", "outline_steep_even", "outline_flat_even"},
                   .outputs = {"outline_tails"},

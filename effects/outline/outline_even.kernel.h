@@ -11,7 +11,6 @@ OUT_REAL(outline_flat_even)
 #include "effects/outline/outline_piece.kernel.h"
 #include "effects/outline/outline_shift.kernel.h"
 
-CONST int kComes = 6;        // pixels from which a piece may come
 CONST float kDouble = 1.3f;  // pixels between two lines that run side by side, up to which they are one
 CONST float kGoesOn = 1.1f;  // pixels beside where the next is expected: more is another line
 
@@ -26,7 +25,7 @@ FN Bool inside_at(int lying, int i, int row) { return lying == 0 ? near_inside(i
 // Whether a line goes on in a row (column) beside this one, near a place: as pieces are moved, or as they were.
 FN Bool goes_on_in(int lying, int row, Bool asked, Real place, bool moved) {
   Bool found = asked && !asked;
-  for (int i = -kComes - 2; i <= kComes + 2; ++i) {
+  for (int i = -kOutlineComes - 2; i <= kOutlineComes + 2; ++i) {
     Real piece = piece_from(lying, i, row);
     Bool here = asked && is_piece(piece) && inside_at(lying, i, row);
     if (!some(here)) continue;
@@ -44,7 +43,7 @@ FN Bool goes_on_in(int lying, int row, Bool asked, Real place, bool moved) {
 FN Real evened(int lying) {
   Real own = piece_from(lying, 0, 0);
   Uint any = Uint(0u);
-  for (int i = -kComes; i <= kComes; ++i) any = any | bits_of(fit_from(lying, i, 0));
+  for (int i = -kOutlineComes; i <= kOutlineComes; ++i) any = any | bits_of(fit_from(lying, i, 0));
   any = any | bits_of(fit_from(lying, 0, -1)) | bits_of(fit_from(lying, 0, 1)) | bits_of(fit_from(lying, -1, -1)) |
         bits_of(fit_from(lying, 1, -1)) | bits_of(fit_from(lying, -1, 1)) | bits_of(fit_from(lying, 1, 1));
   Bool moves = !(to_signed(any) == Int(0));
@@ -55,7 +54,7 @@ FN Real evened(int lying) {
   Real was_slope = slope_of(found);
   Bool was_end = found < 0.0f;
   Real least = select(is_piece(found), Real(0.0f), Real(1e3f));  // how far the one that stays has come
-  for (int i = -kComes; i <= kComes; ++i) {
+  for (int i = -kOutlineComes; i <= kOutlineComes; ++i) {
     Real fit = fit_from(lying, i, 0);
     Bool here = moves && is_fitted(fit) && inside_at(lying, i, 0);
     if (!some(here)) continue;
@@ -79,7 +78,7 @@ FN Real evened(int lying) {
   Real slope = slope_of(found);
   // Of flakes that still run side by side the one stays, row by row, that was moved less.
   Bool double_line = on && !on;
-  for (int i = -kComes - 1; i <= kComes + 1; ++i) {
+  for (int i = -kOutlineComes - 1; i <= kOutlineComes + 1; ++i) {
     Bool look = on && least > 0.0f && !double_line && inside_at(lying, i, 0);
     if (!some(look)) continue;
     Real piece = piece_from(lying, i, 0);

@@ -32,19 +32,22 @@ OUT_REAL(outline_below)
 
 CONST float kLeastSide = 2.0f / 32.0f;  // of what is no crease
 CONST float kDeep = 2.0f;               // a jump within one object is clear from so many times `depth` on
-CONST float kAtFoot = 0.43f;         // how clear a jump is at most at the foot of a side that has no room for two lines
-CONST float kDeeper = 3.0f;          // times a jump, of the next one, that it is part of
-CONST float kLarger = 1.1f;          // times a jump, of one that is not as large but for rounding
-CONST float kStandsOut = 2.0f;       // times the steps beside it, of a jump that stands for a smaller one
-CONST float kSure = 0.9f;            // share of a threshold that tells without rounding that it is not reached
-CONST float kLeastFacing = 0.01f;    // cosine to the eye below which a plane's slope is not trusted further
-CONST float kNoSlope = 1e30f;        // of normals that do not face the eye, which interpolation makes at rims
-CONST float kMostSteepening = 4.0f;  // of a slope from one step to the next: 2.4 on a ball's last pixel
-CONST float kFirstStep = 0.3f;       // share of a jump in two steps, from which on it is at the first
-CONST float kLeastRamp = 2.0f;       // of such a jump, times `depth`
-CONST float kPlainRamp = 2.25f;      // and in high pictures where normals do not turn, there as clear as one of
-CONST float kPlainGrows = 2.0f;      // `depth` in one step, and so many times as fast clearer
-CONST float kSteepest = 10.0f;       // depth, in pixel sizes, of a step on a surface that still tells its shape
+CONST float kDeeper = 3.0f;             // times a jump, of the next one, that it is part of
+CONST float kLarger = 1.1f;             // times a jump, of one that is not as large but for rounding
+CONST float kStandsOut = 2.0f;          // times the steps beside it, of a jump that stands for a smaller one
+CONST float kSure = 0.9f;               // share of a threshold that tells without rounding that it is not reached
+CONST float kLeastFacing = 0.01f;       // cosine to the eye below which a plane's slope is not trusted further
+CONST float kNoSlope = 1e30f;           // of normals that do not face the eye, which interpolation makes at rims
+CONST float kMostSteepening = 4.0f;     // of a slope from one step to the next: 2.4 on a ball's last pixel
+CONST float kFirstStep = 0.3f;          // share of a jump in two steps, from which on it is at the first
+CONST float kLeastRamp = 2.0f;          // of such a jump, times `depth`
+CONST float kPlainRamp = 2.25f;         // and in high pictures where normals do not turn, there as clear as one of
+CONST float kPlainGrows = 2.0f;         // `depth` in one step, and so many times as fast clearer
+CONST float kSteepest = 10.0f;          // depth, in pixel sizes, of a step on a surface that still tells its shape
+
+// How clear a jump is at most at the foot of a side that has no room for two lines: outline_link does not draw a line
+// that is no clearer anywhere.
+CONST float kAtFoot = 3.0f / kClearest;
 
 // Squared shares of the turn of normals: from which share of the crease angle on a crease is faint; what the steps
 // three off may turn (round things have 1/5: 0.04), and those beside a sharp edge.
