@@ -27,7 +27,7 @@ const float kOutlineWidest = 16.0f;  // pixels
 // OutlineConstants::sight of lines of the initial width. Loops of that many steps are written out, which makes them
 // twice as fast.
 const int kOutlineUsualSight = 4;
-const int kOutlineComes = 6;  // pixels aside from which outline_even moves a piece, at most
+const int kOutlineComes = 6;        // pixels aside from which outline_even moves a piece, at most
 const int kOutlineStraysNear = 10;  // pixels around, within which outline_strays_near tells whether there are any
 const int kOutlineSlitRows = 28;  // rows (columns) within which outline_find asks whether a slit closes, to either side
 
