@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <glm/exponential.hpp>
-#include <limits>
 
 #include "core/check.h"
 
@@ -19,10 +18,17 @@ glm::vec2 r2(int k) {
   return {float(x - std::floor(x) - 0.5), float(y - std::floor(y) - 0.5)};
 }
 
-Plane some_rows(const Plane& from, int first, int count) {
-  Plane rows(from.width, count);
-  for (int y = 0; y < count; ++y) std::copy_n(from.row(first + y), from.width, rows.row(y));
-  return rows;
+/// Adds rows of a picture's lines.
+void add_lines(PictureSum& total, const Plane& rows, int first, glm::vec2 offset) {
+  constexpr float kFull = 255.0f;
+  if (first == 0)
+    total.lines.push_back({offset, std::vector<std::uint8_t>(std::size_t(rows.width) * total.sum.height)});
+  for (int y = 0; y < rows.height; ++y) {
+    const float* in = rows.row(y);
+    std::uint8_t* out = total.lines.back().cover.data() + std::size_t(first + y) * rows.width;
+    for (int x = 0; x < rows.width; ++x)
+      out[x] = std::uint8_t(std::clamp(in[x] / total.opacity, 0.0f, 1.0f) * kFull + 0.5f);
+  }
 }
 
 }  // namespace
@@ -45,30 +51,20 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
   return shifted;
 }
 
-void add_picture(PictureSum& total, const Image& picture) { add_rows(total, picture, 0, picture.height); }
+void add_picture(PictureSum& total, const Image& picture, glm::vec2 offset) {
+  add_rows(total, picture, 0, picture.height, offset);
+}
 
-void add_rows(PictureSum& total, const Image& rows, int first, int height) {
+void add_rows(PictureSum& total, const Image& rows, int first, int height, glm::vec2 offset) {
   if (rows.height == 0) return;
   if (total.sum.planes.empty()) {
     total.sum = Image(rows.width, height);
     for (const std::string& name : rows.names) total.sum.add(name) = Plane(rows.width, height, 0.0f);
-    if (total.opacity > 0.0f) {
-      total.least = Plane(rows.width, height, std::numeric_limits<float>::infinity());
-      total.most = Plane(rows.width, height, 0.0f);
-    }
   }
   if (total.sum.names != rows.names || total.sum.width != rows.width || total.sum.height != height)
     fail_check("pictures that are averaged must have the same planes");
   total.count += first == 0;
-  if (total.opacity > 0.0f) {
-    const Plane& lines = rows.plane("outline");
-    for (int y = 0; y < rows.height; ++y)
-      for (int x = 0; x < rows.width; ++x) {
-        float &least = total.least.row(first + y)[x], &most = total.most.row(first + y)[x];
-        least = std::min(least, lines.row(y)[x]);
-        most = std::max(most, lines.row(y)[x]);
-      }
-  }
+  if (total.opacity > 0.0f && total.count <= kMostLinePictures) add_lines(total, rows.plane("outline"), first, offset);
   const Plane& alpha = rows.plane("color.a");
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
     const bool multiplied = is_color(rows.names[k]) && rows.names[k] != "color.a";
@@ -86,14 +82,22 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   }
 }
 
+Plane some_rows(const Plane& from, int first, int count) {
+  Plane rows(from.width, count);
+  for (int y = 0; y < count; ++y) std::copy_n(from.row(first + y), from.width, rows.row(y));
+  return rows;
+}
+
 PictureSum rows_of(const PictureSum& total, int first, int count) {
-  PictureSum rows{
-      .for_eye = total.for_eye, .opacity = total.opacity, .count = total.count, .sum = Image(total.sum.width, count)};
+  PictureSum rows{.for_eye = total.for_eye,
+                  .opacity = total.opacity,
+                  .line_px = total.line_px,
+                  .count = total.count,
+                  .sum = Image(total.sum.width, count),
+                  .lines = {},
+                  .agreed = {}};
   for (const std::string& name : total.sum.names) rows.sum.add(name) = some_rows(total.sum.plane(name), first, count);
-  if (total.opacity > 0.0f) {
-    rows.least = some_rows(total.least, first, count);
-    rows.most = some_rows(total.most, first, count);
-  }
+  if (total.agreed.height > 0) rows.agreed = some_rows(total.agreed, first, count);
   return rows;
 }
 
@@ -107,35 +111,18 @@ Plane mean_plane(const PictureSum& total, std::string_view name) {
   return mean;
 }
 
-/// The share of a pixel that lines of that opacity cover in so many pictures, 0 to `opacity`: the mean, or, where the
-/// least and the most are farther apart than pictures that are sampled elsewhere within a pixel are, the mean without
-/// those two. So a line that one picture lacks is whole, and what one has alone is not there.
-float voted_line(float mean, float least, float most, int pictures, float opacity) {
-  constexpr float kAgree = 0.5f, kDisagree = 0.9f;  // of a line's share, between pictures
-  if (pictures < 3) return mean;
-  const float apart = std::clamp(((most - least) / opacity - kAgree) / (kDisagree - kAgree), 0.0f, 1.0f);
-  if (apart <= 0.0f) return mean;
-  const float voted = std::clamp((mean * float(pictures) - least - most) / float(pictures - 2), 0.0f, opacity);
-  return mean + (voted - mean) * apart * apart * (3.0f - 2.0f * apart);
+/// What lines cover that pictures agreed on, or else in the mean.
+Plane final_lines(const PictureSum& total) {
+  return total.agreed.height > 0 ? total.agreed : mean_plane(total, "outline");
 }
 
-/// The share of each pixel that lines cover, of which the mean is known.
-Plane voted_lines(const PictureSum& total, Plane lines) {
-  if (!(total.opacity > 0.0f)) return lines;
-  for (int y = 0; y < lines.height; ++y)
-    for (int x = 0; x < lines.width; ++x)
-      lines.row(y)[x] =
-          voted_line(lines.row(y)[x], total.least.row(y)[x], total.most.row(y)[x], total.count, total.opacity);
-  return lines;
-}
-
-/// Lets lines cover what was voted, in a mean of pictures: `roots`, its colour, multiplied by `alpha`.
-void draw_voted_lines(const PictureSum& total, glm::vec3 root, std::array<Plane*, 3> roots, Plane& alpha) {
+/// Lets lines cover what was agreed on, in a mean of pictures: `roots`, its colour, multiplied by `alpha`.
+void draw_agreed_lines(const PictureSum& total, glm::vec3 root, std::array<Plane*, 3> roots, Plane& alpha) {
   constexpr float kAllLine = 1e-3f;  // less than this beside a line does not tell what it is
-  const Plane lines = mean_plane(total, "outline"), voted = voted_lines(total, lines);
+  const Plane lines = mean_plane(total, "outline");
   for (int y = 0; y < lines.height; ++y)
     for (int x = 0; x < lines.width; ++x) {
-      const float mean = lines.row(y)[x], rest = 1.0f - mean, covered = voted.row(y)[x];
+      const float mean = lines.row(y)[x], rest = 1.0f - mean, covered = total.agreed.row(y)[x];
       if (covered == mean || rest < kAllLine) continue;
       const float scale = (1.0f - covered) / rest;
       for (int c = 0; c < 3; ++c) {
@@ -149,6 +136,12 @@ void draw_voted_lines(const PictureSum& total, glm::vec3 root, std::array<Plane*
 
 }  // namespace
 
+void agree_on_lines(PictureSum& total) {
+  if (!(total.opacity > 0.0f) || total.lines.size() < 3) return;
+  total.agreed = agreed_lines(total.lines, mean_plane(total, "outline"), total.opacity, total.line_px);
+  total.lines.clear();
+}
+
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3 line) {
   GBuffer g;
   g.info = info;
@@ -157,7 +150,7 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3
   Plane alpha = mean_plane(total, "color.a");
   for (const std::string channel : {"r", "g", "b"}) image.add("lit." + channel) = mean_plane(total, "color." + channel);
   const std::array<Plane*, 3> lit = {&image.plane("lit.r"), &image.plane("lit.g"), &image.plane("lit.b")};
-  if (total.opacity > 0.0f) draw_voted_lines(total, glm::sqrt(line), lit, alpha);
+  if (total.agreed.height > 0) draw_agreed_lines(total, glm::sqrt(line), lit, alpha);
   if (total.for_eye)
     for (Plane* plane : lit)
       for (int y = 0; y < plane->height; ++y)
@@ -170,10 +163,8 @@ GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3
 
 Image mean_planes(const PictureSum& total, std::span<const std::string> names) {
   Image means(total.sum.width, total.sum.height);
-  for (const std::string& name : names) {
-    Plane& mean = means.add(name) = mean_plane(total, name);
-    if (name == "outline") mean = voted_lines(total, mean);
-  }
+  for (const std::string& name : names)
+    means.add(name) = name == "outline" ? final_lines(total) : mean_plane(total, name);
   return means;
 }
 

@@ -5,8 +5,10 @@
 #include <glm/vec3.hpp>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/device.h"
+#include "looks/agreement.h"
 
 namespace umbrage {
 
@@ -23,25 +25,36 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
 /// A sum of pictures.
 struct PictureSum {
   bool for_eye = false;  ///< colour is averaged as square roots of light, as mixed_for_the_eye has it
-  float opacity = 0.0f;  ///< of lines, plane `outline`, if pictures outvote each other on them; or 0
+  float opacity = 0.0f;  ///< of lines, plane `outline`, if pictures are to agree on them; or 0
+  float line_px = 1.0f;  ///< their width
   int count = 0;
-  Image sum;          ///< colour, or its roots, multiplied by alpha; alpha; and what else is averaged
-  Plane least, most;  ///< of `outline`, if pictures outvote each other on lines
+  Image sum;                       ///< colour, or its roots, multiplied by alpha; alpha; and what else is averaged
+  std::vector<LinePicture> lines;  ///< of the first kMostLinePictures, until they agree
+  Plane agreed;                    ///< lines that they agreed on, or empty
 };
 
+/// Of more pictures the lines of so many count where they disagree: each takes a byte a pixel.
+inline constexpr int kMostLinePictures = 16;
+
 /// Adds a picture: planes color.r, .g, .b as light with straight alpha, color.a, and any others. All have the planes of
-/// the first.
-void add_picture(PictureSum& total, const Image& picture);
+/// the first. `offset`: of its samples, as frame_offset has it.
+void add_picture(PictureSum& total, const Image& picture, glm::vec2 offset = glm::vec2(0.0f));
 
 /// Adds rows of a picture of that height, the first of them `first`; the first rows of each picture come first.
-void add_rows(PictureSum& total, const Image& rows, int first, int height);
+void add_rows(PictureSum& total, const Image& rows, int first, int height, glm::vec2 offset = glm::vec2(0.0f));
 
-/// The sum of so many rows.
+/// After the last picture, where three or more are to agree on lines: lets them.
+void agree_on_lines(PictureSum& total);
+
+/// So many rows of a plane.
+Plane some_rows(const Plane& from, int first, int count);
+
+/// The sum of so many rows, without what single pictures have.
 PictureSum rows_of(const PictureSum& total, int first, int count);
 
 /// The average of the pictures' colour over their mean alpha, as planes that effect `output` makes the finished picture
 /// of: lit (multiplied by alpha), cover (alpha), depth (none). For the eye alpha is `outline`, which `output` mixes so.
-/// Where pictures outvote each other on lines `line` is the colour of those in the pictures, as light.
+/// Where pictures are to agree on lines `line` is the colour of those in the pictures, as light.
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info, glm::vec3 line = glm::vec3(0.0f));
 
 /// The average of planes besides color.

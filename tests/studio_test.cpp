@@ -90,51 +90,6 @@ TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
   }
 }
 
-/// A pixel of a surface, or of none, whose square root of light is `surface`, under a line of root 0.5 that covers the
-/// share `line`.
-Image lined_pixel(float surface, bool background, float line) {
-  Image image(1, 1);
-  const float root = background ? 0.5f : surface * (1.0f - line) + 0.5f * line;
-  for (const char* name : {"color.r", "color.g", "color.b"}) image.add(name) = Plane(1, 1, root * root);
-  image.add("color.a") = Plane(1, 1, background ? line : 1.0f);
-  image.add("outline") = Plane(1, 1, line);
-  return image;
-}
-
-TEST(Frames, PicturesOutvoteEachOtherOnLines) {
-  struct Case {
-    std::array<float, 4> lines;
-    float opacity, covered;
-  };
-  // Three of four have it; one of four; two of each; shares that differ no more than an edge's do.
-  for (const auto& [lines, opacity, covered] :
-       {Case{{1, 1, 0, 1}, 1, 1}, Case{{0, 0, 0, 1}, 1, 0}, Case{{1, 0, 0, 1}, 1, 0.5f},
-        Case{{0.3f, 0.8f, 0.5f, 0.4f}, 1, 0.5f}, Case{{0.4f, 0, 0.4f, 0.4f}, 0.4f, 0.4f},
-        Case{{0.4f, 0, 0, 0}, 0.4f, 0}})
-    for (const bool background : {false, true}) {
-      PictureSum total{.for_eye = true, .opacity = opacity};
-      for (const float line : lines) add_picture(total, lined_pixel(0.9f, background, line));
-      for (const PictureSum& sum : {total, rows_of(total, 0, 1)}) {
-        const std::vector<std::string> names = {"outline"};
-        EXPECT_NEAR(mean_planes(sum, names).plane("outline").at(0, 0), covered, 1e-6);
-        const GBuffer mean = mean_picture(sum, PictureInfo{.width = 1, .height = 1}, glm::vec3(0.25f));
-        const float alpha = background ? covered : 1.0f;
-        EXPECT_NEAR(mean.layers[0].plane("outline").at(0, 0), alpha, 1e-6);
-        // Light over alpha, multiplied by that: where there is a surface, of the one and of the line.
-        const float root = background ? 0.5f : 0.9f * (1.0f - covered) + 0.5f * covered;
-        EXPECT_NEAR(mean.layers[0].plane("lit.g").at(0, 0), root * root * alpha, 1e-6);
-      }
-    }
-}
-
-TEST(Frames, TwoPicturesHaveNoMajority) {
-  PictureSum total{.for_eye = true, .opacity = 1.0f};
-  add_picture(total, lined_pixel(0.9f, false, 0.0f));
-  add_picture(total, lined_pixel(0.9f, false, 1.0f));
-  const GBuffer mean = mean_picture(total, PictureInfo{.width = 1, .height = 1}, glm::vec3(0.25f));
-  EXPECT_NEAR(mean.layers[0].plane("lit.r").at(0, 0), 0.49f, 1e-6);
-}
-
 /// A scene drawn with the look `ao` and no technique: white where there is a surface.
 Image silhouette(Scene scene, int frames, const std::vector<std::string>& settings = {}, const char* look = "ao") {
   auto device = make_cpu_device();
@@ -155,7 +110,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
 }
 
 // Where lines cover a pixel it has their colour, as each of the pictures has it.
-TEST(Frames, LinesThatAreVotedKeepTheirColour) {
+TEST(Frames, LinesThatFramesAgreeOnKeepTheirColour) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));

@@ -1,6 +1,7 @@
 #include "apps/job/bands.h"
 
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <set>
 
@@ -216,11 +217,20 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
   if (!small.empty()) count.held += reduced * double(small.size() + std::size_t(kCaptured * layers)) + 8.0;
   count.far = double(far_full.size()) + reduced * double(far_small.size());
   if (recipe.frames > 1) {
-    const PictureSum sum = empty_sum(recipe);
-    count.averaged = double(averaged_planes(settings, sum).size()) + (sum.opacity > 0.0f ? 2.0 : 0.0);
+    const PictureSum sum = empty_sum(recipe, settings.height);
+    count.averaged = double(averaged_planes(settings, sum).size());
+    // Lines of single frames, a byte each; what they agree on, and three bytes on the way there; depth and occlusion of
+    // the frame that stays, until then.
+    constexpr double kOfAgreement = 1.0 + 3.0 / sizeof(float) + 2.0;
+    if (sum.opacity > 0.0f)
+      count.averaged += std::min(recipe.frames, kMostLinePictures) / double(sizeof(float)) + kOfAgreement;
   }
   count.held += recipe.frames > 1 ? kOfAverage : 0.0;
   return count;
+}
+
+void put_rows(const Plane& rows, Plane& whole, int first) {
+  for (int y = 0; y < rows.height; ++y) std::copy_n(rows.row(y), rows.width, whole.row(first + y));
 }
 
 }  // namespace
@@ -262,42 +272,75 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
   if (!drawing) return drawing.error();
   BandProgress progress(device, settings.progress, drawing->recipe.frames);
   BandDrawer drawer(device, scene, *drawing, settings, times);
-  PictureSum total = empty_sum(drawing->recipe);
+  PictureSum total = empty_sum(drawing->recipe, settings.height);
   const std::vector<std::string> averaged = averaged_planes(settings, total);
-  std::vector<std::string> wanted = plan.planes;  // of the frame that stays
+  const auto is_averaged = [&](const std::string& name) {
+    return std::find(averaged.begin(), averaged.end(), name) != averaged.end();
+  };
+  std::vector<std::string> wanted = plan.planes, single;  // of the frame that stays; and those of it alone
   for (const std::string& name : averaged)
     if (drawing->averages() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
+  std::copy_if(plan.planes.begin(), plan.planes.end(), std::back_inserter(single),
+               [&](const std::string& name) { return !is_averaged(name); });
+  // Of averaged frames, so many rows of the picture; `rows`: what of them is of one frame.
+  const auto take_average = [&](const PictureInfo& of_frame, const PictureSum& sum, const Image& rows,
+                                int first) -> Result<void> {
+    PictureInfo info = inner_info(of_frame);
+    info.height = sum.sum.height;
+    const auto color = finished_color(device, sum, *drawing, drawer.stops(), info);
+    if (!color) return color.error();
+    const Image means = mean_planes(sum, settings.averaged);
+    Image finished(sum.sum.width, sum.sum.height);
+    for (const std::string& name : plan.planes) {
+      const Plane* made = color->find(name) ? color->find(name) : means.find(name);
+      finished.add(name) = made ? *made : rows.plane(name);
+    }
+    times.done("average");
+    return take(of_frame, finished, first);
+  };
+  // Where frames are to agree on lines, all of them must be there before any row is finished.
+  const bool waits = drawing->averages() && total.opacity > 0.0f;
+  Image kept(settings.width, settings.height);
+  for (const std::string& name : single)
+    if (waits) kept.add(name) = Plane(kept.width, kept.height);
+  std::optional<PictureInfo> seen;
   for (int k = drawing->recipe.frames - 1; k >= 0; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
-    const auto add = [&](const Frame&, const Image& rows, int first) -> Result<void> {
-      add_rows(total, rows, first, settings.height);
+    const bool last = k == 0;
+    const auto averaged_of = [&](const Image& rows) {
+      Image own(rows.width, rows.height);
+      for (const std::string& name : averaged) own.add(name) = rows.plane(name);
+      return own;
+    };
+    const auto add = [&](const Frame& frame, const Image& rows, int first) -> Result<void> {
+      add_rows(total, averaged_of(rows), first, settings.height, frame_offset(k, drawing->recipe.frames));
+      if (last)
+        for (std::size_t i = 0; i < kept.names.size(); ++i) put_rows(rows.plane(kept.names[i]), kept.planes[i], first);
+      seen = frame.info;
       times.done("average");
       return {};
     };
     const auto finish = [&](const Frame& frame, const Image& rows, int first) -> Result<void> {
       if (!drawing->averages()) return take(frame.info, rows, first);
-      Image own(rows.width, rows.height);
-      for (const std::string& name : averaged) own.add(name) = rows.plane(name);
       PictureSum sum = rows_of(total, first, rows.height);
-      add_rows(sum, own, 0, rows.height);
+      add_rows(sum, averaged_of(rows), 0, rows.height);
       sum.count = drawing->recipe.frames;
-      PictureInfo info = inner_info(frame.info);
-      info.height = rows.height;
-      const auto color = finished_color(device, sum, *drawing, drawer.stops(), info);
-      if (!color) return color.error();
-      const Image means = mean_planes(sum, settings.averaged);
-      Image finished(rows.width, rows.height);
-      for (const std::string& name : plan.planes) {
-        const Plane* made = color->find(name) ? color->find(name) : means.find(name);
-        finished.add(name) = made ? *made : rows.plane(name);
-      }
-      times.done("average");
-      return take(frame.info, finished, first);
+      return take_average(frame.info, sum, rows, first);
     };
-    const bool last = k == 0;
     BandDrawer::Finish each = add;
-    if (last) each = finish;
+    if (last && !waits) each = finish;
     if (auto done = drawer.draw_frame(camera, plan.rows, last ? wanted : averaged, each, progress); !done) return done;
+  }
+  if (waits) {
+    agree_on_lines(total);
+    times.done("average");
+    for (int first = 0; first < settings.height; first += plan.rows) {
+      const int count = std::min(plan.rows, settings.height - first);
+      Image rows(settings.width, count);
+      for (std::size_t i = 0; i < kept.names.size(); ++i)
+        rows.add(kept.names[i]) = some_rows(kept.planes[i], first, count);
+      if (auto done = take_average(*seen, rows_of(total, first, count), rows, first); !done) return done;
+    }
   }
   return progress.end();
 }

@@ -35,8 +35,8 @@ Result<void> add_sky(Device& device, const Scene& scene, const Drawing& drawing,
 /// Applies what hangs on the picture: --ao-radius.
 Result<void> know_picture(Drawing& drawing, const PictureInfo& info, const DrawSettings& settings);
 
-/// An empty sum of its frames.
-PictureSum empty_sum(const Recipe& recipe);
+/// An empty sum of its frames, of pictures of that height.
+PictureSum empty_sum(const Recipe& recipe, int height);
 
 /// The planes of a frame that are averaged.
 std::vector<std::string> averaged_planes(const DrawSettings& settings, const PictureSum& total);

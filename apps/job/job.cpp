@@ -560,11 +560,15 @@ LookRun look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress
 
 }  // namespace
 
-PictureSum empty_sum(const Recipe& recipe) {
-  PictureSum sum{.for_eye = recipe.look->averages_for_eye};
+PictureSum empty_sum(const Recipe& recipe, int height) {
+  PictureSum sum;
+  sum.for_eye = recipe.look->averages_for_eye;
   const auto& effects = recipe.look->effects;
-  if (sum.for_eye && std::find(effects.begin(), effects.end(), "outline") != effects.end())
-    sum.opacity = as<OutlineParams>(recipe.settings.find("outline")->second).opacity;
+  if (!sum.for_eye || std::find(effects.begin(), effects.end(), "outline") == effects.end()) return sum;
+  const auto& outline = as<OutlineParams>(recipe.settings.find("outline")->second);
+  sum.opacity = outline.opacity;
+  sum.line_px = std::min(outline.width.relative ? outline.width.value / 100.0f * float(height) : outline.width.value,
+                         kOutlineWidest);
   return sum;
 }
 
@@ -669,7 +673,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   LookRun run = look_run(recipe, times, progress);
   if (settings.stops) run.stops = *settings.stops;
   run.run_handed_in = run_reference;
-  PictureSum total = empty_sum(recipe);
+  PictureSum total = empty_sum(recipe, settings.height);
   // The last frame stays.
   for (int k = recipe.frames - 1;; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
@@ -690,10 +694,11 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
     }
     const auto picture = device.download(*frame, averaged_planes(settings, total));
     if (!picture) return picture.error();
-    add_picture(total, *picture);
+    add_picture(total, *picture, frame_offset(k, recipe.frames));
     progress.frame_done();
     times.done("average");
     if (k > 0) continue;
+    agree_on_lines(total);
     if (auto done = finish_average(device, total, *drawing, *stops, settings.averaged, *frame); !done)
       return done.error();
     times.done("average");

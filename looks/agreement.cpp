@@ -1,0 +1,293 @@
+#include "looks/agreement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/check.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kFull = 255;      // of a cover
+constexpr int kDisputed = 275;  // of 9 * 255, between means over 3 x 3 pixels: a pixel of line is 1.08 times as much
+constexpr int kInk = 64;        // of 255: what ends where it is less
+constexpr double kEnd = 4.0;    // squares of a line's width that the pictures' difference counts as much as a free end
+constexpr int kMissing = 3, kExcess = 2;  // what counts more: lines that others have, than those that they have not
+constexpr int kAround = 2;                // rows and columns that one pixel's dispute looks at
+
+/// Bilinear samples of a picture's row y, moved to the pixels' centres; beyond its borders is what is at them. out: so
+/// many values before the row, too, and after it.
+void moved_row(const LinePicture& picture, int width, int height, int y, int around, std::int16_t* out) {
+  const float down = -picture.offset.y, right = -picture.offset.x;
+  const int top = int(std::floor(down)), left = int(std::floor(right));
+  constexpr int kOne = 128;  // of a weight
+  const int lower = int(std::lround((down - float(top)) * kOne)), more = int(std::lround((right - float(left)) * kOne));
+  const auto row = [&](int at) { return picture.cover.data() + std::size_t(std::clamp(at, 0, height - 1)) * width; };
+  const std::uint8_t *above = row(y + top), *below = row(y + top + 1);
+  const auto sample = [&](int x0, int x1) {
+    const int first = above[x0] * (kOne - lower) + below[x0] * lower;
+    const int second = above[x1] * (kOne - lower) + below[x1] * lower;
+    return std::int16_t((first * (kOne - more) + second * more + kOne * kOne / 2) / (kOne * kOne));
+  };
+  const int begin = std::max(0, -left), end = std::min(width, width - 1 - left);
+  const auto clamped = [&](int x) { return std::clamp(x, 0, width - 1); };
+  for (int x = -around; x < begin; ++x) out[x + around] = sample(clamped(x + left), clamped(x + left + 1));
+  for (int x = begin; x < end; ++x) out[x + around] = sample(x + left, x + left + 1);
+  for (int x = std::max(end, begin); x < width + around; ++x)
+    out[x + around] = sample(clamped(x + left), clamped(x + left + 1));
+}
+
+/// A stretch of a row.
+struct Run {
+  int y, begin, end;
+};
+
+/// Runs of all rows, which join those that they touch, also at a corner.
+class Runs {
+ public:
+  explicit Runs(int height) { first_.reserve(std::size_t(height) + 1); }
+
+  void begin_row() { first_.push_back(int(runs_.size())); }
+  void add(int y, int begin, int end) {
+    runs_.push_back({y, begin, end});
+    parent_.push_back(int(parent_.size()));
+  }
+  /// After the last row: joins them.
+  void join() {
+    first_.push_back(int(runs_.size()));
+    for (std::size_t y = 1; y + 1 < first_.size(); ++y) {
+      int above = first_[y - 1];
+      for (int here = first_[y]; here < first_[y + 1]; ++here) {
+        while (above < first_[y] && runs_[above].end < runs_[here].begin) ++above;
+        for (int k = above; k < first_[y] && runs_[k].begin <= runs_[here].end; ++k) unite(k, here);
+      }
+    }
+  }
+  int size() const { return int(runs_.size()); }
+  const Run& operator[](int k) const { return runs_[k]; }
+  /// The same number for all that are joined.
+  int root(int k) {
+    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
+    return k;
+  }
+  /// The run of row y that has column x.
+  int at(int y, int x) const {
+    const auto end = runs_.begin() + first_[y + 1];
+    const auto after =
+        std::upper_bound(runs_.begin() + first_[y], end, x, [](int a, const Run& r) { return a < r.end; });
+    if (after == end || after->begin > x) fail_check("a place of a run is in none");
+    return int(after - runs_.begin());
+  }
+
+ private:
+  void unite(int a, int b) {
+    a = root(a), b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+  std::vector<Run> runs_;
+  std::vector<int> parent_, first_;
+};
+
+/// Appends the runs of a row of which `in` is true.
+template <typename In>
+void add_runs(Runs& runs, int y, int begin, int end, const In& in) {
+  for (int x = begin; x < end; ++x) {
+    if (!in(x)) continue;
+    const int first = x;
+    while (x < end && in(x)) ++x;
+    runs.add(y, first, x);
+  }
+}
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// The pixels that pictures disagree at.
+class Dispute {
+ public:
+  Dispute(std::span<const LinePicture> pictures, int width, int height)
+      : pictures_(pictures), width_(width), height_(height), padded_(width + 2 * kAround) {
+    rows_.assign(pictures.size(), std::vector<std::int16_t>(std::size_t(padded_) * kKept));
+    means_ = rows_;
+    sums_.resize(padded_);
+  }
+
+  Bytes pixels() {
+    Bytes disputed(std::size_t(width_) * height_, 0);
+    std::vector<std::int16_t> most(width_), least(width_), most_near(width_), least_near(width_);
+    for (int y = -kAround; y < height_ + kAround; ++y) {
+      for (std::size_t k = 0; k < pictures_.size(); ++k) take_row(k, y);
+      const int here = y - kAround;
+      if (here < 0) continue;
+      for (std::size_t k = 0; k < pictures_.size(); ++k) {
+        const std::array<const std::int16_t*, 3> mean = {mean_row(k, here - 1), mean_row(k, here),
+                                                         mean_row(k, here + 1)};
+        for (int x = 0; x < width_; ++x) {
+          std::int16_t low = mean[0][x], high = low;
+          for (const std::int16_t* row : mean)
+            for (int i = 0; i < 3; ++i) low = std::min(low, row[x + i]), high = std::max(high, row[x + i]);
+          const std::int16_t own = mean[1][x + 1];
+          most[x] = k == 0 ? own : std::max(most[x], own);
+          least[x] = k == 0 ? own : std::min(least[x], own);
+          most_near[x] = k == 0 ? low : std::max(most_near[x], low);
+          least_near[x] = k == 0 ? high : std::min(least_near[x], high);
+        }
+      }
+      std::uint8_t* out = disputed.data() + std::size_t(here) * width_;
+      for (int x = 0; x < width_; ++x) out[x] = std::max(most[x] - least_near[x], most_near[x] - least[x]) > kDisputed;
+    }
+    return disputed;
+  }
+
+ private:
+  static constexpr int kKept = 4;  // rows of a picture
+
+  std::int16_t* kept(std::vector<std::int16_t>& rows, int y) {
+    return rows.data() + std::size_t((y + kKept) % kKept) * padded_;
+  }
+  /// Sums over 3 x 3 pixels, from column -1 on.
+  const std::int16_t* mean_row(std::size_t k, int y) { return kept(means_[k], y); }
+
+  void take_row(std::size_t k, int y) {
+    moved_row(pictures_[k], width_, height_, y, kAround, kept(rows_[k], y));
+    const std::int16_t *a = kept(rows_[k], y - 2), *b = kept(rows_[k], y - 1), *c = kept(rows_[k], y);
+    for (int x = 0; x < padded_; ++x) sums_[x] = std::int16_t(a[x] + b[x] + c[x]);
+    std::int16_t* out = kept(means_[k], y - 1);
+    for (int x = 0; x < width_ + 2; ++x) out[x] = std::int16_t(sums_[x] + sums_[x + 1] + sums_[x + 2]);
+  }
+
+  std::span<const LinePicture> pictures_;
+  int width_, height_, padded_;
+  std::vector<std::vector<std::int16_t>> rows_, means_;
+  std::vector<std::int16_t> sums_;
+};
+
+/// All pixels no farther in either direction from those than `reach`.
+Bytes widened(const Bytes& pixels, int width, int height, int reach) {
+  Bytes wide(pixels.size(), 0);
+  for (int y = 0; y < height; ++y) {
+    const std::uint8_t* row = pixels.data() + std::size_t(y) * width;
+    for (int x = 0; x < width; ++x) {
+      if (!row[x]) continue;
+      const int begin = std::max(x - reach, 0), end = std::min(x + reach + 1, width);
+      for (int j = std::max(y - reach, 0); j <= std::min(y + reach, height - 1); ++j)
+        std::fill(wide.begin() + std::ptrdiff_t(j) * width + begin, wide.begin() + std::ptrdiff_t(j) * width + end, 1);
+    }
+  }
+  return wide;
+}
+
+/// The pixels beside which, or beyond the picture's border, are others.
+Bytes rim_of(const Bytes& pixels, const Runs& runs, int width, int height) {
+  Bytes rim(pixels.size(), 0);
+  const auto in = [&](int x, int y) {
+    return x >= 0 && y >= 0 && x < width && y < height && pixels[std::size_t(y) * width + x];
+  };
+  for (int k = 0; k < runs.size(); ++k)
+    for (int x = runs[k].begin; x < runs[k].end; ++x) {
+      bool inside = true;
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) inside = inside && in(x + i, runs[k].y + j);
+      rim[std::size_t(runs[k].y) * width + x] = !inside;
+    }
+  return rim;
+}
+
+/// What a picture has on the runs of places in dispute, one after the other.
+std::vector<std::int16_t> cover_on(const LinePicture& picture, const Runs& places, int width, int height) {
+  std::vector<std::int16_t> row(width), cover;
+  int there = -1;
+  for (int k = 0; k < places.size(); ++k) {
+    const Run& run = places[k];
+    if (run.y != there) moved_row(picture, width, height, there = run.y, 0, row.data());
+    cover.insert(cover.end(), row.begin() + run.begin, row.begin() + run.end);
+  }
+  return cover;
+}
+
+/// Adds to each place how many ends of lines are free there: a line that goes through it leaves it twice, what leaves
+/// it once has one, and what lies within it, two.
+void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const Bytes& rim, int width, int height,
+                   std::vector<double>& ends) {
+  Runs lines(height), exits(height);
+  std::vector<int> place_of_line;
+  int k = 0;
+  std::size_t before = 0;
+  for (int y = 0; y < height; ++y) {
+    lines.begin_row();
+    exits.begin_row();
+    for (; k < places.size() && places[k].y == y; ++k) {
+      const Run& run = places[k];
+      const std::int16_t* own = cover.data() + before - run.begin;
+      const std::uint8_t* edge = rim.data() + std::size_t(y) * width;
+      add_runs(lines, y, run.begin, run.end, [&](int x) { return own[x] > kInk; });
+      add_runs(exits, y, run.begin, run.end, [&](int x) { return own[x] > kInk && edge[x]; });
+      place_of_line.resize(lines.size(), places.root(k));
+      before += std::size_t(run.end - run.begin);
+    }
+  }
+  lines.join();
+  exits.join();
+  std::vector<int> leaves(lines.size(), 0);
+  for (int e = 0; e < exits.size(); ++e)
+    if (exits.root(e) == e) ++leaves[lines.root(lines.at(exits[e].y, exits[e].begin))];
+  for (int l = 0; l < lines.size(); ++l)
+    if (lines.root(l) == l) ends[place_of_line[l]] += std::max(2 - leaves[l], 0);
+}
+
+}  // namespace
+
+Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px) {
+  const int width = mean.width, height = mean.height, count = int(pictures.size());
+  if (count < 3) fail_check("fewer than three pictures have no majority");
+  for (const LinePicture& picture : pictures)
+    if (picture.cover.size() != std::size_t(width) * height) fail_check("lines of pictures must be of one size");
+  const int reach = int(std::ceil(1.5f + 0.5f * width_px));
+  const Bytes wide = widened(Dispute(pictures, width, height).pixels(), width, height, reach);
+  Runs places(height);
+  for (int y = 0; y < height; ++y) {
+    places.begin_row();
+    const std::uint8_t* row = wide.data() + std::size_t(y) * width;
+    add_runs(places, y, 0, width, [&](int x) { return row[x] != 0; });
+  }
+  places.join();
+  if (places.size() == 0) return mean;
+
+  std::vector<std::vector<std::int16_t>> covers;
+  for (const LinePicture& picture : pictures) covers.push_back(cover_on(picture, places, width, height));
+  std::vector<std::vector<double>> cost(count, std::vector<double>(places.size(), 0.0));
+  const Bytes rim = rim_of(wide, places, width, height);
+  for (int p = 0; p < count; ++p) {
+    add_free_ends(covers[p], places, rim, width, height, cost[p]);
+    for (double& c : cost[p]) c *= kEnd;
+  }
+  const double line = std::max(double(width_px), 1.0);
+  const double share = 2.0 / ((kExcess + kMissing) * kFull * double(count - 1) * line * line);
+  std::size_t at = 0;
+  std::vector<int> apart(count);
+  for (int k = 0; k < places.size(); ++k) {
+    std::fill(apart.begin(), apart.end(), 0);
+    for (int x = places[k].begin; x < places[k].end; ++x, ++at)
+      for (int p = 0; p < count; ++p)
+        for (int q = 0; q < p; ++q) {
+          const int more = covers[p][at] - covers[q][at];
+          apart[p] += more > 0 ? kExcess * more : -kMissing * more;
+          apart[q] += more > 0 ? kMissing * more : -kExcess * more;
+        }
+    for (int p = 0; p < count; ++p) cost[p][places.root(k)] += share * apart[p];
+  }
+  at = 0;
+  for (int k = 0; k < places.size(); ++k) {
+    const int place = places.root(k);
+    int best = 0;
+    for (int p = 1; p < count; ++p)
+      if (cost[p][place] <= cost[best][place]) best = p;
+    for (int x = places[k].begin; x < places[k].end; ++x, ++at)
+      mean.row(places[k].y)[x] = float(covers[best][at]) / kFull * opacity;
+  }
+  return mean;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,31 @@
+// What pictures of one scene, each sampled elsewhere within its pixels, agree on of the lines that they have.
+//
+// Whether a soft fold has a line, and where it ends, can hang on where within its pixels a picture has its samples. The
+// mean of such pictures has grey threads and crumbs there, which no picture has. Where pictures disagree the line of
+// one of them is taken whole instead.
+#pragma once
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "core/image.h"
+
+namespace umbrage {
+
+/// The lines of one picture.
+struct LinePicture {
+  glm::vec2 offset;                 ///< where it has its samples, in pixels to the right of their centres and below
+  std::vector<std::uint8_t> cover;  ///< the share of each pixel that lines hide, in 255ths of their opacity, by rows
+};
+
+/// Of each pixel the share that lines hide, 0 to `opacity`. `mean`: that of all pictures, which is what is left where
+/// they agree. `pictures`: three or more of them, of the mean's size. `width_px`: of a line.
+///
+/// Pictures disagree at a pixel where what one of them has there, in the mean over 3 x 3 pixels, no place up to a pixel
+/// away has in another. What joins such pixels, with half a line's width around them, is a place in dispute. There that
+/// picture is taken, moved to the pixels' centres, whose lines have the fewest free ends and are nearest to those of
+/// the others: see kEnd in agreement.cpp.
+Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px);
+
+}  // namespace umbrage

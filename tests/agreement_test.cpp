@@ -1,0 +1,199 @@
+// What pictures of one scene agree on of the lines that they have (looks/agreement.h).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "looks/frames.h"
+
+namespace umbrage {
+namespace {
+
+constexpr int kSize = 64;
+constexpr float kWidth = 3.0f;  // of a line, pixels
+
+struct Stroke {
+  glm::vec2 from, to;
+};
+
+/// How a picture that has its samples at `offset` shows strokes: antialiased, with blunt ends.
+Plane drawn(const std::vector<Stroke>& strokes, glm::vec2 offset, float opacity = 1.0f) {
+  Plane plane(kSize, kSize, 0.0f);
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x)
+      for (const Stroke& s : strokes) {
+        const glm::vec2 at = glm::vec2(float(x) + 0.5f, float(y) + 0.5f) + offset, way = s.to - s.from;
+        const float length = std::sqrt(way.x * way.x + way.y * way.y),
+                    along = ((at - s.from).x * way.x + (at - s.from).y * way.y) / length;
+        const float off = std::abs((at - s.from).x * way.y - (at - s.from).y * way.x) / length;
+        const float across = std::clamp(0.5f * kWidth + 0.5f - off, 0.0f, 1.0f);
+        const float within = std::clamp(std::min(along, length - along) + 0.5f, 0.0f, 1.0f);
+        plane.at(x, y) = std::max(plane.at(x, y), opacity * across * within);
+      }
+  return plane;
+}
+
+/// A picture of these lines, of root 0.5, before a surface of root 0.9.
+Image picture_of(const Plane& lines) {
+  Image image(kSize, kSize);
+  for (const char* name : {"color.r", "color.g", "color.b"}) {
+    Plane& plane = image.add(name) = Plane(kSize, kSize);
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) {
+        const float root = 0.9f * (1.0f - lines.at(x, y)) + 0.5f * lines.at(x, y);
+        plane.at(x, y) = root * root;
+      }
+  }
+  image.add("color.a") = Plane(kSize, kSize, 1.0f);
+  image.add("outline") = lines;
+  return image;
+}
+
+/// The sum of four pictures, each with its own strokes, sampled as the frames of a picture are.
+PictureSum sum_of(const std::vector<std::vector<Stroke>>& pictures, float opacity = 1.0f) {
+  PictureSum total{.for_eye = true, .opacity = opacity, .line_px = kWidth};
+  const int count = int(pictures.size());
+  for (int k = count - 1; k >= 0; --k) {
+    const glm::vec2 offset = frame_offset(k, count);
+    add_picture(total, picture_of(drawn(pictures[k], offset, opacity)), offset);
+  }
+  return total;
+}
+
+Plane lines_of(const PictureSum& total) {
+  return mean_planes(total, std::vector<std::string>{"outline"}).plane("outline");
+}
+
+Plane agreed(const std::vector<std::vector<Stroke>>& pictures) {
+  PictureSum total = sum_of(pictures);
+  agree_on_lines(total);
+  return lines_of(total);
+}
+
+float most_apart(const Plane& a, const Plane& b) {
+  float most = 0.0f;
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) most = std::max(most, std::abs(a.at(x, y) - b.at(x, y)));
+  return most;
+}
+
+const Stroke kThrough = {{-5.0f, 20.0f}, {70.0f, 27.0f}};
+const Stroke kCrumb = {{30.0f, 44.0f}, {36.0f, 48.0f}};
+
+// Of what a picture shows, moved to the pixels' centres, no more than interpolation softens.
+constexpr float kSoft = 0.26f;
+
+TEST(AgreedLines, WhereAllHaveThemTheyAreTheMean) {
+  const std::vector<std::vector<Stroke>> all(4, {kThrough, {{10.0f, 40.0f}, {50.0f, 60.0f}}});
+  const PictureSum total = sum_of(all);
+  EXPECT_EQ(most_apart(agreed(all), lines_of(total)), 0.0f);
+}
+
+TEST(AgreedLines, ALineThatOneLacksIsWhole) {
+  for (int lacking = 0; lacking < 4; ++lacking) {
+    std::vector<std::vector<Stroke>> pictures(4, {kThrough});
+    pictures[lacking].clear();
+    EXPECT_LT(most_apart(agreed(pictures), drawn({kThrough}, {0, 0})), kSoft) << lacking;
+  }
+}
+
+TEST(AgreedLines, ALineThatTwoHaveIsWhole) {
+  EXPECT_LT(most_apart(agreed({{kThrough}, {}, {kThrough}, {}}), drawn({kThrough}, {0, 0})), kSoft);
+}
+
+TEST(AgreedLines, WhatOneHasAloneIsNotThere) {
+  for (int having = 0; having < 4; ++having) {
+    std::vector<std::vector<Stroke>> pictures(4, {kThrough});
+    pictures[having].push_back(kCrumb);
+    const Plane lines = agreed(pictures);
+    for (int y = 40; y < 54; ++y)
+      for (int x = 26; x < 42; ++x) EXPECT_EQ(lines.at(x, y), 0.0f) << having << ": " << x << ", " << y;
+    EXPECT_LT(most_apart(lines, drawn({kThrough}, {0, 0})), kSoft);
+  }
+}
+
+TEST(AgreedLines, ACrumbThatTwoHaveIsNotThere) {
+  EXPECT_LT(
+      most_apart(agreed({{kThrough, kCrumb}, {kThrough}, {kThrough, kCrumb}, {kThrough}}), drawn({kThrough}, {0, 0})),
+      kSoft);
+}
+
+// Two ends weigh more than a gap that is short.
+TEST(AgreedLines, OneThatClosesAGapIsTaken) {
+  const std::vector<Stroke> open = {{{-5.0f, 30.0f}, {26.0f, 30.0f}}, {{38.0f, 30.0f}, {70.0f, 30.0f}}};
+  const std::vector<Stroke> closed = {{{-5.0f, 30.0f}, {70.0f, 30.0f}}};
+  EXPECT_LT(most_apart(agreed({open, open, closed, open}), drawn(closed, {0, 0})), kSoft);
+}
+
+// No grey threads: a fold whose line is found elsewhere in each of two pictures is one line or the other.
+TEST(AgreedLines, LinesThatLieAsideAreOneOfThem) {
+  const Stroke high = {{-5.0f, 30.0f}, {70.0f, 30.0f}}, low = {{-5.0f, 33.5f}, {70.0f, 33.5f}};
+  const Plane lines = agreed({{high}, {low}, {high}, {low}});
+  EXPECT_LT(std::min(most_apart(lines, drawn({high}, {0, 0})), most_apart(lines, drawn({low}, {0, 0}))), kSoft);
+}
+
+TEST(AgreedLines, TheyCoverNoMoreThanTheirOpacity) {
+  PictureSum total = sum_of({{kThrough}, {kThrough}, {}, {kThrough}}, 0.4f);
+  agree_on_lines(total);
+  const Plane lines = lines_of(total);
+  EXPECT_LT(most_apart(lines, drawn({kThrough}, {0, 0}, 0.4f)), 0.4f * kSoft);
+  float most = 0.0f;
+  for (int y = 0; y < kSize; ++y) most = std::max(most, *std::max_element(lines.row(y), lines.row(y) + kSize));
+  EXPECT_FLOAT_EQ(most, 0.4f);
+}
+
+// The colour beside and under a line is what the pictures have there, whether the line was in their mean or not.
+TEST(AgreedLines, ColourIsThatOfSurfaceAndLine) {
+  for (const std::vector<Stroke>& odd : {std::vector<Stroke>{}, {kThrough, kCrumb}}) {
+    PictureSum total = sum_of({{kThrough}, odd, {kThrough}, {kThrough}});
+    agree_on_lines(total);
+    const Plane lines = lines_of(total), mean = sum_of({{kThrough}, odd, {kThrough}, {kThrough}}).sum.plane("outline");
+    for (const PictureSum& sum : {total, rows_of(total, 0, kSize)}) {
+      const GBuffer picture = mean_picture(sum, PictureInfo{.width = kSize, .height = kSize}, glm::vec3(0.25f));
+      for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x) {
+          if (mean.at(x, y) > 3.9f) continue;  // under it nothing is known
+          const float root = 0.9f * (1.0f - lines.at(x, y)) + 0.5f * lines.at(x, y);
+          EXPECT_NEAR(picture.layers[0].plane("lit.g").at(x, y), root * root, 2e-3f) << x << ", " << y;
+        }
+    }
+  }
+}
+
+TEST(AgreedLines, TwoPicturesHaveNoMajority) {
+  const PictureSum total = sum_of({{kThrough}, {}});
+  EXPECT_EQ(most_apart(agreed({{kThrough}, {}}), lines_of(total)), 0.0f);
+}
+
+TEST(AgreedLines, ManyPicturesAreAskedInPart) {
+  std::vector<std::vector<Stroke>> pictures(kMostLinePictures + 8, {kThrough});
+  for (std::size_t k = 0; k < pictures.size(); k += 5) pictures[k].push_back(kCrumb);
+  PictureSum total = sum_of(pictures);
+  EXPECT_EQ(int(total.lines.size()), kMostLinePictures);
+  agree_on_lines(total);
+  EXPECT_TRUE(total.lines.empty());
+  EXPECT_LT(most_apart(lines_of(total), drawn({kThrough}, {0, 0})), kSoft);
+}
+
+// Sizes at which rows and columns around a pixel are beyond the picture.
+TEST(AgreedLines, PicturesMayBeOfAnySize) {
+  for (const glm::ivec2 size :
+       {glm::ivec2(1, 1), glm::ivec2(1, 9), glm::ivec2(9, 1), glm::ivec2(2, 3), glm::ivec2(5, 4)}) {
+    std::vector<LinePicture> pictures;
+    for (int k = 0; k < 4; ++k)
+      pictures.push_back(
+          {frame_offset(k, 4), std::vector<std::uint8_t>(std::size_t(size.x) * size.y, k == 1 ? 0 : 255)});
+    Plane mean(size.x, size.y, 0.75f);
+    const Plane lines = agreed_lines(pictures, mean, 1.0f, 2.0f);
+    // All of it is in dispute: it is one picture everywhere.
+    const float first = lines.at(0, 0);
+    EXPECT_TRUE(first == 0.0f || first == 1.0f);
+    for (int y = 0; y < size.y; ++y)
+      for (int x = 0; x < size.x; ++x) EXPECT_EQ(lines.at(x, y), first);
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
