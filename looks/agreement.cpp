@@ -19,26 +19,26 @@ constexpr double kEnd = 4.0;  // squares of a line's width that the pictures' di
 constexpr int kMissing = 3, kExcess = 2;  // what counts more: lines that others have, than those that they have not
 constexpr int kAround = 2;                // rows and columns that one pixel's dispute looks at
 
-/// Bilinear samples of a picture's row y, moved to the pixels' centres; beyond its borders is what is at them. out: so
-/// many values before the row, too, and after it.
-void moved_row(const LinePicture& picture, int width, int height, int y, int around, std::int16_t* out) {
+/// Bilinear samples of a picture's row y, moved to the pixels' centres; beyond its borders is what is at them.
+/// `around`: so many values before the row, too, and after it. `blended`: as many and one as scratch.
+void moved_row(const LinePicture& picture, int width, int height, int y, int around, std::vector<std::int32_t>& blended,
+               std::int16_t* out) {
+  constexpr int kOne = 128;  // of a weight
   const float down = -picture.offset.y, right = -picture.offset.x;
   const int top = int(std::floor(down)), left = int(std::floor(right));
-  constexpr int kOne = 128;  // of a weight
   const int lower = int(std::lround((down - float(top)) * kOne)), more = int(std::lround((right - float(left)) * kOne));
   const auto row = [&](int at) { return picture.cover.data() + std::size_t(std::clamp(at, 0, height - 1)) * width; };
   const std::uint8_t *above = row(y + top), *below = row(y + top + 1);
-  const auto sample = [&](int x0, int x1) {
-    const int first = above[x0] * (kOne - lower) + below[x0] * lower;
-    const int second = above[x1] * (kOne - lower) + below[x1] * lower;
-    return std::int16_t((first * (kOne - more) + second * more + kOne * kOne / 2) / (kOne * kOne));
-  };
-  const int begin = std::max(0, -left), end = std::min(width, width - 1 - left);
-  const auto clamped = [&](int x) { return std::clamp(x, 0, width - 1); };
-  for (int x = -around; x < begin; ++x) out[x + around] = sample(clamped(x + left), clamped(x + left + 1));
-  for (int x = begin; x < end; ++x) out[x + around] = sample(x + left, x + left + 1);
-  for (int x = std::max(end, begin); x < width + around; ++x)
-    out[x + around] = sample(clamped(x + left), clamped(x + left + 1));
+  const int count = width + 2 * around, before = std::max(around - left, 0);  // values before the picture's first pixel
+  blended.resize(std::size_t(count) + 1);
+  const int first = std::max(left - around, 0), end = std::min(width, count + 1 - around + left);
+  for (int x = first; x < end; ++x) blended[x + around - left] = above[x] * (kOne - lower) + below[x] * lower;
+  std::fill_n(blended.begin(), std::min(before, count + 1), above[0] * (kOne - lower) + below[0] * lower);
+  const int after = end + around - left;
+  std::fill(blended.begin() + after, blended.end(), above[width - 1] * (kOne - lower) + below[width - 1] * lower);
+  const std::int32_t* in = blended.data();
+  for (int x = 0; x < count; ++x)
+    out[x] = std::int16_t((in[x] * (kOne - more) + in[x + 1] * more + kOne * kOne / 2) / (kOne * kOne));
 }
 
 /// A stretch of a row.
@@ -118,24 +118,28 @@ class Dispute {
 
   Bytes pixels() {
     Bytes disputed(std::size_t(width_) * height_, 0);
+    // Of the means: the most and the least of all pictures; and the least of each one's most nearby, and the reverse.
     std::vector<std::int16_t> most(width_), least(width_), most_near(width_), least_near(width_);
+    std::vector<std::int16_t> low(padded_), high(padded_);
     for (int y = -kAround; y < height_ + kAround; ++y) {
       for (std::size_t k = 0; k < pictures_.size(); ++k) take_row(k, y);
       const int here = y - kAround;
       if (here < 0) continue;
+      std::fill(most.begin(), most.end(), std::int16_t(0));
+      std::fill(most_near.begin(), most_near.end(), std::int16_t(0));
+      std::fill(least.begin(), least.end(), kMostSum);
+      std::fill(least_near.begin(), least_near.end(), kMostSum);
       for (std::size_t k = 0; k < pictures_.size(); ++k) {
-        const std::array<const std::int16_t*, 3> mean = {mean_row(k, here - 1), mean_row(k, here),
-                                                         mean_row(k, here + 1)};
-        for (int x = 0; x < width_; ++x) {
-          std::int16_t low = mean[0][x], high = low;
-          for (const std::int16_t* row : mean)
-            for (int i = 0; i < 3; ++i) low = std::min(low, row[x + i]), high = std::max(high, row[x + i]);
-          const std::int16_t own = mean[1][x + 1];
-          most[x] = k == 0 ? own : std::max(most[x], own);
-          least[x] = k == 0 ? own : std::min(least[x], own);
-          most_near[x] = k == 0 ? low : std::max(most_near[x], low);
-          least_near[x] = k == 0 ? high : std::min(least_near[x], high);
-        }
+        const std::int16_t *a = mean_row(k, here - 1), *b = mean_row(k, here), *c = mean_row(k, here + 1);
+        for (int x = 0; x < width_ + 2; ++x) low[x] = std::min(a[x], std::min(b[x], c[x]));
+        for (int x = 0; x < width_ + 2; ++x) high[x] = std::max(a[x], std::max(b[x], c[x]));
+        const std::int16_t *l = low.data(), *h = high.data();
+        for (int x = 0; x < width_; ++x) most[x] = std::max(most[x], b[x + 1]);
+        for (int x = 0; x < width_; ++x) least[x] = std::min(least[x], b[x + 1]);
+        for (int x = 0; x < width_; ++x)
+          most_near[x] = std::max(most_near[x], std::min(l[x], std::min(l[x + 1], l[x + 2])));
+        for (int x = 0; x < width_; ++x)
+          least_near[x] = std::min(least_near[x], std::max(h[x], std::max(h[x + 1], h[x + 2])));
       }
       std::uint8_t* out = disputed.data() + std::size_t(here) * width_;
       for (int x = 0; x < width_; ++x) out[x] = std::max(most[x] - least_near[x], most_near[x] - least[x]) > kDisputed;
@@ -145,6 +149,7 @@ class Dispute {
 
  private:
   static constexpr int kKept = 4;  // rows of a picture
+  static constexpr std::int16_t kMostSum = 9 * kFull;
 
   std::int16_t* kept(std::vector<std::int16_t>& rows, int y) {
     return rows.data() + std::size_t((y + kKept) % kKept) * padded_;
@@ -153,7 +158,7 @@ class Dispute {
   const std::int16_t* mean_row(std::size_t k, int y) { return kept(means_[k], y); }
 
   void take_row(std::size_t k, int y) {
-    moved_row(pictures_[k], width_, height_, y, kAround, kept(rows_[k], y));
+    moved_row(pictures_[k], width_, height_, y, kAround, blended_, kept(rows_[k], y));
     const std::int16_t *a = kept(rows_[k], y - 2), *b = kept(rows_[k], y - 1), *c = kept(rows_[k], y);
     for (int x = 0; x < padded_; ++x) sums_[x] = std::int16_t(a[x] + b[x] + c[x]);
     std::int16_t* out = kept(means_[k], y - 1);
@@ -164,6 +169,7 @@ class Dispute {
   int width_, height_, padded_;
   std::vector<std::vector<std::int16_t>> rows_, means_;
   std::vector<std::int16_t> sums_;
+  std::vector<std::int32_t> blended_;
 };
 
 /// All pixels no farther in either direction from those than `reach`.
@@ -200,10 +206,11 @@ Bytes rim_of(const Bytes& pixels, const Runs& runs, int width, int height) {
 /// What a picture has on the runs of places in dispute, one after the other.
 std::vector<std::int16_t> cover_on(const LinePicture& picture, const Runs& places, int width, int height) {
   std::vector<std::int16_t> row(width), cover;
+  std::vector<std::int32_t> blended;
   int there = -1;
   for (int k = 0; k < places.size(); ++k) {
     const Run& run = places[k];
-    if (run.y != there) moved_row(picture, width, height, there = run.y, 0, row.data());
+    if (run.y != there) moved_row(picture, width, height, there = run.y, 0, blended, row.data());
     cover.insert(cover.end(), row.begin() + run.begin, row.begin() + run.end);
   }
   return cover;
