@@ -3,21 +3,27 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
+#include <cstddef>
 
 #include "core/check.h"
 
 namespace umbrage {
 namespace {
 
-constexpr int kFull = 255;  // of a cover
-// Of 9 * 255, between means over 3 x 3 pixels. A line three pixels wide that one picture has right on them and another
-// half a pixel aside differs by 383 once that is moved.
+constexpr int kFull = kFullCover;
+// Of 9 * 255, between means over 3 x 3 pixels, for lines a pixel wide or more. One of three pixels that one picture has
+// right on them and another half a pixel aside differs by 383 once that is moved.
 constexpr int kDisputed = 390;
-constexpr int kInk = 64;      // of 255: what ends where it is less
-constexpr double kEnd = 4.0;  // squares of a line's width that the pictures' difference counts as much as a free end
-constexpr int kMissing = 3, kExcess = 2;  // what counts more: lines that others have, than those that they have not
-constexpr int kAround = 2;                // rows and columns that one pixel's dispute looks at
+// What of a line is part of it when ends are counted: tips that taper end where they are a quarter as dark.
+constexpr int kInk = kFull / 4;
+// A free end is as bad as so many squares of a line's width in which a picture differs from the others: a gap of four
+// widths is closed if but one of four pictures does, and strokes of up to about 12 widths that two of four have go.
+constexpr double kEnd = 4.0;
+// What counts more: lines that others have, than those that they have not. At 1 to 1 the greyest picture won at folds
+// that are a rim here and a crease there, and ridges were lost that two of four have; at 3 to 1 ticks stayed on lines.
+constexpr int kMissing = 3, kExcess = 2;
+constexpr int kAround = 2;                               // rows and columns that one pixel's dispute looks at
+constexpr float kBesideLine = 1.5f, kHalfOfLine = 0.5f;  // pixels, and widths, around a disputed pixel that are, too
 
 /// Bilinear samples of a picture's row y, moved to the pixels' centres; beyond its borders is what is at them.
 /// `around`: so many values before the row, too, and after it. `blended`: as many and one as scratch.
@@ -59,16 +65,23 @@ class Runs {
   /// After the last row: joins them.
   void join() {
     first_.push_back(int(runs_.size()));
+    touches_.assign(runs_.size(), 0);
     for (std::size_t y = 1; y + 1 < first_.size(); ++y) {
       int above = first_[y - 1];
       for (int here = first_[y]; here < first_[y + 1]; ++here) {
         while (above < first_[y] && runs_[above].end < runs_[here].begin) ++above;
-        for (int k = above; k < first_[y] && runs_[k].begin <= runs_[here].end; ++k) unite(k, here);
+        for (int k = above; k < first_[y] && runs_[k].begin <= runs_[here].end; ++k) {
+          unite(k, here);
+          ++touches_[here];
+        }
       }
     }
   }
   int size() const { return int(runs_.size()); }
   const Run& operator[](int k) const { return runs_[k]; }
+  /// How many runs of the row above it joins. Of joined runs there are as many holes between as these are more than the
+  /// runs but one.
+  int touches(int k) const { return touches_[k]; }
   /// The same number for all that are joined.
   int root(int k) {
     while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
@@ -90,7 +103,7 @@ class Runs {
   }
 
   std::vector<Run> runs_;
-  std::vector<int> parent_, first_;
+  std::vector<int> parent_, first_, touches_;
 };
 
 /// Appends the runs of a row of which `in` is true.
@@ -109,8 +122,12 @@ using Bytes = std::vector<std::uint8_t>;
 /// The pixels that pictures disagree at.
 class Dispute {
  public:
-  Dispute(std::span<const LinePicture> pictures, int width, int height)
-      : pictures_(pictures), width_(width), height_(height), padded_(width + 2 * kAround) {
+  Dispute(std::span<const LinePicture> pictures, int width, int height, float width_px)
+      : pictures_(pictures),
+        width_(width),
+        height_(height),
+        padded_(width + 2 * kAround),
+        most_(int(float(kDisputed) * std::min(width_px, 1.0f))) {
     rows_.assign(pictures.size(), std::vector<std::int16_t>(std::size_t(padded_) * kKept));
     means_ = rows_;
     sums_.resize(padded_);
@@ -142,7 +159,7 @@ class Dispute {
           least_near[x] = std::min(least_near[x], std::max(h[x], std::max(h[x + 1], h[x + 2])));
       }
       std::uint8_t* out = disputed.data() + std::size_t(here) * width_;
-      for (int x = 0; x < width_; ++x) out[x] = std::max(most[x] - least_near[x], most_near[x] - least[x]) > kDisputed;
+      for (int x = 0; x < width_; ++x) out[x] = std::max(most[x] - least_near[x], most_near[x] - least[x]) > most_;
     }
     return disputed;
   }
@@ -167,6 +184,7 @@ class Dispute {
 
   std::span<const LinePicture> pictures_;
   int width_, height_, padded_;
+  int most_;  // that pictures differ by without dispute
   std::vector<std::vector<std::int16_t>> rows_, means_;
   std::vector<std::int16_t> sums_;
   std::vector<std::int32_t> blended_;
@@ -179,9 +197,11 @@ Bytes widened(const Bytes& pixels, int width, int height, int reach) {
     const std::uint8_t* row = pixels.data() + std::size_t(y) * width;
     for (int x = 0; x < width; ++x) {
       if (!row[x]) continue;
-      const int begin = std::max(x - reach, 0), end = std::min(x + reach + 1, width);
+      const int begin = std::max(x - reach, 0);
+      while (x < width && row[x]) ++x;
+      const int count = std::min(x + reach, width) - begin;
       for (int j = std::max(y - reach, 0); j <= std::min(y + reach, height - 1); ++j)
-        std::fill(wide.begin() + std::ptrdiff_t(j) * width + begin, wide.begin() + std::ptrdiff_t(j) * width + end, 1);
+        std::fill_n(wide.data() + std::size_t(j) * width + begin, count, std::uint8_t(1));
     }
   }
   return wide;
@@ -207,6 +227,9 @@ Bytes rim_of(const Bytes& pixels, const Runs& runs, int width, int height) {
 std::vector<std::int16_t> cover_on(const LinePicture& picture, const Runs& places, int width, int height) {
   std::vector<std::int16_t> row(width), cover;
   std::vector<std::int32_t> blended;
+  std::size_t pixels = 0;
+  for (int k = 0; k < places.size(); ++k) pixels += std::size_t(places[k].end - places[k].begin);
+  cover.reserve(pixels);
   int there = -1;
   for (int k = 0; k < places.size(); ++k) {
     const Run& run = places[k];
@@ -217,7 +240,7 @@ std::vector<std::int16_t> cover_on(const LinePicture& picture, const Runs& place
 }
 
 /// Adds to each place how many ends of lines are free there: a line that goes through it leaves it twice, what leaves
-/// it once has one, and what lies within it, two.
+/// it once has one, and what lies within it two, or none if it closes.
 void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const Bytes& rim, int width, int height,
                    std::vector<double>& ends) {
   Runs lines(height), exits(height);
@@ -229,32 +252,33 @@ void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const B
     exits.begin_row();
     for (; k < places.size() && places[k].y == y; ++k) {
       const Run& run = places[k];
-      const std::int16_t* own = cover.data() + before - run.begin;
+      const auto own = [&](int x) { return cover[before + std::size_t(x - run.begin)]; };
       const std::uint8_t* edge = rim.data() + std::size_t(y) * width;
-      add_runs(lines, y, run.begin, run.end, [&](int x) { return own[x] > kInk; });
-      add_runs(exits, y, run.begin, run.end, [&](int x) { return own[x] > kInk && edge[x]; });
+      add_runs(lines, y, run.begin, run.end, [&](int x) { return own(x) > kInk; });
+      add_runs(exits, y, run.begin, run.end, [&](int x) { return own(x) > kInk && edge[x]; });
       place_of_line.resize(lines.size(), places.root(k));
       before += std::size_t(run.end - run.begin);
     }
   }
   lines.join();
   exits.join();
-  std::vector<int> leaves(lines.size(), 0);
+  std::vector<int> leaves(lines.size(), 0), holes(lines.size(), 1);
+  for (int l = 0; l < lines.size(); ++l) holes[lines.root(l)] += lines.touches(l) - 1;
   for (int e = 0; e < exits.size(); ++e)
     if (exits.root(e) == e) ++leaves[lines.root(lines.at(exits[e].y, exits[e].begin))];
   for (int l = 0; l < lines.size(); ++l)
-    if (lines.root(l) == l) ends[place_of_line[l]] += std::max(2 - leaves[l], 0);
+    if (lines.root(l) == l && (leaves[l] > 0 || holes[l] == 0)) ends[place_of_line[l]] += std::max(2 - leaves[l], 0);
 }
 
 }  // namespace
 
 Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px) {
   const int width = mean.width, height = mean.height, count = int(pictures.size());
-  if (count < 3) fail_check("fewer than three pictures have no majority");
+  check_less(2, count, "pictures that are to agree");
   for (const LinePicture& picture : pictures)
-    if (picture.cover.size() != std::size_t(width) * height) fail_check("lines of pictures must be of one size");
-  const int reach = int(std::ceil(1.5f + 0.5f * width_px));
-  const Bytes wide = widened(Dispute(pictures, width, height).pixels(), width, height, reach);
+    check_equal(picture.cover.size(), std::size_t(width) * height, "pixels of lines and of their mean");
+  const int reach = int(std::ceil(kBesideLine + kHalfOfLine * width_px));
+  const Bytes wide = widened(Dispute(pictures, width, height, width_px).pixels(), width, height, reach);
   Runs places(height);
   for (int y = 0; y < height; ++y) {
     places.begin_row();
@@ -273,7 +297,7 @@ Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opac
     for (double& c : cost[p]) c *= kEnd;
   }
   const double line = std::max(double(width_px), 1.0);
-  const double share = 2.0 / ((kExcess + kMissing) * kFull * double(count - 1) * line * line);
+  const double share = 1.0 / (0.5 * (kExcess + kMissing) * kFull * (count - 1) * line * line);  // of each pair
   std::size_t at = 0;
   std::vector<int> apart(count);
   for (int k = 0; k < places.size(); ++k) {

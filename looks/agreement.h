@@ -13,19 +13,24 @@
 
 namespace umbrage {
 
+inline constexpr int kFullCover = 255;
+
 /// The lines of one picture.
 struct LinePicture {
-  glm::vec2 offset;                 ///< where it has its samples, in pixels to the right of their centres and below
-  std::vector<std::uint8_t> cover;  ///< the share of each pixel that lines hide, in 255ths of their opacity, by rows
+  glm::vec2
+      offset;  ///< where it has its samples, in pixels to the right of their centres and below, within (-0.5, 0.5)
+  std::vector<std::uint8_t> cover;  ///< the share of each pixel that lines hide, of their opacity, by rows
 };
 
 /// Of each pixel the share that lines hide, 0 to `opacity`. `mean`: that of all pictures, which is what is left where
-/// they agree. `pictures`: three or more of them, of the mean's size. `width_px`: of a line.
+/// they agree. `pictures`: three or more of them, of the mean's size. `width_px`: of a line. Aborts where sizes or
+/// counts are others.
 ///
 /// Pictures disagree at a pixel where what one of them has there, in the mean over 3 x 3 pixels, no place up to a pixel
-/// away has in another. What joins such pixels, with half a line's width around them, is a place in dispute. There that
-/// picture is taken, moved to the pixels' centres, whose lines have the fewest free ends and are nearest to those of
-/// the others: see kEnd in agreement.cpp.
+/// away has in another, by about a sixth (see kDisputed): more than moving them by fractions of a pixel does. Lines
+/// that are drawn fainter than that stay the mean. What joins such pixels, with half a line's width around them, is a
+/// place in dispute. There that picture is taken, moved to the pixels' centres, whose lines have the fewest free ends
+/// and are nearest to those of the others; of equals the last.
 Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px);
 
 }  // namespace umbrage

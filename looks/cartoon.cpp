@@ -1,6 +1,6 @@
 // Toon bands with coloured shadows, soft contact shade from a hemisphere of samples, and outlines that hold up: our own
 // settings for what [Lajzer and Nottingham] set out to do. Four pictures are averaged: strips of tone that are hardly a
-// pixel wide would be dashes in one. They are mixed as lines are, or a line that is in three of them would be faint.
+// pixel wide would be dashes in one. They are mixed as lines are, so that antialiased lines keep their weight.
 #include "core/look.h"
 
 namespace umbrage {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <glm/exponential.hpp>
+#include <limits>
 
 #include "core/check.h"
 
@@ -20,14 +21,15 @@ glm::vec2 r2(int k) {
 
 /// Adds rows of a picture's lines.
 void add_lines(PictureSum& total, const Plane& rows, int first, glm::vec2 offset) {
-  constexpr float kFull = 255.0f;
-  if (first == 0)
+  if (first == 0) {
+    if (total.lines.size() == std::size_t(kMostLinePictures)) total.lines.erase(total.lines.begin());
     total.lines.push_back({offset, std::vector<std::uint8_t>(std::size_t(rows.width) * total.sum.height)});
+  }
   for (int y = 0; y < rows.height; ++y) {
     const float* in = rows.row(y);
     std::uint8_t* out = total.lines.back().cover.data() + std::size_t(first + y) * rows.width;
     for (int x = 0; x < rows.width; ++x)
-      out[x] = std::uint8_t(std::clamp(in[x] / total.opacity, 0.0f, 1.0f) * kFull + 0.5f);
+      out[x] = std::uint8_t(in[x] > 0.0f ? std::min(in[x] / total.opacity, 1.0f) * kFullCover + 0.5f : 0.0f);
   }
 }
 
@@ -64,7 +66,7 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height, glm::
   if (total.sum.names != rows.names || total.sum.width != rows.width || total.sum.height != height)
     fail_check("pictures that are averaged must have the same planes");
   total.count += first == 0;
-  if (total.opacity > 0.0f && total.count <= kMostLinePictures) add_lines(total, rows.plane("outline"), first, offset);
+  if (total.opacity > 0.0f) add_lines(total, rows.plane("outline"), first, offset);
   const Plane& alpha = rows.plane("color.a");
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
     const bool multiplied = is_color(rows.names[k]) && rows.names[k] != "color.a";

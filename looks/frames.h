@@ -29,19 +29,20 @@ struct PictureSum {
   float line_px = 1.0f;  ///< their width
   int count = 0;
   Image sum;                       ///< colour, or its roots, multiplied by alpha; alpha; and what else is averaged
-  std::vector<LinePicture> lines;  ///< of the first kMostLinePictures, until they agree
+  std::vector<LinePicture> lines;  ///< of the last kMostLinePictures, until they agree
   Plane agreed;                    ///< lines that they agreed on, or empty
 };
 
-/// Of more pictures the lines of so many count where they disagree: each takes a byte a pixel.
+/// Of more pictures the lines of so many count where they disagree, since each takes a byte a pixel; of others what
+/// they have alone stays in the mean.
 inline constexpr int kMostLinePictures = 16;
 
 /// Adds a picture: planes color.r, .g, .b as light with straight alpha, color.a, and any others. All have the planes of
 /// the first. `offset`: of its samples, as frame_offset has it.
-void add_picture(PictureSum& total, const Image& picture, glm::vec2 offset = glm::vec2(0.0f));
+void add_picture(PictureSum& total, const Image& picture, glm::vec2 offset);
 
 /// Adds rows of a picture of that height, the first of them `first`; the first rows of each picture come first.
-void add_rows(PictureSum& total, const Image& rows, int first, int height, glm::vec2 offset = glm::vec2(0.0f));
+void add_rows(PictureSum& total, const Image& rows, int first, int height, glm::vec2 offset);
 
 /// After the last picture, where three or more are to agree on lines: lets them.
 void agree_on_lines(PictureSum& total);

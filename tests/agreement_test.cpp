@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "looks/frames.h"
@@ -134,6 +133,41 @@ TEST(AgreedLines, LinesThatLieAsideAreOneOfThem) {
   EXPECT_LT(std::min(most_apart(lines, drawn({high}, {0, 0})), most_apart(lines, drawn({low}, {0, 0}))), kSoft);
 }
 
+// Each place has a picture of its own.
+TEST(AgreedLines, PlacesApartChooseApart) {
+  const Stroke gap[] = {{{-5.0f, 12.0f}, {26.0f, 12.0f}}, {{38.0f, 12.0f}, {70.0f, 12.0f}}};
+  const Stroke closed = {{-5.0f, 12.0f}, {70.0f, 12.0f}}, low = {{-5.0f, 50.0f}, {70.0f, 50.0f}};
+  const std::vector<Stroke> crumb = {closed, low, kCrumb}, open = {gap[0], gap[1], low}, cut = {gap[0], gap[1]};
+  EXPECT_LT(most_apart(agreed({crumb, open, cut, open}), drawn({closed, low}, {0, 0})), kSoft);
+}
+
+TEST(AgreedLines, ThinLinesAreAskedToo) {
+  const auto thin = [](glm::vec2 offset) {
+    Plane plane(kSize, kSize, 0.0f);
+    const Plane wide = drawn({kThrough}, offset);
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) plane.at(x, y) = 0.25f * std::min(wide.at(x, y), 1.0f);
+    return plane;
+  };
+  PictureSum total{.for_eye = true, .opacity = 1.0f, .line_px = 0.25f};
+  for (int k = 3; k >= 0; --k)
+    add_picture(total, picture_of(k == 2 ? Plane(kSize, kSize, 0.0f) : thin(frame_offset(k, 4))), frame_offset(k, 4));
+  agree_on_lines(total);
+  EXPECT_LT(most_apart(lines_of(total), thin({0, 0})), 0.25f * kSoft);
+}
+
+// A ring has no end.
+TEST(AgreedLines, ARingThatTwoHaveIsWhole) {
+  std::vector<Stroke> ring;
+  constexpr int kCorners = 12;
+  const auto corner = [](int k) {
+    const float angle = 6.2831853f * float(k) / kCorners;
+    return glm::vec2(32.0f + 6.0f * std::cos(angle), 32.0f + 6.0f * std::sin(angle));
+  };
+  for (int k = 0; k < kCorners; ++k) ring.push_back({corner(k), corner(k + 1)});
+  EXPECT_LT(most_apart(agreed({ring, {}, ring, {}}), drawn(ring, {0, 0})), 1.5f * kSoft);
+}
+
 TEST(AgreedLines, TheyCoverNoMoreThanTheirOpacity) {
   PictureSum total = sum_of({{kThrough}, {kThrough}, {}, {kThrough}}, 0.4f);
   agree_on_lines(total);
@@ -160,6 +194,14 @@ TEST(AgreedLines, ColourIsThatOfSurfaceAndLine) {
         }
     }
   }
+}
+
+TEST(AgreedLines, PixelsThatAreNoNumbersHaveNoLine) {
+  PictureSum total{.for_eye = true, .opacity = 1.0f, .line_px = kWidth};
+  Plane lines(kSize, kSize, std::nanf(""));
+  for (int k = 3; k >= 0; --k) add_picture(total, picture_of(lines), frame_offset(k, 4));
+  for (const LinePicture& picture : total.lines)
+    EXPECT_EQ(std::count(picture.cover.begin(), picture.cover.end(), 0), kSize * kSize);
 }
 
 TEST(AgreedLines, TwoPicturesHaveNoMajority) {

@@ -144,6 +144,22 @@ TEST(Bands, GuardBandsAndFurtherViews) {
   expect_bands_same(settings, {16, 64});
 }
 
+// Frames agree on lines of the whole picture before any row of it is finished.
+TEST(Bands, LinesThatFramesAgreeOn) {
+  DrawSettings settings = of_look("cartoon", 181, 203);
+  settings.settings = {"outline.width=3"};
+  settings.guard_percent = 20.0f;
+  const std::vector<std::string> planes = {"color.r", "color.b", "outline", "normal.x", "depth"};
+  for (const bool averaged : {false, true}) {
+    if (averaged) settings.averaged = {"outline"};
+    for (const int frames : {2, 3, 4, 18}) {
+      SCOPED_TRACE(fmt::format("{} frames, lines {}", frames, averaged ? "averaged" : "of one"));
+      settings.frames = frames;
+      expect_bands_same(settings, {48}, planes);
+    }
+  }
+}
+
 TEST(Bands, DoNotDependOnThreads) {
   const DrawSettings settings = of_look("studio", 101, 75);
   const std::vector<std::string> planes = {"color.r", "color.g", "color.b", "ao"};

@@ -63,10 +63,10 @@ Image one_pixel(float r, float alpha, float ao) {
 
 TEST(Frames, ColourIsAveragedByItsAlpha) {
   PictureSum total;
-  add_picture(total, one_pixel(0.8f, 1.0f, 0.25f));
-  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
-  add_picture(total, one_pixel(0.2f, 1.0f, 0.5f));
-  add_picture(total, one_pixel(0.3f, 0.0f, 0.5f));
+  add_picture(total, one_pixel(0.8f, 1.0f, 0.25f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(0.2f, 1.0f, 0.5f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.5f), glm::vec2(0.0f));
   const GBuffer mean = mean_picture(total, PictureInfo{.width = 1, .height = 1});
   EXPECT_FLOAT_EQ(mean.layers[0].plane("cover").at(0, 0), 0.5f);
   EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.25f);  // 0.5 over half of the pixel
@@ -76,10 +76,10 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
 
 TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
   PictureSum total{.for_eye = true};
-  add_picture(total, one_pixel(0.64f, 1.0f, 0.25f));
-  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
-  add_picture(total, one_pixel(0.04f, 1.0f, 0.5f));
-  add_picture(total, one_pixel(-1.0f, 0.0f, 0.5f));
+  add_picture(total, one_pixel(0.64f, 1.0f, 0.25f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(0.04f, 1.0f, 0.5f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(-1.0f, 0.0f, 0.5f), glm::vec2(0.0f));
   for (const PictureSum& sum : {total, rows_of(total, 0, 1)}) {
     const GBuffer mean = mean_picture(sum, PictureInfo{.width = 1, .height = 1});
     EXPECT_EQ(mean.layers[0].find("cover"), nullptr);

@@ -187,10 +187,12 @@ struct PlaneCount {
   double held = 0.0;  ///< by a frame
   double far = 0.0;   ///< of these, what passes read anywhere
   double averaged = 0.0;
+  double waiting = 0.0;  ///< of the frame that stays, until frames agree; in bands alone
 };
 
 /// What drawing takes, about: what a pass does not need any more is kept all the same.
-PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int layers) {
+/// `passes`: planes besides what is averaged that are wanted.
+PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int layers, int passes) {
   constexpr int kCaptured = 17;       // of each layer: with a second shadow, and emission
   constexpr double kBesides = 7.0;    // planes of one value, and what is handed out
   constexpr double kOfAverage = 6.0;  // the picture that is finished, and what that is made of
@@ -219,11 +221,12 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
   if (recipe.frames > 1) {
     const PictureSum sum = empty_sum(recipe, settings.height);
     count.averaged = double(averaged_planes(settings, sum).size());
-    // Lines of single frames, a byte each; what they agree on, and three bytes on the way there; depth and occlusion of
-    // the frame that stays, until then.
-    constexpr double kOfAgreement = 1.0 + 3.0 / sizeof(float) + 2.0;
-    if (sum.opacity > 0.0f)
+    // Lines of single frames, a byte each; what they agree on, and three bytes on the way there.
+    constexpr double kOfAgreement = 1.0 + 3.0 / sizeof(float);
+    if (sum.opacity > 0.0f) {
       count.averaged += std::min(recipe.frames, kMostLinePictures) / double(sizeof(float)) + kOfAgreement;
+      count.waiting = passes;
+    }
   }
   count.held += recipe.frames > 1 ? kOfAverage : 0.0;
   return count;
@@ -235,7 +238,7 @@ void put_rows(const Plane& rows, Plane& whole, int first) {
 
 }  // namespace
 
-Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory) {
+Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory, int passes) {
   constexpr double kBytes = sizeof(float);
   constexpr double kFixed = 150e6;         // the program and a scene
   constexpr double kMargin = 64.0;         // rows above and below a band
@@ -245,7 +248,7 @@ Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, 
   const auto capture = capture_settings(settings, *recipe->look, kMostShadows, kMostBandPixels);
   if (!capture) return capture.error();
   const int layers = *layer_count(*capture);
-  const PlaneCount count = count_planes(settings, *recipe, layers);
+  const PlaneCount count = count_planes(settings, *recipe, layers, passes);
   const double width = capture->width + 2.0 * capture->guard, height = capture->height + 2.0 * capture->guard;
   BandPlan plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
@@ -258,7 +261,7 @@ Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, 
         "{}; larger pictures are drawn in bands, but not {}", fits.error().message,
         traced ? "with --ao reference" : fmt::format("on the device {}: try --device cpu", device.name()));
   }
-  const double fixed = kFixed + (count.far + count.averaged) * kBytes * width * height;
+  const double fixed = kFixed + (count.far + count.averaged + count.waiting) * kBytes * width * height;
   const double row = count.held * kBytes * width;
   const int rows = int(std::clamp((memory - fixed) / row - 2.0 * kMargin, double(kLeast), double(kMost)));
   plan.rows = rows / kLeast * kLeast;
@@ -274,14 +277,15 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
   BandDrawer drawer(device, scene, *drawing, settings, times);
   PictureSum total = empty_sum(drawing->recipe, settings.height);
   const std::vector<std::string> averaged = averaged_planes(settings, total);
-  const auto is_averaged = [&](const std::string& name) {
-    return std::find(averaged.begin(), averaged.end(), name) != averaged.end();
+  const auto is_finished = [&](const std::string& name) {
+    const auto& also = settings.averaged;
+    return name.starts_with("color.") || std::find(also.begin(), also.end(), name) != also.end();
   };
   std::vector<std::string> wanted = plan.planes, single;  // of the frame that stays; and those of it alone
   for (const std::string& name : averaged)
     if (drawing->averages() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
   std::copy_if(plan.planes.begin(), plan.planes.end(), std::back_inserter(single),
-               [&](const std::string& name) { return !is_averaged(name); });
+               [&](const std::string& name) { return !is_finished(name); });
   // Of averaged frames, so many rows of the picture; `rows`: what of them is of one frame.
   const auto take_average = [&](const PictureInfo& of_frame, const PictureSum& sum, const Image& rows,
                                 int first) -> Result<void> {
@@ -303,7 +307,7 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
   Image kept(settings.width, settings.height);
   for (const std::string& name : single)
     if (waits) kept.add(name) = Plane(kept.width, kept.height);
-  std::optional<PictureInfo> seen;
+  std::optional<PictureInfo> last_info;
   for (int k = drawing->recipe.frames - 1; k >= 0; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
     const bool last = k == 0;
@@ -313,17 +317,17 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
       return own;
     };
     const auto add = [&](const Frame& frame, const Image& rows, int first) -> Result<void> {
-      add_rows(total, averaged_of(rows), first, settings.height, frame_offset(k, drawing->recipe.frames));
+      add_rows(total, last ? averaged_of(rows) : rows, first, settings.height, frame_offset(k, drawing->recipe.frames));
       if (last)
         for (std::size_t i = 0; i < kept.names.size(); ++i) put_rows(rows.plane(kept.names[i]), kept.planes[i], first);
-      seen = frame.info;
+      last_info = frame.info;
       times.done("average");
       return {};
     };
     const auto finish = [&](const Frame& frame, const Image& rows, int first) -> Result<void> {
       if (!drawing->averages()) return take(frame.info, rows, first);
       PictureSum sum = rows_of(total, first, rows.height);
-      add_rows(sum, averaged_of(rows), 0, rows.height);
+      add_rows(sum, averaged_of(rows), 0, rows.height, glm::vec2(0.0f));
       sum.count = drawing->recipe.frames;
       return take_average(frame.info, sum, rows, first);
     };
@@ -339,7 +343,7 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
       Image rows(settings.width, count);
       for (std::size_t i = 0; i < kept.names.size(); ++i)
         rows.add(kept.names[i]) = some_rows(kept.planes[i], first, count);
-      if (auto done = take_average(*seen, rows_of(total, first, count), rows, first); !done) return done;
+      if (auto done = take_average(*last_info, rows_of(total, first, count), rows, first); !done) return done;
     }
   }
   return progress.end();

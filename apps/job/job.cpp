@@ -564,11 +564,13 @@ PictureSum empty_sum(const Recipe& recipe, int height) {
   PictureSum sum;
   sum.for_eye = recipe.look->averages_for_eye;
   const auto& effects = recipe.look->effects;
-  if (!sum.for_eye || std::find(effects.begin(), effects.end(), "outline") == effects.end()) return sum;
+  constexpr int kLeastThatAgree = 3;  // two have no majority
+  if (!sum.for_eye || recipe.frames < kLeastThatAgree) return sum;
+  if (std::find(effects.begin(), effects.end(), "outline") == effects.end()) return sum;
   const auto& outline = as<OutlineParams>(recipe.settings.find("outline")->second);
   sum.opacity = outline.opacity;
-  sum.line_px = std::min(outline.width.relative ? outline.width.value / 100.0f * float(height) : outline.width.value,
-                         kOutlineWidest);
+  const float width = outline.width.value;
+  sum.line_px = std::min(outline.width.relative ? width / 100.0f * float(height) : width, kOutlineWidest);
   return sum;
 }
 
