@@ -19,6 +19,8 @@ constexpr int kInk = kFull / 4;
 // A free end is as bad as so many squares of a line's width in which a picture differs from the others: a gap of four
 // widths is closed if but one of four pictures does, and strokes of up to about 12 widths that two of four have go.
 constexpr double kEnd = 4.0;
+// So many free ends is a hole that lines close: tangles of crumbs have many.
+constexpr double kHole = 0.25;
 // What counts more: lines that others have, than those that they have not. At 1 to 1 the greyest picture won at folds
 // that are a rim here and a crease there, and ridges were lost that two of four have; at 3 to 1 ticks stayed on lines.
 constexpr int kMissing = 3, kExcess = 2;
@@ -267,7 +269,8 @@ void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const B
   for (int e = 0; e < exits.size(); ++e)
     if (exits.root(e) == e) ++leaves[lines.root(lines.at(exits[e].y, exits[e].begin))];
   for (int l = 0; l < lines.size(); ++l)
-    if (lines.root(l) == l && (leaves[l] > 0 || holes[l] == 0)) ends[place_of_line[l]] += std::max(2 - leaves[l], 0);
+    if (lines.root(l) == l)
+      ends[place_of_line[l]] += (leaves[l] > 0 || holes[l] == 0 ? std::max(2 - leaves[l], 0) : 0) + kHole * holes[l];
 }
 
 }  // namespace

@@ -168,6 +168,14 @@ TEST(AgreedLines, ARingThatTwoHaveIsWhole) {
   EXPECT_LT(most_apart(agreed({ring, {}, ring, {}}), drawn(ring, {0, 0})), 1.5f * kSoft);
 }
 
+// A stroke beside a line that closes a hole with it, as at a fold that is found twice.
+TEST(AgreedLines, LinesThatAreDoubledYieldToOne) {
+  const Stroke line = {{-5.0f, 30.0f}, {70.0f, 30.0f}};
+  const std::vector<Stroke> twice = {
+      line, {{27.0f, 29.0f}, {28.0f, 24.0f}}, {{28.0f, 24.5f}, {33.0f, 24.5f}}, {{33.0f, 24.0f}, {34.0f, 29.0f}}};
+  EXPECT_LT(most_apart(agreed({twice, {line}, twice, {line}}), drawn({line}, {0, 0})), kSoft);
+}
+
 TEST(AgreedLines, TheyCoverNoMoreThanTheirOpacity) {
   PictureSum total = sum_of({{kThrough}, {kThrough}, {}, {kThrough}}, 0.4f);
   agree_on_lines(total);
