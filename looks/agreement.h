@@ -17,8 +17,8 @@ inline constexpr int kFullCover = 255;
 
 /// The lines of one picture.
 struct LinePicture {
-  glm::vec2
-      offset;  ///< where it has its samples, in pixels to the right of their centres and below, within (-0.5, 0.5)
+  /// Where it has its samples, in pixels to the right of their centres and below, within (-0.5, 0.5).
+  glm::vec2 offset;
   std::vector<std::uint8_t> cover;  ///< the share of each pixel that lines hide, of their opacity, by rows
 };
 
@@ -30,7 +30,7 @@ struct LinePicture {
 /// away has in another, by about a sixth (see kDisputed): more than moving them by fractions of a pixel does. Lines
 /// that are drawn fainter than that stay the mean. What joins such pixels, with half a line's width around them, is a
 /// place in dispute. There that picture is taken, moved to the pixels' centres, whose lines have the fewest free ends
-/// and are nearest to those of the others; of equals the last.
+/// and holes and are nearest to those of the others; of equals the last.
 Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px);
 
 }  // namespace umbrage
