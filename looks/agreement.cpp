@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <utility>
 
 #include "core/check.h"
 
@@ -21,6 +23,10 @@ constexpr int kInk = kFull / 4;
 constexpr double kEnd = 4.0;
 // So many free ends is a hole that lines close: tangles of crumbs have many.
 constexpr double kHole = 0.25;
+// Lines of two pictures together close gaps that each has elsewhere. So many free ends more than one picture they count
+// as, and where they have no fewer than each one they are not taken. Of more pictures there would be too many pairs.
+constexpr double kPair = 0.5;
+constexpr int kMostPaired = 6;
 // What counts more: lines that others have, than those that they have not. At 1 to 1 the greyest picture won at folds
 // that are a rim here and a crease there, and ridges were lost that two of four have; at 3 to 1 ticks stayed on lines.
 constexpr int kMissing = 3, kExcess = 2;
@@ -273,6 +279,17 @@ void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const B
       ends[place_of_line[l]] += (leaves[l] > 0 || holes[l] == 0 ? std::max(2 - leaves[l], 0) : 0) + kHole * holes[l];
 }
 
+/// Adds what each two of them have together.
+void add_pairs(std::vector<std::vector<std::int16_t>>& covers) {
+  const std::size_t count = covers.size();
+  for (std::size_t p = 0; p < count; ++p)
+    for (std::size_t q = 0; q < p; ++q) {
+      std::vector<std::int16_t> both = covers[p];
+      for (std::size_t i = 0; i < both.size(); ++i) both[i] = std::max(both[i], covers[q][i]);
+      covers.push_back(std::move(both));
+    }
+}
+
 }  // namespace
 
 Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px) {
@@ -293,33 +310,40 @@ Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opac
 
   std::vector<std::vector<std::int16_t>> covers;
   for (const LinePicture& picture : pictures) covers.push_back(cover_on(picture, places, width, height));
-  std::vector<std::vector<double>> cost(count, std::vector<double>(places.size(), 0.0));
+  if (count <= kMostPaired) add_pairs(covers);
+  const int choices = int(covers.size());
+  std::vector<std::vector<double>> cost(choices, std::vector<double>(places.size(), 0.0));
   const Bytes rim = rim_of(wide, places, width, height);
-  for (int p = 0; p < count; ++p) {
+  for (int p = 0; p < choices; ++p) {
     add_free_ends(covers[p], places, rim, width, height, cost[p]);
-    for (double& c : cost[p]) c *= kEnd;
+  }
+  for (int k = 0; k < places.size(); ++k) {
+    double least = cost[0][k];
+    for (int p = 1; p < count; ++p) least = std::min(least, cost[p][k]);
+    for (int p = count; p < choices; ++p)
+      cost[p][k] = cost[p][k] < least ? cost[p][k] + kPair : std::numeric_limits<double>::infinity();
+    for (int p = 0; p < choices; ++p) cost[p][k] *= kEnd;
   }
   const double line = std::max(double(width_px), 1.0);
   const double share = 1.0 / (0.5 * (kExcess + kMissing) * kFull * (count - 1) * line * line);  // of each pair
   std::size_t at = 0;
-  std::vector<int> apart(count);
+  std::vector<int> apart(choices);
   for (int k = 0; k < places.size(); ++k) {
     std::fill(apart.begin(), apart.end(), 0);
     for (int x = places[k].begin; x < places[k].end; ++x, ++at)
-      for (int p = 0; p < count; ++p)
-        for (int q = 0; q < p; ++q) {
+      for (int p = 0; p < choices; ++p)
+        for (int q = 0; q < count; ++q) {
           const int more = covers[p][at] - covers[q][at];
           apart[p] += more > 0 ? kExcess * more : -kMissing * more;
-          apart[q] += more > 0 ? kMissing * more : -kExcess * more;
         }
-    for (int p = 0; p < count; ++p) cost[p][places.root(k)] += share * apart[p];
+    for (int p = 0; p < choices; ++p) cost[p][places.root(k)] += share * apart[p];
   }
   at = 0;
   for (int k = 0; k < places.size(); ++k) {
     const int place = places.root(k);
     int best = 0;
-    for (int p = 1; p < count; ++p)
-      if (cost[p][place] <= cost[best][place]) best = p;
+    for (int p = 1; p < choices; ++p)
+      if (cost[p][place] < cost[best][place] || (p < count && cost[p][place] == cost[best][place])) best = p;
     for (int x = places[k].begin; x < places[k].end; ++x, ++at)
       mean.row(places[k].y)[x] = float(covers[best][at]) / kFull * opacity;
   }

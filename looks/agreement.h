@@ -30,7 +30,8 @@ struct LinePicture {
 /// away has in another, by about a sixth (see kDisputed): more than moving them by fractions of a pixel does. Lines
 /// that are drawn fainter than that stay the mean. What joins such pixels, with half a line's width around them, is a
 /// place in dispute. There that picture is taken, moved to the pixels' centres, whose lines have the fewest free ends
-/// and holes and are nearest to those of the others; of equals the last.
+/// and holes and are nearest to those of the others; of equals the last. Of up to six pictures it may be two together,
+/// if that closes gaps.
 Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px);
 
 }  // namespace umbrage

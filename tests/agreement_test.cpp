@@ -126,6 +126,16 @@ TEST(AgreedLines, OneThatClosesAGapIsTaken) {
   EXPECT_LT(most_apart(agreed({open, open, closed, open}), drawn(closed, {0, 0})), kSoft);
 }
 
+// Each has a gap elsewhere: none of them alone is whole.
+TEST(AgreedLines, TwoTogetherCloseGapsThatEachHas) {
+  const auto cut = [](float from, float to) {
+    return std::vector<Stroke>{{{-5.0f, 30.0f}, {from, 30.0f}}, {{to, 30.0f}, {70.0f, 30.0f}}};
+  };
+  EXPECT_LT(most_apart(agreed({cut(16, 24), cut(40, 48), cut(16, 48), cut(14, 50)}),
+                       drawn({{{-5.0f, 30.0f}, {70.0f, 30.0f}}}, {0, 0})),
+            kSoft);
+}
+
 // No grey threads: a fold whose line is found elsewhere in each of two pictures is one line or the other.
 TEST(AgreedLines, LinesThatLieAsideAreOneOfThem) {
   const Stroke high = {{-5.0f, 30.0f}, {70.0f, 30.0f}}, low = {{-5.0f, 33.5f}, {70.0f, 33.5f}};
