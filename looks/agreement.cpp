@@ -1,7 +1,6 @@
 #include "looks/agreement.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
