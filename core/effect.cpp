@@ -10,11 +10,11 @@ bool runs_for_missing(const Effect& effect, const ParameterBytes& params) {
 }
 
 float length_px(const Length& length, float whole_px, const PictureInfo& info) {
-  return length.relative ? length.value / 100.0f * whole_px : length.value / float(info.reduced);
+  return length.relative ? absolute_length(length, whole_px) : length.value / float(info.reduced);
 }
 
 Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info) {
-  const float length = radius.relative ? radius.value / 100.0f * info.scene_radius : radius.value;
+  const float length = absolute_length(radius, info.scene_radius);
   constexpr float kRounding = 1.0001f;
   const float across = 2.0f * info.scene_radius;
   const std::string written = fmt::format("{:g}{}", radius.value, radius.relative ? "%" : "");

@@ -334,7 +334,7 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
   }
 
   if (given_size) {
-    const float across = settings.size.relative ? settings.size.value / 100.0f * scene_radius : settings.size.value;
+    const float across = absolute_length(settings.size, scene_radius);
     mesh.radii.assign(size, 0.5f * across);
     return;
   }

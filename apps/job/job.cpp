@@ -569,8 +569,7 @@ PictureSum empty_sum(const Recipe& recipe, int height) {
   if (std::find(effects.begin(), effects.end(), "outline") == effects.end()) return sum;
   const auto& outline = as<OutlineParams>(recipe.settings.find("outline")->second);
   sum.opacity = outline.opacity;
-  const float width = outline.width.value;
-  sum.line_px = std::min(outline.width.relative ? width / 100.0f * float(height) : width, kOutlineWidest);
+  sum.line_px = std::min(absolute_length(outline.width, float(height)), kOutlineWidest);
   return sum;
 }
 

@@ -82,7 +82,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   auto& c = *static_cast<AlchemyConstants*>(out);
   c = {};
   c.samples = params.samples;
-  const float radius = params.radius.relative ? params.radius.value / 100.0f * info.scene_radius : params.radius.value;
+  const float radius = absolute_length(params.radius, info.scene_radius);
   c.radius = std::clamp(radius, 1e-12f, 1e12f);
   c.radius2 = c.radius * c.radius;
   const Camera& camera = info.camera;

@@ -210,7 +210,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
   c.one_over_slices = 1.0f / float(params.slices);
-  const float radius = params.radius.relative ? params.radius.value / 100.0f * info.scene_radius : params.radius.value;
+  const float radius = absolute_length(params.radius, info.scene_radius);
   c.radius = std::clamp(radius, 1e-15f, 1e15f);  // its square stays a number
   c.radius2 = c.radius * c.radius;
   const Camera& camera = info.camera;

@@ -303,7 +303,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   auto& c = *static_cast<HemisphereConstants*>(out);
   c = {};
   c.samples = params.samples;
-  c.radius = params.radius.relative ? params.radius.value / 100.0f * info.scene_radius : params.radius.value;
+  c.radius = absolute_length(params.radius, info.scene_radius);
   c.even = params.distribution == kHemisphereEven ? 1 : 0;
   c.seed = params.seed;
   c.noise = params.noise;

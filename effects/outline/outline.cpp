@@ -179,8 +179,7 @@ const std::vector<Parameter> kTable = {
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
   const auto& params = as<OutlineParams>(bytes);
   auto& c = *static_cast<OutlineConstants*>(out);
-  const float width =
-      params.width.relative ? params.width.value / 100.0f * float(info.inner_height()) : params.width.value;
+  const float width = absolute_length(params.width, float(info.inner_height()));
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
   // Faces at just that angle count as reaching it, however their normals were rounded.
   constexpr float kReached = 0.97f;

@@ -171,7 +171,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const float width = info.share_width();
   c.samples = params.samples;
   c.radius_px = length_px(params.radius, width, info);
-  c.reach = params.reach.relative ? params.reach.value / 100.0f * info.scene_radius : params.reach.value;
+  c.reach = absolute_length(params.reach, info.scene_radius);
   c.world_radius = c.reach > 0.0f ? 1 : 0;
   c.linear = params.depth == kSphereLinear ? 1 : 0;
   // In the listing the radius is in texture coordinates, shares of the width.
