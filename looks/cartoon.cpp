@@ -12,7 +12,7 @@ const Look& look_cartoon() {
       .occlusion = "sphere",
       .effects = {"occlusion", "denoise", "gaussian", "toon", "outline", "output"},
       .presets = {{"sphere.samples", "32"},        {"sphere.shape", "hemisphere"},
-                  {"sphere.reach", "8%"},          {"sphere.depth", "linear"},
+                  {"sphere.reach", "4%"},          {"sphere.depth", "linear"},
                   {"sphere.sample_z", "on"},       {"sphere.range", "smooth"},
                   {"sphere.range_factor", "1"},    {"sphere.map", "linear"},
                   {"sphere.threshold", "0"},       {"sphere.border", "skip"},

@@ -322,7 +322,8 @@ Result<Figure> shortcuts_figure(Studio& studio) {
 /// The flat top of scene:solids' table where the key light arrives, nothing stands within the reach of our occlusion,
 /// and nothing else is seen within `margin` pixels.
 Mask open_table(const Studio& studio, const Shot& shot, int margin) {
-  constexpr float kReach = 0.08f, kFlat = 1e-3f;  // share of the scene's radius, as look `cartoon` has it; metres
+  // Shares of the scene's radius: as look `cartoon` has it, and a quarter more for what smooths it. kFlat in metres.
+  constexpr float kReach = 0.05f, kFlat = 1e-3f;
   const float reach = kReach * studio.scene.radius();
   const Mesh& table = mesh_named(studio.scene, "table");
   struct Box {
