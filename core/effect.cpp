@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/absolute_length.h"
+
 namespace umbrage {
 
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params) {

@@ -9,15 +9,4 @@ struct Length {
   int relative;
 };
 
-#ifdef __cplusplus
-namespace umbrage {
-
-/// In the unit of `whole`, which is what a share is of.
-inline float absolute_length(const Length& length, float whole) {
-  return length.relative != 0 ? length.value / 100.0f * whole : length.value;
-}
-
-}  // namespace umbrage
-#endif
-
 #endif

@@ -1,6 +1,7 @@
 #include "looks/agreement.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -15,7 +16,8 @@ constexpr int kFull = kFullCover;
 // Of 9 * 255, between means over 3 x 3 pixels, for lines a pixel wide or more. One of three pixels that one picture has
 // right on them and another half a pixel aside differs by 383 once that is moved.
 constexpr int kDisputed = 390;
-// What of a line is part of it when ends are counted: tips that taper end where they are a quarter as dark.
+// What of a line a pixel wide or more is part of it when ends are counted: tips that taper end where they are a quarter
+// as dark.
 constexpr int kInk = kFull / 4;
 // A free end is as bad as so many squares of a line's width in which a picture differs from the others: a gap of four
 // widths is closed if but one of four pictures does, and strokes of up to about 12 widths that two of four have go.
@@ -32,26 +34,72 @@ constexpr int kMissing = 3, kExcess = 2;
 constexpr int kAround = 2;                               // rows and columns that one pixel's dispute looks at
 constexpr float kBesideLine = 1.5f, kHalfOfLine = 0.5f;  // pixels, and widths, around a disputed pixel that are, too
 
-/// Bilinear samples of a picture's row y, moved to the pixels' centres; beyond its borders is what is at them.
-/// `around`: so many values before the row, too, and after it. `blended`: as many and one as scratch.
-void moved_row(const LinePicture& picture, int width, int height, int y, int around, std::vector<std::int32_t>& blended,
-               std::int16_t* out) {
-  constexpr int kOne = 128;  // of a weight
+constexpr int kOne = 128;  // of a weight
+
+/// Samples of a picture's rows at the pixels' centres, which lie between its own.
+struct Between {
+  int top, left;      // from a centre to the sample above it on its left, in rows and columns
+  float down, right;  // from that sample to the centre, 0 to 1
+};
+
+Between between(const LinePicture& picture) {
   const float down = -picture.offset.y, right = -picture.offset.x;
   const int top = int(std::floor(down)), left = int(std::floor(right));
-  const int lower = int(std::lround((down - float(top)) * kOne)), more = int(std::lround((right - float(left)) * kOne));
-  const auto row = [&](int at) { return picture.cover.data() + std::size_t(std::clamp(at, 0, height - 1)) * width; };
-  const std::uint8_t *above = row(y + top), *below = row(y + top + 1);
-  const int count = width + 2 * around, before = std::max(around - left, 0);  // values before the picture's first pixel
+  return {top, left, down - float(top), right - float(left)};
+}
+
+/// Weights of four samples in a row, the second of which is so far before a place: a cubic through them all
+/// [Catmull and Rom 1974], which keeps lines sharp.
+std::array<int, 4> cubic(float t) {
+  const auto whole = [](float weight) { return int(std::lround(weight * float(kOne))); };
+  const int before = whole(((-0.5f * t + 1.0f) * t - 0.5f) * t), after = whole(((-1.5f * t + 2.0f) * t + 0.5f) * t);
+  const int last = whole((0.5f * t - 0.5f) * t * t);
+  return {before, kOne - before - after - last, after, last};
+}
+
+/// Row y of a picture, moved to the pixels' centres; beyond its borders is what is at them. kAround more values before
+/// the row and after it. Bilinear: two pictures of one edge differ by no more than their samples do.
+void moved_row(const LinePicture& picture, int width, int height, int y, std::vector<std::int32_t>& blended,
+               std::int16_t* out) {
+  const Between at = between(picture);
+  const int lower = int(std::lround(at.down * kOne)), more = int(std::lround(at.right * kOne)), left = at.left;
+  const auto row = [&](int k) { return picture.cover.data() + std::size_t(std::clamp(k, 0, height - 1)) * width; };
+  const std::uint8_t *above = row(y + at.top), *below = row(y + at.top + 1);
+  const int count = width + 2 * kAround,
+            before = std::max(kAround - left, 0);  // values before the picture's first pixel
   blended.resize(std::size_t(count) + 1);
-  const int first = std::max(left - around, 0), end = std::min(width, count + 1 - around + left);
-  for (int x = first; x < end; ++x) blended[x + around - left] = above[x] * (kOne - lower) + below[x] * lower;
+  const int first = std::max(left - kAround, 0), end = std::min(width, count + 1 - kAround + left);
+  for (int x = first; x < end; ++x) blended[x + kAround - left] = above[x] * (kOne - lower) + below[x] * lower;
   std::fill_n(blended.begin(), std::min(before, count + 1), above[0] * (kOne - lower) + below[0] * lower);
-  const int after = end + around - left;
+  const int after = end + kAround - left;
   std::fill(blended.begin() + after, blended.end(), above[width - 1] * (kOne - lower) + below[width - 1] * lower);
   const std::int32_t* in = blended.data();
   for (int x = 0; x < count; ++x)
     out[x] = std::int16_t((in[x] * (kOne - more) + in[x + 1] * more + kOne * kOne / 2) / (kOne * kOne));
+}
+
+/// The same of columns first to end of the row, by cubics, no value more: what is drawn of one picture is as sharp as
+/// the mean of all beside it.
+void sharp_row(const LinePicture& picture, int width, int height, int y, int first, int end,
+               std::vector<std::int32_t>& blended, std::int16_t* out) {
+  constexpr int kTaps = 4;
+  const Between at = between(picture);
+  const std::array<int, 4> lower = cubic(at.down), more = cubic(at.right);
+  std::array<const std::uint8_t*, kTaps> rows;
+  for (int k = 0; k < kTaps; ++k)
+    rows[k] = picture.cover.data() + std::size_t(std::clamp(y + at.top - 1 + k, 0, height - 1)) * width;
+  const int count = end - first + kTaps - 1;
+  blended.resize(std::size_t(count));
+  for (int i = 0; i < count; ++i) {
+    const int x = std::clamp(first + at.left - 1 + i, 0, width - 1);
+    blended[i] = 0;
+    for (int k = 0; k < kTaps; ++k) blended[i] += rows[k][x] * lower[k];
+  }
+  for (int i = 0; i < end - first; ++i) {
+    int sum = kOne * kOne / 2;
+    for (int k = 0; k < kTaps; ++k) sum += blended[i + k] * more[k];
+    out[i] = std::int16_t(std::clamp(sum, 0, kFull * kOne * kOne) / (kOne * kOne));
+  }
 }
 
 /// A stretch of a row.
@@ -86,8 +134,8 @@ class Runs {
   }
   int size() const { return int(runs_.size()); }
   const Run& operator[](int k) const { return runs_[k]; }
-  /// How many runs of the row above it joins. Of joined runs there are as many holes between as these are more than the
-  /// runs but one.
+  /// How many runs of the row above it joins. Joined runs have so many holes between: the sum of these, less the number
+  /// of runs, and 1.
   int touches(int k) const { return touches_[k]; }
   /// The same number for all that are joined.
   int root(int k) {
@@ -165,8 +213,11 @@ class Dispute {
         for (int x = 0; x < width_; ++x)
           least_near[x] = std::min(least_near[x], std::max(h[x], std::max(h[x + 1], h[x + 2])));
       }
+      // At the border all have what is there, wherever their samples are: none tells of what is beyond.
+      if (here < kAround || here >= height_ - kAround) continue;
       std::uint8_t* out = disputed.data() + std::size_t(here) * width_;
-      for (int x = 0; x < width_; ++x) out[x] = std::max(most[x] - least_near[x], most_near[x] - least[x]) > most_;
+      for (int x = kAround; x < width_ - kAround; ++x)
+        out[x] = std::max(most[x] - least_near[x], most_near[x] - least[x]) > most_;
     }
     return disputed;
   }
@@ -182,7 +233,7 @@ class Dispute {
   const std::int16_t* mean_row(std::size_t k, int y) { return kept(means_[k], y); }
 
   void take_row(std::size_t k, int y) {
-    moved_row(pictures_[k], width_, height_, y, kAround, blended_, kept(rows_[k], y));
+    moved_row(pictures_[k], width_, height_, y, blended_, kept(rows_[k], y));
     const std::int16_t *a = kept(rows_[k], y - 2), *b = kept(rows_[k], y - 1), *c = kept(rows_[k], y);
     for (int x = 0; x < padded_; ++x) sums_[x] = std::int16_t(a[x] + b[x] + c[x]);
     std::int16_t* out = kept(means_[k], y - 1);
@@ -232,7 +283,7 @@ Bytes rim_of(const Bytes& pixels, const Runs& runs, int width, int height) {
 
 /// What a picture has on the runs of places in dispute, one after the other.
 std::vector<std::int16_t> cover_on(const LinePicture& picture, const Runs& places, int width, int height) {
-  std::vector<std::int16_t> row(width), cover;
+  std::vector<std::int16_t> row(std::size_t(width) + 2 * kAround), cover;
   std::vector<std::int32_t> blended;
   std::size_t pixels = 0;
   for (int k = 0; k < places.size(); ++k) pixels += std::size_t(places[k].end - places[k].begin);
@@ -240,8 +291,8 @@ std::vector<std::int16_t> cover_on(const LinePicture& picture, const Runs& place
   int there = -1;
   for (int k = 0; k < places.size(); ++k) {
     const Run& run = places[k];
-    if (run.y != there) moved_row(picture, width, height, there = run.y, 0, blended, row.data());
-    cover.insert(cover.end(), row.begin() + run.begin, row.begin() + run.end);
+    if (run.y != there) moved_row(picture, width, height, there = run.y, blended, row.data());
+    cover.insert(cover.end(), row.begin() + kAround + run.begin, row.begin() + kAround + run.end);
   }
   return cover;
 }
@@ -249,7 +300,7 @@ std::vector<std::int16_t> cover_on(const LinePicture& picture, const Runs& place
 /// Adds to each place how many ends of lines are free there: a line that goes through it leaves it twice, what leaves
 /// it once has one, and what lies within it two, or none if it closes.
 void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const Bytes& rim, int width, int height,
-                   std::vector<double>& ends) {
+                   int ink, std::vector<double>& ends) {
   Runs lines(height), exits(height);
   std::vector<int> place_of_line;
   int k = 0;
@@ -261,8 +312,8 @@ void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const B
       const Run& run = places[k];
       const auto own = [&](int x) { return cover[before + std::size_t(x - run.begin)]; };
       const std::uint8_t* edge = rim.data() + std::size_t(y) * width;
-      add_runs(lines, y, run.begin, run.end, [&](int x) { return own(x) > kInk; });
-      add_runs(exits, y, run.begin, run.end, [&](int x) { return own(x) > kInk && edge[x]; });
+      add_runs(lines, y, run.begin, run.end, [&](int x) { return own(x) > ink; });
+      add_runs(exits, y, run.begin, run.end, [&](int x) { return own(x) > ink && edge[x]; });
       place_of_line.resize(lines.size(), places.root(k));
       before += std::size_t(run.end - run.begin);
     }
@@ -278,22 +329,25 @@ void add_free_ends(const std::vector<std::int16_t>& cover, Runs& places, const B
       ends[place_of_line[l]] += (leaves[l] > 0 || holes[l] == 0 ? std::max(2 - leaves[l], 0) : 0) + kHole * holes[l];
 }
 
-/// Adds what each two of them have together.
-void add_pairs(std::vector<std::vector<std::int16_t>>& covers) {
-  const std::size_t count = covers.size();
-  for (std::size_t p = 0; p < count; ++p)
-    for (std::size_t q = 0; q < p; ++q) {
-      std::vector<std::int16_t> both = covers[p];
-      for (std::size_t i = 0; i < both.size(); ++i) both[i] = std::max(both[i], covers[q][i]);
-      covers.push_back(std::move(both));
-    }
+/// One picture, or two together.
+struct Choice {
+  int first, second;
+};
+
+/// Each of so many pictures, and each two of them.
+std::vector<Choice> choices_of(int count) {
+  std::vector<Choice> choices;
+  for (int p = 0; p < count; ++p) choices.push_back({p, p});
+  for (int p = 0; p < count && count <= kMostPaired; ++p)
+    for (int q = 0; q < p; ++q) choices.push_back({p, q});
+  return choices;
 }
 
 }  // namespace
 
 Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px) {
   const int width = mean.width, height = mean.height, count = int(pictures.size());
-  check_less(2, count, "pictures that are to agree");
+  check_less(kLeastThatAgree - 1, count, "pictures that are to agree");
   for (const LinePicture& picture : pictures)
     check_equal(picture.cover.size(), std::size_t(width) * height, "pixels of lines and of their mean");
   const int reach = int(std::ceil(kBesideLine + kHalfOfLine * width_px));
@@ -309,13 +363,17 @@ Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opac
 
   std::vector<std::vector<std::int16_t>> covers;
   for (const LinePicture& picture : pictures) covers.push_back(cover_on(picture, places, width, height));
-  if (count <= kMostPaired) add_pairs(covers);
-  const int choices = int(covers.size());
-  std::vector<std::vector<double>> cost(choices, std::vector<double>(places.size(), 0.0));
-  const Bytes rim = rim_of(wide, places, width, height);
-  for (int p = 0; p < choices; ++p) {
-    add_free_ends(covers[p], places, rim, width, height, cost[p]);
+  const std::vector<Choice> chosen = choices_of(count);
+  const int choices = int(chosen.size());
+  for (int p = count; p < choices; ++p) {
+    covers.push_back(covers[chosen[p].first]);
+    const std::vector<std::int16_t>& other = covers[chosen[p].second];
+    for (std::size_t i = 0; i < other.size(); ++i) covers[p][i] = std::max(covers[p][i], other[i]);
   }
+  std::vector<std::vector<double>> cost(choices, std::vector<double>(places.size(), 0.0));
+  const int ink = int(float(kInk) * std::min(width_px, 1.0f));
+  const Bytes rim = rim_of(wide, places, width, height);
+  for (int p = 0; p < choices; ++p) add_free_ends(covers[p], places, rim, width, height, ink, cost[p]);
   for (int k = 0; k < places.size(); ++k) {
     double least = cost[0][k];
     for (int p = 1; p < count; ++p) least = std::min(least, cost[p][k]);
@@ -337,14 +395,21 @@ Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opac
         }
     for (int p = 0; p < choices; ++p) cost[p][places.root(k)] += share * apart[p];
   }
-  at = 0;
+  std::vector<std::int32_t> blended;
+  std::vector<std::int16_t> row(width), other(width);
   for (int k = 0; k < places.size(); ++k) {
     const int place = places.root(k);
     int best = 0;
     for (int p = 1; p < choices; ++p)
       if (cost[p][place] < cost[best][place] || (p < count && cost[p][place] == cost[best][place])) best = p;
-    for (int x = places[k].begin; x < places[k].end; ++x, ++at)
-      mean.row(places[k].y)[x] = float(covers[best][at]) / kFull * opacity;
+    const Run& run = places[k];
+    const auto [first, second] = chosen[best];
+    sharp_row(pictures[first], width, height, run.y, run.begin, run.end, blended, row.data());
+    if (second != first) {
+      sharp_row(pictures[second], width, height, run.y, run.begin, run.end, blended, other.data());
+      for (int x = 0; x < run.end - run.begin; ++x) row[x] = std::max(row[x], other[x]);
+    }
+    for (int x = run.begin; x < run.end; ++x) mean.row(run.y)[x] = float(row[x - run.begin]) / kFull * opacity;
   }
   return mean;
 }

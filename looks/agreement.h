@@ -15,6 +15,9 @@ namespace umbrage {
 
 inline constexpr int kFullCover = 255;
 
+/// Two pictures have no majority.
+inline constexpr int kLeastThatAgree = 3;
+
 /// The lines of one picture.
 struct LinePicture {
   /// Where it has its samples, in pixels to the right of their centres and below, within (-0.5, 0.5).
@@ -28,10 +31,11 @@ struct LinePicture {
 ///
 /// Pictures disagree at a pixel where what one of them has there, in the mean over 3 x 3 pixels, no place up to a pixel
 /// away has in another, by about a sixth (see kDisputed): more than moving them by fractions of a pixel does. Lines
-/// that are drawn fainter than that stay the mean. What joins such pixels, with half a line's width around them, is a
-/// place in dispute. There that picture is taken, moved to the pixels' centres, whose lines have the fewest free ends
-/// and holes and are nearest to those of the others; of equals the last. Of up to six pictures it may be two together,
-/// if that closes gaps.
+/// that are fainter in that mean stay the mean of all: of lines a pixel wide those that are drawn less than half as
+/// dark, where the width is one. Nothing is asked within two pixels of the picture's border. What joins such pixels,
+/// with half a line's width around them, is a place in dispute. There one picture is taken, moved to the pixels'
+/// centres: that of the least sum of what free ends, holes and differences from the others cost; of equals the last. Of
+/// up to six pictures it may be two together, if that closes gaps.
 Plane agreed_lines(std::span<const LinePicture> pictures, Plane mean, float opacity, float width_px);
 
 }  // namespace umbrage

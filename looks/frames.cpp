@@ -139,7 +139,7 @@ void draw_agreed_lines(const PictureSum& total, glm::vec3 root, std::array<Plane
 }  // namespace
 
 void agree_on_lines(PictureSum& total) {
-  if (!(total.opacity > 0.0f) || total.lines.size() < 3) return;
+  if (!(total.opacity > 0.0f) || int(total.lines.size()) < kLeastThatAgree) return;
   total.agreed = agreed_lines(total.lines, mean_plane(total, "outline"), total.opacity, total.line_px);
   total.lines.clear();
 }

@@ -16,6 +16,8 @@
 #include <numbers>
 #include <tuple>
 
+#include "core/absolute_length.h"
+
 namespace umbrage {
 namespace {
 

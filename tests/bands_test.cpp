@@ -178,19 +178,19 @@ TEST(Bands, SoftShadowsOfAModelInTheOpen) {
 TEST(Bands, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
   DrawSettings settings = of_look("studio", 1024, 1024);
-  EXPECT_EQ(plan_bands(*device, settings, 6e9)->rows, 0);
-  EXPECT_GT(plan_bands(*device, settings, 3e8)->rows, 0);
+  EXPECT_EQ(plan_bands(*device, settings, 6e9, 2)->rows, 0);
+  EXPECT_GT(plan_bands(*device, settings, 3e8, 2)->rows, 0);
   settings.width = settings.height = 16384;
-  const auto plan = plan_bands(*device, settings, 6e9);
+  const auto plan = plan_bands(*device, settings, 6e9, 2);
   ASSERT_TRUE(plan);
   EXPECT_GT(plan->rows, 0);
   EXPECT_EQ(plan->rows % 4, 0);
   EXPECT_LT(plan->bytes, 8e9);
   // Much memory does not make a picture one that can be drawn whole.
-  EXPECT_GT(plan_bands(*device, settings, 1e12)->rows, 0);
+  EXPECT_GT(plan_bands(*device, settings, 1e12, 2)->rows, 0);
   EXPECT_TRUE(check_passes({"depth", "ao"}, settings));
   settings.occlusion = "reference";
-  EXPECT_EQ(plan_bands(*device, settings, 6e9).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(plan_bands(*device, settings, 6e9, 2).error().kind, ErrorKind::kUsage);
 }
 
 }  // namespace

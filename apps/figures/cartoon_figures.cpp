@@ -322,9 +322,10 @@ Result<Figure> shortcuts_figure(Studio& studio) {
 /// The flat top of scene:solids' table where the key light arrives, nothing stands within the reach of our occlusion,
 /// and nothing else is seen within `margin` pixels.
 Mask open_table(const Studio& studio, const Shot& shot, int margin) {
-  // Shares of the scene's radius: as look `cartoon` has it, and a quarter more for what smooths it. kFlat in metres.
-  constexpr float kReach = 0.05f, kFlat = 1e-3f;
-  const float reach = kReach * studio.scene.radius();
+  // A share of the scene's radius, as look `cartoon` has it, and how much farther it reaches once it is smoothed;
+  // metres.
+  constexpr float kReach = 0.04f, kSmoothed = 1.25f, kFlat = 1e-3f;
+  const float reach = kReach * kSmoothed * studio.scene.radius();
   const Mesh& table = mesh_named(studio.scene, "table");
   struct Box {
     glm::vec3 low{1e30f}, high{-1e30f};

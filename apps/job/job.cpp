@@ -12,6 +12,7 @@
 
 #include "apps/job/drawing.h"
 #include "apps/job/hdri.h"
+#include "core/absolute_length.h"
 #include "core/check.h"
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
@@ -564,10 +565,10 @@ PictureSum empty_sum(const Recipe& recipe, int height) {
   PictureSum sum;
   sum.for_eye = recipe.look->averages_for_eye;
   const auto& effects = recipe.look->effects;
-  constexpr int kLeastThatAgree = 3;  // two have no majority
   if (!sum.for_eye || recipe.frames < kLeastThatAgree) return sum;
   if (std::find(effects.begin(), effects.end(), "outline") == effects.end()) return sum;
   const auto& outline = as<OutlineParams>(recipe.settings.find("outline")->second);
+  if (outline.mode == kOutlinePaper) return sum;  // lines of pixels, which no width tells of
   sum.opacity = outline.opacity;
   sum.line_px = std::min(absolute_length(outline.width, float(height)), kOutlineWidest);
   return sum;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "core/absolute_length.h"
 #include "core/effect.h"
 #include "machine/kernel_frame.h"
 

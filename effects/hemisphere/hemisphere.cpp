@@ -8,6 +8,7 @@
 #include <numeric>
 #include <random>
 
+#include "core/absolute_length.h"
 #include "core/effect.h"
 #include "machine/kernel_frame.h"
 
