@@ -34,7 +34,7 @@ const Look& look_cartoon() {
                   {"bitmask.radius", "5%"},
                   {"hbao.radius", "5%"},
                   {"hemisphere.radius", "5%"},
-                  {"reference.radius", "5%"},
+
                   {"denoise.rounds", "2"},
                   {"denoise.for_height", "512"},
                   {"gaussian.rounds", "4"},
