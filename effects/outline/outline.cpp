@@ -280,7 +280,7 @@ int tails_reach(const void* constants, int) {
   return int(std::ceil(2.6f * float(back))) + std::max(c.join, int(std::ceil(2.6f * float(burr)))) + 12;
 }
 /// What is faint is followed for 16 rows, times the stride; from there a line is looked for as far as ends are joined,
-/// and from another faint one, that goes on there, once more the same.
+/// and from another faint one, that goes on there, once more the same; a crease for 32 rows, but then no farther.
 int trim_reach(const void* constants, int) {
   const auto& c = *static_cast<const OutlineConstants*>(constants);
   return 2 * (int(std::ceil(2.6f * 16.0f * float(c.stride))) + std::max(c.stride, c.join) + 4);

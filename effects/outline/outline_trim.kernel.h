@@ -15,6 +15,8 @@ FN Real told_at(Int x, Int y) { return load_outline_tails(x, y); }
 #include "effects/outline/outline_lost.kernel.h"
 
 CONST int kBetween = 16;       // rows, per pixel of stride, of what is faint between two lines,
+CONST int kStraight = 32;      // of a crease that goes straight on in what is sure, both ways,
+CONST float kBent = 0.1f;      // with less than this between its slopes,
 CONST int kNowhere = 20;       // and of what leads nowhere
 CONST float kHair = 7.5f;      // sure_of up to which it is not drawn beside another line
 CONST float kAbreast = 1.5f;   // pixels before or after a piece, at which that has another line beside
@@ -174,12 +176,13 @@ FN_RARE Real without_tails(Bool asked, Int px, Int py, Real own, Real piece, int
 
 // Where a line leads that is faint, to one side of it.
 struct Led {
-  Bool on;       // to a line that is sure,
-  Bool ends;     // it ends with none near,
-  Bool weakly;   // or only with what is faint, too,
-  Int rows;      // so many rows away
-  Along onward;  // and a faint one goes on from there,
-  Real towards;  // to this side of that
+  Bool on;        // to a line that is sure,
+  Bool straight;  // that it goes straight on in, a crease,
+  Bool ends;      // it ends with none near,
+  Bool weakly;    // or only with what is faint, too,
+  Int rows;       // so many rows away
+  Along onward;   // and a faint one goes on from there,
+  Real towards;   // to this side of that
 };
 
 FN_RARE Led led_to(Along from, Real towards) {
@@ -189,10 +192,12 @@ FN_RARE Led led_to(Along from, Real towards) {
   Bool ends = found;
   Int side = to_int(towards);
   Int rows = Int(0);
-  for (int k = 1; k <= kBetween * C.stride; ++k) {
+  Bool crease = is_crease(from.piece);
+  for (int k = 1; k <= kStraight * C.stride; ++k) {
+    if (k > kBetween * C.stride) last.on = last.on && crease;
     if (!some(last.on)) continue;
     Along next = next_along(last, from.x, from.y, steep, side * Int(k), towards);
-    ends = ends || (last.on && !next.on);
+    if (k <= kBetween * C.stride) ends = ends || (last.on && !next.on);
     last = next;
     found = found || (last.on && sure_of(last.piece) > kWhole);
     last.on = last.on && !found;
@@ -200,7 +205,8 @@ FN_RARE Led led_to(Along from, Real towards) {
   }
   ends = ends && goes_inside(last, from.x, from.y, steep, (rows + Int(1)) * side, towards);
   last.on = ends && !ends;
-  Led led = Led(found, ends, ends && !ends, rows, last, towards);
+  Bool straight = found && crease && is_crease(last.piece) && abs(last.slope - from.slope) < kBent;
+  Led led = Led(found, straight, ends, ends && !ends, rows, last, towards);
   if (some(ends)) {
     Vec2 way = lean_of(last.slope, steep, towards);
     Vec2 at = middle_of(last.piece, last.steep, 0.0f);
@@ -251,7 +257,8 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
     if (some(faint)) {
       Led down = led_on(faint, px, py, piece, lying, 1);
       Int rows = up.rows + down.rows;
-      Bool between = faint && up.on && down.on && rows < Int(kBetween * C.stride);
+      Int most = select(up.straight && down.straight, Int(kStraight), Int(kBetween)) * C.stride;
+      Bool between = faint && up.on && down.on && rows < most;
       Bool linked = (up.on && down.onward.on) || (up.onward.on && down.on);
       Bool nowhere = faint && !between && !linked && up.ends && down.ends && rows < Int(kNowhere * C.stride);
       piece = select(between, without_doubt(piece), select(nowhere, Real(0.0f), piece));
