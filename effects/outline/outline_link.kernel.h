@@ -49,7 +49,7 @@ CONST int kMeets = 3;                 // pixels beside a line's end, within whic
 CONST int kTurns = 1;                 // and one that runs across
 CONST int kAround = 6;                // pixels, times the stride, within which a line has
 CONST float kLeastAround = 6.5f;      // pieces, times the stride, or else it is a speck
-CONST float kGapWithin = 2.0f;        // pixels between two parts of what may be small,
+CONST int kGapWithin = 2;             // pixels between two parts of what may be small,
 CONST int kApartFrom = 3;             // and around it, within which no other thing is
 CONST int kSweeps = 6;                // over what is around, to find all of it: most take two
 
@@ -235,6 +235,16 @@ FN Bool is_within(Within all, int i, int j, float margin) {
   return x >= all.first - margin && x <= all.last + margin && y >= all.top - margin && y <= all.bottom + margin;
 }
 
+FN Bool has_any_bit(int i, int j, Uint bits) {
+  Uint both = bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j));
+  return !(to_signed(both & bits) == Int(0));
+}
+
+// Whether a pixel nearby has a piece that is seen, or one that is clear: sure_of above kLeastSure, and above kClear, by
+// their bits.
+FN Bool has_seen(int i, int j) { return has_any_bit(i, j, Uint(0x07000000u)); }
+FN Bool has_clear(int i, int j) { return has_any_bit(i, j, Uint(0x04000000u)); }
+
 // Whether what this piece is part of is smaller than C.small pixels in both directions, with no other near it: it would
 // be all line. All pieces of one outline see the same, so that it is there or not as a whole.
 FN_RARE Bool small_around(Bool asked) {
@@ -243,15 +253,16 @@ FN_RARE Bool small_around(Bool asked) {
   Within all = Within(zero, zero, zero, zero);
   // From this row on outward, until nothing is added, since what is farther may lead back.
   Bool grows = asked;
+  int reach = C.small + kGapWithin;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     if (!some(small && grows)) continue;
     Real before = all.last - all.first + all.bottom - all.top;
-    for (int k = 0; k < 2 * C.small + 1; ++k) {
+    for (int k = 0; k < 2 * reach + 1; ++k) {
       if (!some(small)) continue;
       int j = k % 2 == 0 ? -(k / 2) : (k + 1) / 2;
-      for (int i = -C.small; i <= C.small; ++i) {
-        Bool any = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j)));
-        Bool part = any && is_within(all, i, j, kGapWithin);
+      for (int i = -reach; i <= reach; ++i) {
+        Bool any = has_seen(i, j);
+        Bool part = any && is_within(all, i, j, float(kGapWithin));
         all.first = select(part, min(all.first, Real(float(i))), all.first);
         all.last = select(part, max(all.last, Real(float(i))), all.last);
         all.top = select(part, min(all.top, Real(float(j))), all.top);
@@ -266,8 +277,7 @@ FN_RARE Bool small_around(Bool asked) {
   for (int j = -wide; j <= wide; ++j) {
     if (!some(small)) continue;
     for (int i = -wide; i <= wide; ++i) {
-      Bool other = has_piece(bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j))) &&
-                   is_within(all, i, j, float(kApartFrom)) && !is_within(all, i, j, 0.0f);
+      Bool other = has_clear(i, j) && is_within(all, i, j, float(kApartFrom)) && !is_within(all, i, j, 0.0f);
       small = small && !other;
     }
   }
@@ -346,7 +356,8 @@ FN Real confirmed(int lying, Int px, Int py, Real piece, Bool asked) {
   }
   Line line = followed(lying, px, py, piece, walked, 0, kFirstHop, kHops);
   piece = select(better, straightened(piece, line, sure_of(piece)), without_mark(piece));
-  Bool small = brief && line.found < most_of_small();
+  // What goes on in what is faint may be small none the less.
+  Bool small = brief && line.clear < Real(kSure * most_of_small());
   brief = brief && line.found < Real(kLeastAround * float(C.stride));
   if (some(brief)) piece = select(speck_around(brief), Real(0.0f), piece);
   if (some(small)) piece = select(small_around(small), Real(0.0f), piece);
