@@ -1,6 +1,7 @@
 #include "effects/toon/toon.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
 
@@ -170,6 +171,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.inverse_bands = 1.0f / c.bands;
   c.least_width = std::min(kLeastChange * c.bands_per_intensity, 1.0f);
   c.softness = params.softness;
+  constexpr float kSpeckHeight = 432.0f;  // of the picture, per pixel: about the width of the look's lines
+  constexpr float kMostSpeck = 8.0f;      // pixels
+  c.speck = int(std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMostSpeck));
   c.sharpness = 1.0f / (params.highlight_size * params.highlight_size);
   const bool flat = params.bands == 1;
   const float steps = std::max(c.bands - 1.0f, 1.0f);
@@ -185,8 +189,10 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   fill_lights(params, info, c);
 }
 
-/// Shadows and bands look at the pixels beside.
-int reach(const void*, int) { return 1; }
+/// Shadows look at the pixels beside,
+int light_reach(const void*, int) { return 1; }
+/// and bands, also as far as specks are wide.
+int bands_reach(const void* constants, int) { return std::max(static_cast<const ToonConstants*>(constants)->speck, 1); }
 
 }  // namespace
 
@@ -208,7 +214,7 @@ const Effect& effect_toon() {
                   .scalar = run_scalar_toon_light,
                   .lanes = run_lanes_toon_light,
                   .spirv = kLightSpirv,
-                  .reach = reach},
+                  .reach = light_reach},
                  {.name = "bands",
                   .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b",
                              "specular"},
@@ -216,7 +222,7 @@ const Effect& effect_toon() {
                   .scalar = run_scalar_toon,
                   .lanes = run_lanes_toon,
                   .spirv = kSpirv,
-                  .reach = reach}},
+                  .reach = bands_reach}},
   };
   return effect;
 }

@@ -40,6 +40,54 @@ FN Real averaged_floor(Real t, Real width) {
   return edge - 1.0f + min((high - edge) / width, Real(1.0f));
 }
 
+// The band of an intensity.
+FN Real band_of(Real intensity) {
+  return clamp(floor(intensity * C.bands_per_intensity), Real(0.0f), Real(C.bands - 1.0f));
+}
+
+// What a frame around a pixel, C.speck pixels away, has of its surface.
+struct Frame {
+  Bool whole;        // all of it is in one band
+  Real least, most;  // of its intensities
+};
+
+FN_RARE Frame frame_of(Bool asked, Real depth, Real band) {
+  Frame frame = Frame(asked, Real(1e30f), Real(-1e30f));
+  for (int k = 0; k < 8 * C.speck; ++k) {
+    if (!some(frame.whole)) continue;
+    // Its four sides by turns.
+    int m = k / 4 - C.speck;
+    int i = k % 4 == 0 ? m : k % 4 == 1 ? -m : k % 4 == 2 ? C.speck : -C.speck;
+    int j = k % 4 == 0 ? -C.speck : k % 4 == 1 ? C.speck : k % 4 == 2 ? m : -m;
+    Real intensity = near_toon_intensity(i, j);
+    frame.least = min(frame.least, intensity);
+    frame.most = max(frame.most, intensity);
+    Bool here = connected(depth, near_depth(i, j), near_inside(i, j));
+    frame.whole = frame.whole && here && band_of(intensity) == band;
+  }
+  return frame;
+}
+
+// Whether all that is of other bands within the frame is at most C.speck pixels wide and high. Each pixel of it sees
+// the same then, so that it is there or not as a whole; what is wider touches the frames of those at its border.
+FN_RARE Bool is_speck(Bool asked, Real band) {
+  int most = C.speck - 1;
+  Real left = Real(float(C.speck));
+  Real right = Real(float(-C.speck));
+  Real top = left;
+  Real bottom = right;
+  for (int j = -most; j <= most; ++j)
+    for (int i = -most; i <= most; ++i) {
+      Bool other = !(band_of(near_toon_intensity(i, j)) == band);
+      left = select(other, min(left, Real(float(i))), left);
+      right = select(other, max(right, Real(float(i))), right);
+      top = select(other, min(top, Real(float(j))), top);
+      bottom = select(other, max(bottom, Real(float(j))), bottom);
+    }
+  Real widest = Real(float(C.speck));
+  return asked && right - left < widest && bottom - top < widest;
+}
+
 // How far a highlight reaches along one axis within a pixel that it ends in on either side: its plane changes evenly
 // up to both neighbours. 1 where it does not end on both sides.
 FN Real reach_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
@@ -77,6 +125,20 @@ FN void toon_pixel(Int px, Int py) {
   width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
   Real scaled = clamp(intensity * C.bands_per_intensity, Real(0.0f), Real(C.bands + 1.0f));
   Real band = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.bands - 1.0f));
+  // A speck is of the band that is all around it.
+  if (C.speck > 0) {
+    Real beyond = band_of(near_toon_intensity(C.speck, 0));
+    Bool speck = surface && !(band == beyond);
+    if (some(speck)) {
+      Frame frame = frame_of(speck, depth, beyond);
+      speck = frame.whole;
+      if (some(speck)) speck = is_speck(speck, beyond);
+      Real within = clamp(scaled, frame.least * C.bands_per_intensity, frame.most * C.bands_per_intensity);
+      Real even = clamp(Real(C.softness), Real(C.least_width), Real(1.0f));
+      within = clamp(averaged_floor(within, even), Real(0.0f), Real(C.bands - 1.0f));
+      band = select(speck, within, band);
+    }
+  }
   Vec3 tone = Vec3(mad(band, Real(C.step_r), Real(C.shadow_r)), mad(band, Real(C.step_g), Real(C.shadow_g)),
                    mad(band, Real(C.step_b), Real(C.shadow_b)));
   Vec3 lit = albedo * tone;

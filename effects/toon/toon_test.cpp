@@ -327,6 +327,34 @@ TEST(Toon, FacesAreNotSpeckled) {
 // ---- shadow, highlight, colour
 // ---------------------------------------------------------------------------------------
 
+TEST(Toon, SpecksOfABandAreOfTheBandAround) {
+  // Five pixels at 2160 of the picture's height, two at 1024, none at 200.
+  for (const auto& [height, most] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
+    for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 2}, {2, 2}, {3, 2}, {5, 5}, {5, 6}, {6, 1}, {6, 6}, {1, 40}})
+      for (const float spot : {0.1f, 0.4f}) {
+        GBuffer g = face(48, height, {0, 0, 1});
+        constexpr int kAt = 20;
+        for (int y = kAt; y < kAt + size.y; ++y)
+          for (int x = kAt; x < kAt + size.x; ++x) g.layers[0].plane("ao").at(x, y) = spot;
+        const Plane lit = test::run_effect(*find_effect("toon"), g, kNoAmbient, {}).plane("lit.g");
+        const float around = lit.at(0, 0);
+        long dark = 0;
+        for (int y = 0; y < height; ++y)
+          for (int x = 0; x < 48; ++x) dark += lit.at(x, y) != around;
+        const bool speck = size.x <= most && size.y <= most;
+        EXPECT_EQ(dark, speck ? 0 : size.x * size.y) << size.x << " x " << size.y << " of " << height;
+      }
+}
+
+TEST(Toon, SpecksOnAnotherSurfaceStay) {
+  GBuffer g = face(48, 2160, {0, 0, 1});
+  for (int y = 20; y < 23; ++y)
+    for (int x = 20; x < 23; ++x) g.layers[0].plane("depth").at(x, y) = 2.0f, g.layers[0].plane("ao").at(x, y) = 0.4f;
+  const Plane lit = test::run_effect(*find_effect("toon"), g, kNoAmbient, {}).plane("lit.g");
+  for (int y = 20; y < 23; ++y)
+    for (int x = 20; x < 23; ++x) EXPECT_LT(lit.at(x, y), 0.9f * lit.at(0, 0));
+}
+
 TEST(Toon, ShadowFallsIntoTheDarkBand) {
   GBuffer g = face(32, 8, {0, 0, 1});
   for (int y = 0; y < 8; ++y)
