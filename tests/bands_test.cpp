@@ -136,6 +136,9 @@ TEST(Bands, AnySizeOfPicturesAndBands) {
   }
 }
 
+// In high pictures lines are followed farther, and specks may be wider.
+TEST(Bands, HighPictures) { expect_bands_same(of_look("cartoon", 32, 1300), {400}); }
+
 TEST(Bands, GuardBandsAndFurtherViews) {
   DrawSettings settings = of_look("bleeding", 101, 75);
   settings.guard_percent = 20.0f;

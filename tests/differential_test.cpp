@@ -293,37 +293,47 @@ TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
   }
 }
 
-// Lines of high pictures are told by strides of several pixels.
+// Lines of high pictures are told by strides of several pixels, and specks of bands are several pixels wide.
 class HighPictures : public testing::TestWithParam<Size> {};
 
-TEST_P(HighPictures, LinesAgreeWithScalar) {
-  const Effect& effect = *find_effect("outline");
-  Device* const device = test::vulkan_device();
-  UMBRAGE_NEEDS_VULKAN(device);
-  const test::NoMessages no_messages;
-  const Size size = GetParam();
+/// Checks an effect on all SIMD targets, and `plane` on the Vulkan device, against scalar, whose planes are returned.
+Image agreed_with_scalar(const char* name, const char* plane, const Size& size, Device& vulkan) {
+  const Effect& effect = *find_effect(name);
   GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7);
   add_made_inputs(effect, gbuffer);
   const ParameterBytes params = variant_of(effect, 0);
-  const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
-  const auto check = [&](const Image& image, const std::string& what) {
+  Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
+  for (const std::string& target : simd_target_names()) {
+    EXPECT_TRUE(choose_simd_target(target));
+    const Image image = outputs(effect, params, gbuffer, {});
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
       const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * scale_of(oracle.planes[p]));
-      EXPECT_LE(d.share_over, kMostFlips) << oracle.names[p] << ' ' << what << " at " << size.height;
+      EXPECT_LE(d.share_over, kMostFlips) << oracle.names[p] << ' ' << target << " at " << size.height;
     }
-  };
-  for (const std::string& target : simd_target_names()) {
-    ASSERT_TRUE(choose_simd_target(target));
-    check(outputs(effect, params, gbuffer, {}), target);
   }
   choose_simd_target("");
-  const Image image = outputs(effect, params, gbuffer, *device);
-  const auto d = test::difference(oracle.plane("outline"), image.plane("outline"), 2.0 / 255.0);
+  const Image image = outputs(effect, params, gbuffer, vulkan);
+  const auto d = test::difference(oracle.plane(plane), image.plane(plane), 2.0 / 255.0);
   EXPECT_LE(d.share_over, 1e-3) << "at " << size.height;
+  return oracle;
+}
+
+TEST_P(HighPictures, LinesAgreeWithScalar) {
+  Device* const device = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(device);
+  const test::NoMessages no_messages;
+  const Image oracle = agreed_with_scalar("outline", "outline", GetParam(), *device);
   double drawn = 0.0;
-  for (int y = 0; y < size.height; ++y)
-    for (int x = 0; x < size.width; ++x) drawn += oracle.plane("outline").at(x, y);
+  for (int y = 0; y < oracle.height; ++y)
+    for (int x = 0; x < oracle.width; ++x) drawn += oracle.plane("outline").at(x, y);
   EXPECT_GT(drawn, 100.0);
+}
+
+TEST_P(HighPictures, BandsAgreeWithScalar) {
+  Device* const device = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(device);
+  const test::NoMessages no_messages;
+  agreed_with_scalar("toon", "lit.g", GetParam(), *device);
 }
 
 INSTANTIATE_TEST_SUITE_P(Strides, HighPictures, testing::Values(Size{37, 1300}, Size{33, 2200}, Size{35, 2900}),

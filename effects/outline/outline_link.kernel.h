@@ -37,9 +37,11 @@ CONST float kLeastClear = 0.42f;      // share of a line that is clear, below wh
 CONST float kWholeClear = 0.75f;      // and from which on it is drawn whole
 CONST float kWholeSide = 32.0f;       // from the middle
 CONST float kEnds = 12.5f;            // from the middle: a surface ends there, whether a line is drawn or not
-CONST float kLeastSure = 1.5f;        // of kSure: what is fainter is not seen
+CONST float kLeastSure = 1.5f;        // of kSure: what is fainter is not seen,
+CONST int kSeenBits = 0x07000000;     // and what is surer has one of these bits
 CONST float kUpright = 0.14f;         // slope: seven rows to a step
-CONST float kClear = 7.0f;            // half of it
+CONST float kClear = 7.0f;            // half of it,
+CONST int kClearBits = 0x04000000;    // and what is surer has this bit
 CONST int kRimRows = 6;               // rows, per pixel of stride, from a rim, within which a crease leans to its side
 CONST float kPartlyRim = 8.0f;        // of level, from the middle, of a rim that a crease leans to; what
                                       // has no more rows than the stride is of one that it meets
@@ -235,15 +237,14 @@ FN Bool is_within(Within all, int i, int j, float margin) {
   return x >= all.first - margin && x <= all.last + margin && y >= all.top - margin && y <= all.bottom + margin;
 }
 
+// Whether a piece of a pixel nearby has any of these bits.
 FN Bool has_any_bit(int i, int j, Uint bits) {
   Uint both = bits_of(near_outline_steep(i, j)) | bits_of(near_outline_flat(i, j));
   return !(to_signed(both & bits) == Int(0));
 }
 
-// Whether a pixel nearby has a piece that is seen, or one that is clear: sure_of above kLeastSure, and above kClear, by
-// their bits.
-FN Bool has_seen(int i, int j) { return has_any_bit(i, j, Uint(0x07000000u)); }
-FN Bool has_clear(int i, int j) { return has_any_bit(i, j, Uint(0x04000000u)); }
+FN Bool is_seen_near(int i, int j) { return has_any_bit(i, j, Uint(kSeenBits)); }
+FN Bool is_clear_near(int i, int j) { return has_any_bit(i, j, Uint(kClearBits)); }
 
 // Whether what this piece is part of is smaller than C.small pixels in both directions, with no other near it: it would
 // be all line. All pieces of one outline see the same, so that it is there or not as a whole.
@@ -261,7 +262,7 @@ FN_RARE Bool small_around(Bool asked) {
       if (!some(small)) continue;
       int j = k % 2 == 0 ? -(k / 2) : (k + 1) / 2;
       for (int i = -reach; i <= reach; ++i) {
-        Bool any = has_seen(i, j);
+        Bool any = is_seen_near(i, j);
         Bool part = any && is_within(all, i, j, float(kGapWithin));
         all.first = select(part, min(all.first, Real(float(i))), all.first);
         all.last = select(part, max(all.last, Real(float(i))), all.last);
@@ -277,7 +278,7 @@ FN_RARE Bool small_around(Bool asked) {
   for (int j = -wide; j <= wide; ++j) {
     if (!some(small)) continue;
     for (int i = -wide; i <= wide; ++i) {
-      Bool other = has_clear(i, j) && is_within(all, i, j, float(kApartFrom)) && !is_within(all, i, j, 0.0f);
+      Bool other = is_clear_near(i, j) && is_within(all, i, j, float(kApartFrom)) && !is_within(all, i, j, 0.0f);
       small = small && !other;
     }
   }

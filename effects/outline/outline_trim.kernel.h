@@ -176,16 +176,17 @@ FN_RARE Real without_tails(Bool asked, Int px, Int py, Real own, Real piece, int
 
 // Where a line leads that is faint, to one side of it.
 struct Led {
-  Bool on;        // to a line that is sure,
-  Bool straight;  // that it goes straight on in, a crease,
-  Bool ends;      // it ends with none near,
-  Bool weakly;    // or only with what is faint, too,
-  Int rows;       // so many rows away
-  Along onward;   // and a faint one goes on from there,
-  Real towards;   // to this side of that
+  Bool on;       // to a line that is sure,
+  Bool crease;   // which is the same crease,
+  Bool ends;     // it ends with none near,
+  Bool weakly;   // or only with what is faint, too,
+  Int rows;      // so many rows away
+  Along onward;  // and a faint one goes on from there,
+  Real towards;  // to this side of that
 };
 
-FN_RARE Led led_to(Along from, Real towards) {
+// most: rows, per pixel of stride, that a crease is followed for.
+FN_RARE Led led_to(Along from, Real towards, int most) {
   Bool steep = from.steep;
   Along last = from;
   Bool found = from.on && !from.on;
@@ -193,7 +194,7 @@ FN_RARE Led led_to(Along from, Real towards) {
   Int side = to_int(towards);
   Int rows = Int(0);
   Bool crease = is_crease(from.piece);
-  for (int k = 1; k <= kStraight * C.stride; ++k) {
+  for (int k = 1; k <= most * C.stride; ++k) {
     if (k > kBetween * C.stride) last.on = last.on && crease;
     if (!some(last.on)) continue;
     Along next = next_along(last, from.x, from.y, steep, side * Int(k), towards);
@@ -205,8 +206,8 @@ FN_RARE Led led_to(Along from, Real towards) {
   }
   ends = ends && goes_inside(last, from.x, from.y, steep, (rows + Int(1)) * side, towards);
   last.on = ends && !ends;
-  Bool straight = found && crease && is_crease(last.piece) && abs(last.slope - from.slope) < kBent;
-  Led led = Led(found, straight, ends, ends && !ends, rows, last, towards);
+  Bool same = found && crease && is_crease(last.piece);
+  Led led = Led(found, same, ends, ends && !ends, rows, last, towards);
   if (some(ends)) {
     Vec2 way = lean_of(last.slope, steep, towards);
     Vec2 at = middle_of(last.piece, last.steep, 0.0f);
@@ -229,10 +230,10 @@ FN_RARE Led led_to(Along from, Real towards) {
 // The same, also by way of another faint line that goes on beyond a gap.
 FN_RARE Led led_on(Bool asked, Int px, Int py, Real piece, int lying, int side) {
   Led led = led_to(Along(asked, place_of(piece), slope_of(piece), px, py, steep_of(lying), piece, Real(0.0f)),
-                   Real(float(side)));
+                   Real(float(side)), kStraight);
   led.onward.on = led.onward.on && !led.on;
   if (some(led.onward.on)) {
-    Led second = led_to(led.onward, led.towards);
+    Led second = led_to(led.onward, led.towards, kBetween);
     Bool on = led.onward.on && second.on;
     led.on = led.on || on;
     Real apart = max(abs(to_real(led.onward.x - px)), abs(to_real(led.onward.y - py)));
@@ -257,7 +258,8 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
     if (some(faint)) {
       Led down = led_on(faint, px, py, piece, lying, 1);
       Int rows = up.rows + down.rows;
-      Int most = select(up.straight && down.straight, Int(kStraight), Int(kBetween)) * C.stride;
+      Bool straight = up.crease && down.crease && abs(up.onward.slope - down.onward.slope) < kBent;
+      Int most = select(straight, Int(kStraight), Int(kBetween)) * C.stride;
       Bool between = faint && up.on && down.on && rows < most;
       Bool linked = (up.on && down.onward.on) || (up.onward.on && down.on);
       Bool nowhere = faint && !between && !linked && up.ends && down.ends && rows < Int(kNowhere * C.stride);

@@ -171,9 +171,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.inverse_bands = 1.0f / c.bands;
   c.least_width = std::min(kLeastChange * c.bands_per_intensity, 1.0f);
   c.softness = params.softness;
-  constexpr float kSpeckHeight = 432.0f;  // of the picture, per pixel: about the width of the look's lines
-  constexpr float kMostSpeck = 8.0f;      // pixels
-  c.speck = int(std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMostSpeck));
+  constexpr float kSpeckHeight = 432.0f, kMostSpeck = 8.0f;  // of the picture, per pixel; and pixels
+  const float speck_px = std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMostSpeck);
+  c.speck = params.mode == kToonRamp && params.softness == 0.0f ? int(speck_px) : 0;
   c.sharpness = 1.0f / (params.highlight_size * params.highlight_size);
   const bool flat = params.bands == 1;
   const float steps = std::max(c.bands - 1.0f, 1.0f);

@@ -31,7 +31,7 @@ struct ToonConstants {
   float bands_per_intensity;    // from intensity to the ramp's bands
   float inverse_bands;          // paper: what a band is worth
   float least_width, softness;  // of an edge between bands, in bands; both at most 1
-  int speck;                    // ramp: pixels that a speck, which is no band, has at most in a row; 0: none
+  int speck;                    // ramp without softness: how wide and high a speck is at most, pixels; 0: none is
   float sharpness;              // 1 over the square of the highlight's size
   float shadow_r, shadow_g, shadow_b;
   float step_r, step_g, step_b;  // from one band's colour to the next

@@ -3,8 +3,8 @@
 //
 // Differs in ramp mode: a fixed number of bands, coloured from the shadow's colour to the light's. The step from band
 // to band is averaged over the range of intensity that the pixel covers, which comes from the differences to its
-// neighbours. They tell a width, and whether a highlight is narrower than a pixel, and nothing else: no neighbour's
-// light or colour enters, so nothing smears over a silhouette.
+// neighbours. They tell a width, and whether a highlight is narrower than a pixel; what a speck has around it on its
+// surface tells its band. Nothing else of a neighbour enters, so nothing smears over a silhouette.
 IN_REAL(depth)
 IN_REAL(toon_intensity)
 IN_REAL(toon_highlight)
@@ -45,47 +45,75 @@ FN Real band_of(Real intensity) {
   return clamp(floor(intensity * C.bands_per_intensity), Real(0.0f), Real(C.bands - 1.0f));
 }
 
-// What a frame around a pixel, C.speck pixels away, has of its surface.
-struct Frame {
-  Bool whole;        // all of it is in one band
-  Real least, most;  // of its intensities
-};
+FN Bool is_of(Real band, int i, int j) { return band_of(near_toon_intensity(i, j)) == band; }
 
-FN_RARE Frame frame_of(Bool asked, Real depth, Real band) {
-  Frame frame = Frame(asked, Real(1e30f), Real(-1e30f));
-  for (int k = 0; k < 8 * C.speck; ++k) {
-    if (!some(frame.whole)) continue;
-    // Its four sides by turns.
-    int m = k / 4 - C.speck;
-    int i = k % 4 == 0 ? m : k % 4 == 1 ? -m : k % 4 == 2 ? C.speck : -C.speck;
-    int j = k % 4 == 0 ? -C.speck : k % 4 == 1 ? C.speck : k % 4 == 2 ? m : -m;
-    Real intensity = near_toon_intensity(i, j);
-    frame.least = min(frame.least, intensity);
-    frame.most = max(frame.most, intensity);
-    Bool here = connected(depth, near_depth(i, j), near_inside(i, j));
-    frame.whole = frame.whole && here && band_of(intensity) == band;
-  }
-  return frame;
+// Whether another band than this pixel's is near in one direction.
+FN Bool has_other(Bool asked, Real band, int right, int down) {
+  Bool found = asked && !asked;
+  for (int k = 1; k <= C.speck; ++k)
+    if (some(asked && !found)) found = found || (asked && !is_of(band, k * right, k * down));
+  return found;
 }
 
-// Whether all that is of other bands within the frame is at most C.speck pixels wide and high. Each pixel of it sees
-// the same then, so that it is there or not as a whole; what is wider touches the frames of those at its border.
-FN_RARE Bool is_speck(Bool asked, Real band) {
-  int most = C.speck - 1;
-  Real left = Real(float(C.speck));
-  Real right = Real(float(-C.speck));
-  Real top = left;
-  Real bottom = right;
-  for (int j = -most; j <= most; ++j)
-    for (int i = -most; i <= most; ++i) {
-      Bool other = !(band_of(near_toon_intensity(i, j)) == band);
-      left = select(other, min(left, Real(float(i))), left);
-      right = select(other, max(right, Real(float(i))), right);
-      top = select(other, min(top, Real(float(j))), top);
-      bottom = select(other, max(bottom, Real(float(j))), bottom);
+// Whether another band begins beside this pixel in one direction, and its own begins again beyond.
+FN Bool has_narrow(Bool asked, Real band, int right, int down) {
+  Bool other = asked && !is_of(band, right, down);
+  Bool found = asked && !asked;
+  for (int k = 2; k <= C.speck; ++k)
+    if (some(other && !found)) found = found || (other && is_of(band, k * right, k * down));
+  return found;
+}
+
+// Whether this pixel may be in a speck, or at the antialiased edge of one: what most pixels are not.
+FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
+  Real band = band_of(intensity);
+  Bool within = has_other(surface, band, 1, 0);
+  if (some(within)) within = has_other(within, band, -1, 0);
+  if (some(within)) within = has_other(within, band, 0, 1);
+  if (some(within)) within = has_other(within, band, 0, -1);
+  Bool edge = surface && !within && !(antialiased == band);
+  Bool beside = surface && !surface;
+  if (some(edge)) {
+    beside = has_narrow(edge, band, 1, 0) || has_narrow(edge, band, -1, 0) || has_narrow(edge, band, 0, 1) ||
+             has_narrow(edge, band, 0, -1);
+  }
+  return within || beside;
+}
+
+// The least and the most intensity of a square of pixels around this one, all of one band.
+struct Ring {
+  Bool on;
+  Real least, most;
+};
+
+// The first such square of those that surround C.speck by C.speck pixels, this one among them, on its surface. All of
+// a spot that fits into one has that, too, so that it is there or not as a whole.
+FN_RARE Ring ring_around(Bool asked, Real depth) {
+  Ring found = Ring(asked && !asked, Real(0.0f), Real(0.0f));
+  int side = C.speck + 1;
+  for (int at = 0; at < C.speck * C.speck; ++at) {
+    Ring ring = Ring(asked && !found.on, Real(1e30f), Real(-1e30f));
+    if (!some(ring.on)) continue;
+    int left = -1 - at % C.speck;
+    int top = -1 - at / C.speck;
+    Real band = band_of(near_toon_intensity(left, top));
+    for (int k = 0; k < 4 * side; ++k) {
+      if (!some(ring.on)) continue;
+      // Its four sides by turns.
+      int m = k / 4;
+      int i = k % 4 == 0 ? left + m : k % 4 == 1 ? left + side - m : k % 4 == 2 ? left + side : left;
+      int j = k % 4 == 0 ? top : k % 4 == 1 ? top + side : k % 4 == 2 ? top + m : top + side - m;
+      Real intensity = near_toon_intensity(i, j);
+      ring.least = min(ring.least, intensity);
+      ring.most = max(ring.most, intensity);
+      Bool here = connected(depth, near_depth(i, j), near_inside(i, j));
+      ring.on = ring.on && here && band_of(intensity) == band;
     }
-  Real widest = Real(float(C.speck));
-  return asked && right - left < widest && bottom - top < widest;
+    found.least = select(ring.on, ring.least, found.least);
+    found.most = select(ring.on, ring.most, found.most);
+    found.on = found.on || ring.on;
+  }
+  return found;
 }
 
 // How far a highlight reaches along one axis within a pixel that it ends in on either side: its plane changes evenly
@@ -127,16 +155,12 @@ FN void toon_pixel(Int px, Int py) {
   Real band = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.bands - 1.0f));
   // A speck is of the band that is all around it.
   if (C.speck > 0) {
-    Real beyond = band_of(near_toon_intensity(C.speck, 0));
-    Bool speck = surface && !(band == beyond);
-    if (some(speck)) {
-      Frame frame = frame_of(speck, depth, beyond);
-      speck = frame.whole;
-      if (some(speck)) speck = is_speck(speck, beyond);
-      Real within = clamp(scaled, frame.least * C.bands_per_intensity, frame.most * C.bands_per_intensity);
-      Real even = clamp(Real(C.softness), Real(C.least_width), Real(1.0f));
-      within = clamp(averaged_floor(within, even), Real(0.0f), Real(C.bands - 1.0f));
-      band = select(speck, within, band);
+    Bool ask = may_be_speck(surface, intensity, band);
+    if (some(ask)) {
+      Ring ring = ring_around(ask, depth);
+      Real within = clamp(scaled, ring.least * C.bands_per_intensity, ring.most * C.bands_per_intensity);
+      within = averaged_floor(min(within, Real(C.bands + 1.0f)), Real(C.least_width));
+      band = select(ring.on, clamp(within, Real(0.0f), Real(C.bands - 1.0f)), band);
     }
   }
   Vec3 tone = Vec3(mad(band, Real(C.step_r), Real(C.shadow_r)), mad(band, Real(C.step_g), Real(C.shadow_g)),
