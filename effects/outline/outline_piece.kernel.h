@@ -45,7 +45,10 @@ FN Real without_mark(Real piece) { return real_of_bits(bits_of(piece) & Uint(0xf
 FN Real leaning(Real piece) { return real_of_bits(bits_of(piece) | Uint(0x10000000u)); }
 FN Bool leans(Real piece) { return !(to_signed(bits_of(piece) & Uint(0x10000000u)) == Int(0)); }
 
-// The same piece, as sure as can be.
+// The same piece, so sure; and as sure as can be.
+FN Real as_sure(Real piece, Real sure) {
+  return real_of_bits((bits_of(piece) & Uint(0xf07fffffu)) | (to_uint(to_int(sure)) << 23));
+}
 FN Real without_doubt(Real piece) { return real_of_bits((bits_of(piece) & Uint(0xf07fffffu)) | Uint(0x07800000u)); }
 
 // Whether a pixel is in the picture.

@@ -19,6 +19,8 @@ CONST int kStraight = 32;      // of a crease that goes straight on in what is s
 CONST float kBent = 0.1f;      // with less than this between its slopes,
 CONST int kNowhere = 20;       // and of what leads nowhere
 CONST float kHair = 7.5f;      // sure_of up to which it is not drawn beside another line
+CONST float kFade = 2.0f;      // times faster than it was found to
+CONST float kNoSide = 0.25f;   // of a crease, or nearly one
 CONST float kAbreast = 1.5f;   // pixels before or after a piece, at which that has another line beside
 CONST int kMeets = 2;          // pixels, and the stride, from an end at which what is faint meets a line,
 CONST float kBehind = 1.0f;    // so many behind it
@@ -39,8 +41,9 @@ FN Bool end_around() {
   return !(to_signed(any) == Int(0));
 }
 
-// Whether another line, surer than `least`, is beside the piece of pixel (X, Y).
-FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float least) {
+// Whether another line, surer than `least`, is beside the piece of pixel (X, Y). crease: one that is a crease, or
+// nearly.
+FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float least, bool crease) {
   Vec2 way = lean_of(slope_of(piece), steep, Real(1.0f));
   Vec2 at = middle_of(piece, steep, 0.0f);
   Vec2 nearer = nearer_of(piece, steep);
@@ -57,6 +60,7 @@ FN_RARE Bool has_beside(Bool asked, Int X, Int Y, Real piece, Bool steep, float 
         Vec2 apart = apart_from(at, other, kind, Int(i), Int(j), 0.0f);
         Real off = abs(cross(way, apart));
         here = here && dot(nearer_of(other, steep_of(kind)), nearer) > -kHasSide;
+        if (crease) here = here && abs(side_of(other)) < kNoSide;
         found = found || (here && abs(dot(way, apart)) < kAbreast && off > kOther && off < alongside());
       }
   return found;
@@ -145,7 +149,7 @@ FN_RARE Bool is_dot(Bool asked, Tail tail, Int px, Int py, Real piece, int lying
     if (!some(back.on)) continue;
     back = next_along(back, px, py, steep, Int(-k * side), Real(float(-side)));
     if (some(back.on))
-      left = left || (back.on && has_beside(back.on, back.x, back.y, back.piece, back.steep, kLeastSeen));
+      left = left || (back.on && has_beside(back.on, back.x, back.y, back.piece, back.steep, kLeastSeen, false));
   }
   if (some(left)) {
     Real towards = Real(float(side));
@@ -167,7 +171,7 @@ FN_RARE Real without_tails(Bool asked, Int px, Int py, Real own, Real piece, int
   Bool dropped = up.lost || down.lost;
   Bool tail = up.near || down.near || (up.passed && down.passed);
   Bool ask = tail && !dropped;
-  if (some(ask)) dropped = dropped || has_beside(ask, px, py, own, steep_of(lying), kLeastSeen);
+  if (some(ask)) dropped = dropped || has_beside(ask, px, py, own, steep_of(lying), kLeastSeen, false);
   ask = ask && !dropped;
   if (some(ask)) dropped = dropped || is_dot(ask, up, px, py, piece, lying, -1);
   if (some(ask)) dropped = dropped || is_dot(ask, down, px, py, piece, lying, 1);
@@ -251,7 +255,10 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   Bool faint = on && sure_of(piece) < kWhole;
   // What is so faint beside another line would be specks.
   Bool hair = faint && sure_of(piece) < kHair;
-  if (some(hair)) hair = hair && has_beside(hair, px, py, piece, steep_of(lying), kHair);
+  if (some(hair)) hair = hair && has_beside(hair, px, py, piece, steep_of(lying), kHair, false);
+  // Of two creases that come together the one fades up to there.
+  Bool fades = faint && !hair && sure_of(piece) > kHair && is_crease(piece);
+  if (some(fades)) fades = fades && has_beside(fades, px, py, piece, steep_of(lying), kWhole, true);
   if (some(faint)) {
     Led up = led_on(faint, px, py, piece, lying, -1);
     faint = faint && (up.on || up.ends);
@@ -265,9 +272,12 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
       Bool nowhere = faint && !between && !linked && up.ends && down.ends && rows < Int(kNowhere * C.stride);
       piece = select(between, without_doubt(piece), select(nowhere, Real(0.0f), piece));
       hair = hair && !between;
+      fades = fades && !between;
     }
   }
-  piece = select(hair, Real(0.0f), piece);
+  Real less = floor(mad(sure_of(piece), Real(kFade), Real(kSure - kSure * kFade + 0.5f)));
+  fades = fades && is_piece(piece);
+  piece = select(fades, as_sure(piece, max(less, Real(1.0f))), select(hair, Real(0.0f), piece));
   Bool look = near_end && is_piece(piece);
   if (some(look)) piece = select(look, without_tails(look, px, py, own, piece, lying), piece);
   return piece;
