@@ -49,7 +49,7 @@ FN Bool leans(Real piece) { return !(to_signed(bits_of(piece) & Uint(0x10000000u
 FN Real as_sure(Real piece, Real sure) {
   return real_of_bits((bits_of(piece) & Uint(0xf07fffffu)) | (to_uint(to_int(sure)) << 23));
 }
-FN Real without_doubt(Real piece) { return real_of_bits((bits_of(piece) & Uint(0xf07fffffu)) | Uint(0x07800000u)); }
+FN Real without_doubt(Real piece) { return as_sure(piece, Real(kSure)); }
 
 // Whether a pixel is in the picture.
 FN Bool in_picture(Int x, Int y) { return x >= Int(0) && x < Int(F.width) && y >= Int(0) && y < Int(F.height); }

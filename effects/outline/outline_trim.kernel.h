@@ -256,9 +256,6 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
   // What is so faint beside another line would be specks.
   Bool hair = faint && sure_of(piece) < kHair;
   if (some(hair)) hair = hair && has_beside(hair, px, py, piece, steep_of(lying), kHair, false);
-  // Of two creases that come together the one fades up to there.
-  Bool fades = faint && !hair && sure_of(piece) > kHair && is_crease(piece);
-  if (some(fades)) fades = fades && has_beside(fades, px, py, piece, steep_of(lying), kWhole, true);
   if (some(faint)) {
     Led up = led_on(faint, px, py, piece, lying, -1);
     faint = faint && (up.on || up.ends);
@@ -272,12 +269,16 @@ FN Real trimmed(Int px, Int py, Real piece, int lying, Bool near_end) {
       Bool nowhere = faint && !between && !linked && up.ends && down.ends && rows < Int(kNowhere * C.stride);
       piece = select(between, without_doubt(piece), select(nowhere, Real(0.0f), piece));
       hair = hair && !between;
-      fades = fades && !between;
     }
   }
-  Real less = floor(mad(sure_of(piece), Real(kFade), Real(kSure - kSure * kFade + 0.5f)));
-  fades = fades && is_piece(piece);
-  piece = select(fades, as_sure(piece, max(less, Real(1.0f))), select(hair, Real(0.0f), piece));
+  piece = select(hair, Real(0.0f), piece);
+  // Of two creases that come together the one that is not sure, still, fades up to there.
+  Bool fades = is_piece(piece) && is_crease(piece) && sure_of(piece) > kHair && sure_of(piece) < kWhole;
+  if (some(fades)) {
+    fades = fades && has_beside(fades, px, py, piece, steep_of(lying), kWhole, true);
+    Real less = floor(mad(sure_of(piece), Real(kFade), Real(kSure - kSure * kFade + 0.5f)));
+    piece = select(fades, as_sure(piece, less), piece);
+  }
   Bool look = near_end && is_piece(piece);
   if (some(look)) piece = select(look, without_tails(look, px, py, own, piece, lying), piece);
   return piece;
