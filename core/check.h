@@ -1,9 +1,9 @@
-// Checks for the case that the programmer is wrong: they print both values and abort, in release builds too.
+// Checks for the case that the programmer is wrong: they throw an InternalError that says both values, in release
+// builds too. Who calls the library never sees it: core/guarded.h makes an Error of it.
 #pragma once
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <cstdlib>
+#include <stdexcept>
 #include <string_view>
 
 namespace umbrage {
@@ -14,18 +14,23 @@ struct CalledAt {
   int line = __builtin_LINE();
 };
 
+/// Something is wrong inside Umbrage.
+class InternalError : public std::logic_error {
+ public:
+  using std::logic_error::logic_error;
+};
+
 [[noreturn]] inline void fail_check(std::string_view what, CalledAt at = {}) {
-  fmt::print(stderr, "umbrage: internal error: {} ({}:{})\n", what, at.file, at.line);
-  std::abort();
+  throw InternalError(fmt::format("{} ({}:{})", what, at.file, at.line));
 }
 
-/// Aborts with both values unless they are equal.
+/// Fails with both values unless they are equal.
 template <class A, class B>
 void check_equal(const A& a, const B& b, std::string_view what, CalledAt at = {}) {
   if (!(a == b)) fail_check(fmt::format("{}: {} != {}", what, a, b), at);
 }
 
-/// Aborts with both values unless a < b.
+/// Fails with both values unless a < b.
 template <class A, class B>
 void check_less(const A& a, const B& b, std::string_view what, CalledAt at = {}) {
   if (!(a < b)) fail_check(fmt::format("{}: {} is not below {}", what, a, b), at);

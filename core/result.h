@@ -50,6 +50,7 @@ class [[nodiscard]] Result {
   T* operator->() { return &std::get<0>(state_); }
   const T* operator->() const { return &std::get<0>(state_); }
   const Error& error() const { return std::get<1>(state_); }
+  Error& error() { return std::get<1>(state_); }
 
  private:
   std::variant<T, Error> state_;
@@ -63,6 +64,7 @@ class [[nodiscard]] Result<void> {
   Result(Error error) : error_(std::move(error)) {}
   explicit operator bool() const { return !error_; }
   const Error& error() const { return *error_; }
+  Error& error() { return *error_; }
 
  private:
   std::optional<Error> error_;

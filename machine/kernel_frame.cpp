@@ -1,9 +1,8 @@
 #include "machine/kernel_frame.h"
 
-#include <cstdio>
-#include <cstdlib>
 #include <mutex>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 namespace umbrage {
@@ -11,9 +10,7 @@ namespace umbrage {
 float* KernelFrame::plane(std::string_view name) const {
   for (const KernelPlane& plane : planes)
     if (plane.name == name) return plane.data;
-  std::fprintf(stderr, "umbrage: internal error: a kernel reads plane '%.*s', which its pass does not list\n",
-               int(name.size()), name.data());
-  std::abort();
+  throw std::logic_error("a kernel reads plane '" + std::string(name) + "', which its pass does not list");
 }
 
 std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes) {

@@ -36,7 +36,7 @@ struct KernelFrame {
   /// time, wherever they are in the tile.
   std::span<const float* const> packed_by = {};
 
-  /// The plane of that name; aborts where the effect's table does not list it.
+  /// The plane of that name. Throws std::logic_error where the effect's table does not list it.
   float* plane(std::string_view name) const;
 };
 

@@ -140,15 +140,18 @@ OP Real rsqrt(Real a) {
 OP Real mad(Real a, Real b, Real c) {
 #if HWY_NATIVE_FMA
   return hn::MulAdd(a.v, b.v, c.v);
+#elif HWY_TARGET == HWY_SCALAR
+  return float(double(hn::GetLane(a.v)) * double(hn::GetLane(b.v)) + double(hn::GetLane(c.v)));
 #else
   // SSE has no fused multiply-add. In double the product is exact and the sum nearly so: a last bit can differ from
   // fusing where a sum falls next to the middle between two floats.
-  HWY_ALIGN float x[kLanes], y[kLanes], z[kLanes];
-  hn::Store(a.v, D(), x);
-  hn::Store(b.v, D(), y);
-  hn::Store(c.v, D(), z);
-  for (int i = 0; i < kLanes; ++i) z[i] = float(double(x[i]) * double(y[i]) + double(z[i]));
-  return hn::Load(D(), z);
+  const hn::Half<D> half;
+  const hn::Repartition<double, D> wide;
+  const auto in_double = [&](hn::Vec<hn::Half<D> > x, hn::Vec<hn::Half<D> > y, hn::Vec<hn::Half<D> > z) HWY_ATTR {
+    return hn::DemoteTo(half, hn::Add(hn::Mul(hn::PromoteTo(wide, x), hn::PromoteTo(wide, y)), hn::PromoteTo(wide, z)));
+  };
+  return hn::Combine(D(), in_double(hn::UpperHalf(half, a.v), hn::UpperHalf(half, b.v), hn::UpperHalf(half, c.v)),
+                     in_double(hn::LowerHalf(half, a.v), hn::LowerHalf(half, b.v), hn::LowerHalf(half, c.v)));
 #endif
 }
 // Highway's conversion spends four more instructions on numbers that do not fit.

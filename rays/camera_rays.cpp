@@ -1,16 +1,10 @@
 #include "rays/camera_rays.h"
 
-#include <algorithm>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace umbrage {
-namespace {
-
-constexpr float kEmbreeInfinity = 1e18f;  // its FLT_LARGE is 1.844e18
-
-}  // namespace
 
 CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info) {
   const Camera& camera = info.camera;
@@ -39,8 +33,7 @@ CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info) {
 bool within_reach(const CameraRays& rays, const PictureInfo& info) {
   for (const float x : {0.0f, float(info.width)})
     for (const float y : {0.0f, float(info.height)}) {
-      const glm::vec3 reach = glm::max(glm::abs(rays.origin_at(x, y)), glm::abs(rays.direction_at(x, y)));
-      if (!(reach.x < kEmbreeInfinity && reach.y < kEmbreeInfinity && reach.z < kEmbreeInfinity)) return false;
+      if (!within_ray_limit(rays.origin_at(x, y)) || !within_ray_limit(rays.direction_at(x, y))) return false;
     }
   return true;
 }

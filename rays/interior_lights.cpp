@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "rays/camera_rays.h"
+#include "rays/ray_packet.h"
 
 namespace umbrage {
 namespace {
@@ -56,21 +57,17 @@ std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& in
 float mean_light(const TracedScene& traced, const std::vector<Seen>& seen, glm::vec3 direction) {
   float sum = 0.0f;
   for (std::size_t first = 0; first < seen.size(); first += kPacket) {
-    alignas(64) RTCRay16 rays{};
-    alignas(64) std::array<int, kPacket> wanted{};
+    RayPacket rays;
     std::array<float, kPacket> cosines{};
     for (int k = 0; k < kPacket && first + std::size_t(k) < seen.size(); ++k) {
       const Seen& point = seen[first + std::size_t(k)];
       cosines[k] = glm::dot(point.surface.normal, direction);
       if (!(cosines[k] > 0.0f) || !(glm::dot(point.surface.geometric, direction) > 0.0f)) continue;
-      set_ray(rays, k, point.start, direction, kInfinity);
-      wanted[k] = -1;
+      rays.set(k, point.start, direction, 0.0f, kInfinity);
     }
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded16(wanted.data(), traced.rtc, &context, &rays);
+    rays.find_blocked(traced, Coherence::kIncoherent);
     for (int k = 0; k < kPacket; ++k)
-      if (wanted[k] && !(rays.tfar[k] < 0.0f)) sum += cosines[k];
+      if (rays.arrives(k)) sum += cosines[k];
   }
   return sum / float(seen.size());
 }

@@ -9,6 +9,8 @@
 #include <glm/vec4.hpp>
 #include <limits>
 
+#include "rays/embree_device.h"
+
 namespace umbrage {
 
 void FreeTracedScene::operator()(TracedScene* traced) const {
@@ -161,9 +163,9 @@ Result<TracedScenePtr> trace_ready(const Scene& scene, int threads) {
 Result<TracedScenePtr> trace_ready(const Scene& scene) {
   TracedScenePtr traced(new TracedScene);
   traced->scene = &scene;
-  traced->device = rtcNewDevice(nullptr);
-  if (!traced->device)
-    return device_error("Embree cannot start on this machine (error {})", int(rtcGetDeviceError(nullptr)));
+  const auto device = new_embree_device();
+  if (!device) return device.error();
+  traced->device = *device;
   traced->rtc = rtcNewScene(traced->device);
   rtcSetSceneFlags(traced->rtc, RTC_SCENE_FLAG_ROBUST);
   traced->center = scene.center();
@@ -189,16 +191,17 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
     rtcReleaseGeometry(geometry);
   }
   rtcCommitScene(traced->rtc);
-  if (const RTCError error = rtcGetDeviceError(traced->device); error != RTC_ERROR_NONE)
+  const RTCError error = rtcGetDeviceError(traced->device);
+  if (error == RTC_ERROR_OUT_OF_MEMORY)
+    return device_error("{}: not enough memory for {}", scene.name, size_text(scene));
+  if (error != RTC_ERROR_NONE)
     return device_error("{}: Embree cannot build its hierarchy of {} (error {})", scene.name, size_text(scene),
                         int(error));
   return traced;
 }
 
 bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit) {
-  constexpr float kLargest = 1e18f;
-  for (int axis = 0; axis < 3; ++axis)
-    if (!(std::abs(origin[axis]) < kLargest && std::abs(direction[axis]) < kLargest)) return false;
+  if (!within_ray_limit(origin) || !within_ray_limit(direction)) return false;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   hit = {};

@@ -3,6 +3,7 @@
 #pragma once
 #include <embree3/rtcore.h>
 
+#include <cmath>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -77,26 +78,14 @@ glm::vec2 uv_at(const Mesh& mesh, unsigned triangle, float u, float v);
 /// floats.
 bool first_hit(const TracedScene& traced, glm::vec3 origin, glm::vec3 direction, RTCRayHit& hit);
 
-/// The largest packet of rays that Embree takes.
+/// Embree ends the program where a ray's origin or direction has a component beyond 1.844e18: rays stay below this.
+inline constexpr float kRayLimit = 1e18f;
+
+inline bool within_ray_limit(glm::vec3 v) {
+  return std::abs(v.x) < kRayLimit && std::abs(v.y) < kRayLimit && std::abs(v.z) < kRayLimit;
+}
+
+/// How many rays a packet has (rays/ray_packet.h).
 inline constexpr int kPacket = 16;
-
-/// Ray k of a packet meets everything from parameter 0 to `end`.
-inline void set_length(RTCRay16& rays, int k, float end) {
-  rays.tnear[k] = 0.0f;
-  rays.tfar[k] = end;
-  rays.time[k] = 0.0f;
-  rays.mask[k] = ~0u;
-  rays.flags[k] = 0;
-}
-
-inline void set_ray(RTCRay16& rays, int k, glm::vec3 origin, glm::vec3 direction, float end) {
-  rays.org_x[k] = origin.x;
-  rays.org_y[k] = origin.y;
-  rays.org_z[k] = origin.z;
-  rays.dir_x[k] = direction.x;
-  rays.dir_y[k] = direction.y;
-  rays.dir_z[k] = direction.z;
-  set_length(rays, k, end);
-}
 
 }  // namespace umbrage

@@ -16,6 +16,7 @@
 
 #include "core/check.h"
 #include "rays/camera_rays.h"
+#include "rays/ray_packet.h"
 #include "reference/sampler.h"
 
 namespace umbrage {
@@ -63,30 +64,12 @@ std::uint32_t pixel_seed(const PictureInfo& info, int x, int y, std::uint32_t se
   return hash(hash(std::uint32_t(x - info.guard), seed), std::uint32_t(y - info.guard));
 }
 
-RTCIntersectContext make_context(RTCIntersectContextFlags flags) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = flags;
-  return context;
-}
-
 /// What a pixel's centre sees, if anything.
 bool primary_surface(const TracedScene& traced, const CameraRays& rays, int x, int y, Surface& surface) {
-  RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_COHERENT);
   const float px = float(x) + 0.5f, py = float(y) + 0.5f;
   const glm::vec3 origin = rays.origin_at(px, py), direction = rays.direction_at(px, py);
-  RTCRayHit rh{};
-  rh.ray = {.org_x = origin.x,
-            .org_y = origin.y,
-            .org_z = origin.z,
-            .dir_x = direction.x,
-            .dir_y = direction.y,
-            .dir_z = direction.z,
-            .tfar = std::numeric_limits<float>::infinity(),
-            .mask = ~0u};
-  rh.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(traced.rtc, &context, &rh);
-  if (rh.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  alignas(16) RTCRayHit rh;
+  if (!first_hit(traced, origin, direction, rh)) return false;
   surface = surface_at(traced, rh.hit.geomID, rh.hit.primID, rh.hit.u, rh.hit.v, origin, direction,
                        {rh.hit.Ng_x, rh.hit.Ng_y, rh.hit.Ng_z}, rh.ray.tfar);
   return true;
@@ -155,38 +138,6 @@ float weight_of(Falloff falloff, float share) {
   if (falloff == Falloff::kLinear) return 1.0f - share;
   return 1.0f - share * share * (3.0f - 2.0f * share);
 }
-
-/// Up to kPacket rays on their way.
-struct alignas(64) Packet {
-  RTCRayHit16 rh;
-  std::array<int, kPacket> valid{};
-  bool any = false;
-
-  void add(int k, glm::vec3 origin, glm::vec3 direction, float end) {
-    set_ray(rh.ray, k, origin, direction, end);
-    rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-    valid[k] = -1;
-    any = true;
-  }
-  /// Finds for each ray whether anything lies in its way.
-  void find_blocked(const TracedScene& traced) {
-    RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-    if (any) rtcOccluded16(valid.data(), traced.rtc, &context, &rh.ray);
-  }
-  bool blocked(int k) const { return rh.ray.tfar[k] < 0.0f; }
-  /// Finds the nearest hit of each ray.
-  void find_hits(const TracedScene& traced) {
-    RTCIntersectContext context = make_context(RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT);
-    if (any) rtcIntersect16(valid.data(), traced.rtc, &context, &rh);
-  }
-  bool hit(int k) const { return valid[k] && rh.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID; }
-  Surface surface(const TracedScene& traced, int k) const {
-    return surface_at(traced, rh.hit.geomID[k], rh.hit.primID[k], rh.hit.u[k], rh.hit.v[k],
-                      {rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]},
-                      {rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]},
-                      {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]);
-  }
-};
 
 /// A light in unit space.
 struct TracedLight {
@@ -306,17 +257,17 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
     int arrived = 0;
     for (int first = 0; first < count; first += kPacket) {
       const int n = std::min(kPacket, count - first);
-      Packet packet;
+      RayPacket packet;
       std::array<LightSample, kPacket> sample;
       for (int k = 0; k < n; ++k) {
         sample[k] = sample_light(light, rays, surface.position,
                                  sample_point(table, first + k, hash(seed, kFirstLight + unsigned(l))));
         if (glm::dot(sample[k].direction, surface.normal) > 0.0f)
-          packet.add(k, start, sample[k].direction, ray_length(light, sample[k].distance));
+          packet.set(k, start, sample[k].direction, 0.0f, ray_length(light, sample[k].distance));
       }
-      packet.find_blocked(traced);
+      packet.find_blocked(traced, Coherence::kIncoherent);
       for (int k = 0; k < n; ++k) {
-        if (!packet.valid[k] || packet.blocked(k)) continue;
+        if (!packet.arrives(k)) continue;
         ++arrived;
         const float lambert = glm::dot(surface.normal, sample[k].direction);
         if (!(lambert > 0.0f)) continue;
@@ -340,12 +291,12 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
   const glm::mat3 basis = basis_around(surface.normal);
   for (int first = 0; first < samples; first += kPacket) {
     const int n = std::min(kPacket, samples - first);
-    Packet packet;
+    RayPacket packet;
     for (int k = 0; k < n; ++k) {
       const glm::vec3 direction = basis * cosine_direction(sample_point(table, first + k, hash(seed, kHemisphere)));
-      if (glm::dot(direction, surface.geometric) > 0.0f) packet.add(k, start, direction, reach);
+      if (glm::dot(direction, surface.geometric) > 0.0f) packet.set(k, start, direction, 0.0f, reach);
     }
-    packet.find_hits(traced);
+    packet.find_hits(traced, Coherence::kIncoherent);
     std::array<Surface, kPacket> hits;
     std::array<glm::vec3, kPacket> albedo;
     for (int k = 0; k < n; ++k) {
@@ -355,7 +306,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
       sum += hits[k].material->emission * plain_texel(traced, hits[k], hits[k].material->emission_texture);
     }
     for (std::size_t l = 0; l < lights.size(); ++l) {
-      Packet to_light;
+      RayPacket to_light;
       std::array<glm::vec3, kPacket> reflected;
       for (int k = 0; k < n; ++k) {
         if (!packet.hit(k)) continue;
@@ -365,12 +316,12 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
         const float lambert = glm::dot(hits[k].normal, sample.direction);
         if (!(lambert > 0.0f)) continue;
         reflected[k] = albedo[k] * sample.color * lambert;
-        to_light.add(k, start_to_light(traced, hits[k], surface.position), sample.direction,
+        to_light.set(k, start_to_light(traced, hits[k], surface.position), sample.direction, 0.0f,
                      ray_length(lights[l], sample.distance));
       }
-      to_light.find_blocked(traced);
+      to_light.find_blocked(traced, Coherence::kIncoherent);
       for (int k = 0; k < n; ++k)
-        if (to_light.valid[k] && !to_light.blocked(k)) sum += reflected[k];
+        if (to_light.arrives(k)) sum += reflected[k];
     }
   }
   return sum / float(samples);
@@ -399,20 +350,23 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
         glm::vec3 bent(0.0f);
         for (int first = 0; first < settings.samples; first += kPacket) {
           const int n = std::min(kPacket, settings.samples - first);
-          Packet packet;
+          RayPacket packet;
           std::array<glm::vec3, kPacket> directions;
           for (int k = 0; k < n; ++k) {
             directions[k] = basis * cosine_direction(sample_point(table, first + k, seed));
-            if (glm::dot(directions[k], surface.geometric) > 0.0f) packet.add(k, start, directions[k], radius);
+            if (glm::dot(directions[k], surface.geometric) > 0.0f) packet.set(k, start, directions[k], 0.0f, radius);
           }
-          settings.falloff == Falloff::kNone ? packet.find_blocked(traced) : packet.find_hits(traced);
+          if (settings.falloff == Falloff::kNone)
+            packet.find_blocked(traced, Coherence::kIncoherent);
+          else
+            packet.find_hits(traced, Coherence::kIncoherent);
           for (int k = 0; k < n; ++k) {
-            if (!packet.valid[k]) continue;
+            if (!packet.is_set(k)) continue;
             float visible = 1.0f;
             if (settings.falloff == Falloff::kNone)
-              visible = packet.blocked(k) ? 0.0f : 1.0f;
+              visible = packet.arrives(k) ? 1.0f : 0.0f;
             else if (packet.hit(k))
-              visible = 1.0f - weight_of(settings.falloff, std::min(packet.rh.ray.tfar[k] / radius, 1.0f));
+              visible = 1.0f - weight_of(settings.falloff, std::min(packet.hit_distance(k) / radius, 1.0f));
             open += visible;
             bent += directions[k] * visible;
           }

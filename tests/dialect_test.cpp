@@ -4,8 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "machine/cpu_target.h"
+#include "machine/isa.h"
 #include "machine/scalar.h"
+#include "support.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "dialect_test.cpp"
@@ -97,8 +98,8 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
     in.reals.push_back(i == 0 ? 1.0f : std::exp2(float(random >> 8) * 0x1p-24f * 20.0f - 10.0f));
   }
   const std::size_t n = in.bits.size();
-  for (const std::string& target : simd_target_names()) {
-    ASSERT_TRUE(choose_simd_target(target));
+  for (const std::string_view target : test::isas()) {
+    ASSERT_TRUE(choose_isa(target));
     DialectResults out{std::vector<int>(n),
                        std::vector<int>(n),
                        std::vector<unsigned>(n),
@@ -168,13 +169,17 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
           ASSERT_EQ(out.added[channel][first + k], sums[channel][k]) << target;
     }
   }
-  choose_simd_target("");
+  choose_isa("");
 }
 
-TEST(Dialect, TargetsOfThisMachineAreKnown) {
-  EXPECT_FALSE(simd_target_names().empty());
-  EXPECT_FALSE(choose_simd_target("AVX99"));
-  EXPECT_EQ(simd_target_name(), simd_target_names().front());
+TEST(Dialect, InstructionSetsOfThisMachineAreKnown) {
+  EXPECT_EQ(usable_isas().back(), "scalar");
+  EXPECT_FALSE(choose_isa("avx99"));
+  EXPECT_EQ(isa_in_use(), test::isas().front());
+  ASSERT_TRUE(choose_isa("scalar"));
+  EXPECT_EQ(isa_in_use(), "scalar");
+  ASSERT_TRUE(choose_isa(""));
+  EXPECT_EQ(isa_in_use(), test::isas().front());
 }
 
 }  // namespace

@@ -9,8 +9,8 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "faulty_vulkan.h"
-#include "machine/cpu_target.h"
 #include "machine/frame_constants.h"
+#include "machine/isa.h"
 #include "run_effect.h"
 #include "support.h"
 #include "vulkan_support.h"
@@ -113,7 +113,7 @@ long undefined_pixels(const Image& image, std::size_t p) {
 
 class Differential : public testing::TestWithParam<const Effect*> {
  protected:
-  void TearDown() override { choose_simd_target(""); }
+  void TearDown() override { choose_isa(""); }
 };
 
 TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
@@ -125,8 +125,8 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
       add_made_inputs(effect, gbuffer);
       const ParameterBytes params = variant_of(effect, variant);
       const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
-      for (const std::string& target : simd_target_names()) {
-        ASSERT_TRUE(choose_simd_target(target));
+      for (const std::string_view target : test::lane_isas()) {
+        ASSERT_TRUE(choose_isa(target));
         const Image lanes = outputs(effect, params, gbuffer, {.tuned = false});
         for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
           const double scale = scale_of(oracle.planes[p]);
@@ -147,13 +147,15 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
 
 TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
   const Effect& effect = *GetParam();
+  if (std::none_of(effect.passes.begin(), effect.passes.end(), [](const Pass& pass) { return pass.tuned != nullptr; }))
+    return;
   for (const Size size : kSizes)
     for (unsigned variant = 0; variant < 12; ++variant) {
       GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 70 + variant);
       add_made_inputs(effect, gbuffer);
       const ParameterBytes params = variant_of(effect, variant);
-      for (const std::string& target : simd_target_names()) {
-        ASSERT_TRUE(choose_simd_target(target));
+      for (const std::string_view target : test::lane_isas()) {
+        ASSERT_TRUE(choose_isa(target));
         const Image plain = outputs(effect, params, gbuffer, {.tuned = false});
         const Image tuned = outputs(effect, params, gbuffer, {.tuned = true});
         for (std::size_t p = 0; p < plain.planes.size(); ++p)
@@ -303,15 +305,15 @@ Image agreed_with_scalar(const char* name, const char* plane, const Size& size, 
   add_made_inputs(effect, gbuffer);
   const ParameterBytes params = variant_of(effect, 0);
   Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
-  for (const std::string& target : simd_target_names()) {
-    EXPECT_TRUE(choose_simd_target(target));
+  for (const std::string_view target : test::lane_isas()) {
+    EXPECT_TRUE(choose_isa(target));
     const Image image = outputs(effect, params, gbuffer, {});
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
       const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * scale_of(oracle.planes[p]));
       EXPECT_LE(d.share_over, kMostFlips) << oracle.names[p] << ' ' << target << " at " << size.height;
     }
   }
-  choose_simd_target("");
+  choose_isa("");
   const Image image = outputs(effect, params, gbuffer, vulkan);
   const auto d = test::difference(oracle.plane(plane), image.plane(plane), 2.0 / 255.0);
   EXPECT_LE(d.share_over, 1e-3) << "at " << size.height;
@@ -374,9 +376,9 @@ TEST_P(Differential, MissingPixelsAreAsInARunForAll) {
         EXPECT_EQ(wrong, 0);
       };
       check(*make_cpu_device({.scalar = true}), "scalar");
-      for (const std::string& target : simd_target_names()) {
-        ASSERT_TRUE(choose_simd_target(target));
-        check(*make_cpu_device({}), target);
+      for (const std::string_view target : test::lane_isas()) {
+        ASSERT_TRUE(choose_isa(target));
+        check(*make_cpu_device({}), std::string(target));
       }
       if (Device* const device = test::vulkan_device()) {
         const test::NoMessages no_messages;

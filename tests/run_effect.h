@@ -11,7 +11,8 @@
 #include "core/check.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
-#include "machine/cpu_target.h"
+#include "machine/isa.h"
+#include "support.h"
 
 namespace umbrage::test {
 
@@ -59,12 +60,12 @@ inline void on_every_target(std::string_view name, const GBuffer& gbuffer, const
     SCOPED_TRACE("scalar");
     check(run_effect(effect, gbuffer, settings, {.scalar = true}));
   }
-  for (const std::string& target : simd_target_names()) {
+  for (const std::string_view target : test::lane_isas()) {
     SCOPED_TRACE(target);
-    ASSERT_TRUE(choose_simd_target(target));
+    ASSERT_TRUE(choose_isa(target));
     check(run_effect(effect, gbuffer, settings, {}));
   }
-  choose_simd_target("");
+  choose_isa("");
 }
 
 }  // namespace umbrage::test

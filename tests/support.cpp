@@ -6,8 +6,21 @@
 #include <limits>
 
 #include "core/check.h"
+#include "machine/isa.h"
 
 namespace umbrage::test {
+
+std::vector<std::string_view> isas() {
+  choose_isa("");
+  const auto& usable = usable_isas();
+  return {std::find(usable.begin(), usable.end(), isa_in_use()), usable.end()};
+}
+
+std::vector<std::string_view> lane_isas() {
+  std::vector<std::string_view> names = isas();
+  names.pop_back();
+  return names;
+}
 
 unsigned hash(unsigned v) {
   v = (v ^ (v >> 16)) * 0x7feb352du;

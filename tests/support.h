@@ -1,6 +1,8 @@
 // What several tests need: G-buffers made in code, comparisons.
 #pragma once
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/device.h"
 #include "core/gbuffer.h"
@@ -24,6 +26,11 @@ struct Difference {
 
 /// Compares planes of one size; two NaN are equal.
 Difference difference(const Plane& a, const Plane& b, double bound);
+
+/// The instruction sets that tests run on: the one in use at the start, and those that are less wide.
+std::vector<std::string_view> isas();
+/// Those of them that have lanes: all but "scalar".
+std::vector<std::string_view> lane_isas();
 
 /// A random 32-bit number from a counter.
 unsigned hash(unsigned v);

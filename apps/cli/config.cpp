@@ -108,6 +108,7 @@ Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<st
     if (equals == std::string_view::npos || name.empty()) return wrong("it takes option = value");
     if (name.starts_with("--")) name.erase(0, 2);
     const std::string value = value_of(text.substr(equals + 1));
+    if (value.empty()) return wrong(fmt::format("{} needs a value after its '='", name));
     // Known to this command, or at least to the one it is for.
     bool known = false;
     std::vector<std::string> names;

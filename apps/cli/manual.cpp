@@ -9,6 +9,7 @@
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "looks/quality.h"
+#include "machine/isa.h"
 #include "scene/builtin.h"
 
 namespace umbrage::cli {
@@ -83,6 +84,7 @@ Words values_of(const CLI::App& command, std::string_view option) {
   if (option == "ao-scale") return {"full", "half", "quarter"};
   if (option == "ground") return {"auto", "on", "off"};
   if (option == "device") return {"auto", "cpu", "vulkan"};
+  if (option == "isa") return {usable_isas().begin(), usable_isas().end()};
   if (option == "point-sprites") return {"auto", "disc", "sphere"};
   if (option == "up") return {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
   if (option == "bits") return {"8", "16"};

@@ -17,7 +17,6 @@
 namespace umbrage::cli {
 namespace {
 
-constexpr int kMostThreads = 1024;
 constexpr int kMostIndex = 1000000000;  // of cameras and scenes, which are counted once the file is read
 constexpr float kFarthest = 1e15f;      // as for models: rays beyond leave what Embree takes
 
@@ -190,6 +189,12 @@ void add_device_options(CLI::App& command, CommonOptions& o) {
   command.add_option("--threads", o.threads, "number of threads; 0: all [0]")
       ->envname("UMBRAGE_NUM_THREADS")
       ->group(device);
+  command
+      .add_option("--isa", o.isa,
+                  "widest instruction set of kernels and rays on the CPU: avx512, avx2, sse4, neon or scalar [the "
+                  "machine's]")
+      ->envname("UMBRAGE_ISA")
+      ->group(device);
   command.add_flag("--verbose", o.verbose, "say what is done and how long each stage took")
       ->envname("UMBRAGE_VERBOSE")
       ->group("Output");
@@ -356,6 +361,8 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (!threads) return threads.error();
   if (*threads != std::floor(*threads))
     return usage_error("--threads cannot be '{}': it takes a whole number from 0 to {}", o.threads, kMostThreads);
+  if (!o.isa.empty())
+    if (auto valid = use_isa(o.isa); !valid) return valid.error();
   // Also for work that no device does: hierarchies, metrics.
   static std::optional<tbb::global_control> limit;
   if (*threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, std::size_t(*threads));

@@ -30,7 +30,7 @@ struct CommonOptions {
   bool no_background = false;
   std::string hdri_file, hdri_rotation = "0", hdri_intensity = "1", light_size;
   bool hdri_ambient = true, hdri_skybox = false;
-  std::string device = "auto", threads = "0";
+  std::string device = "auto", threads = "0", isa;
   bool verbose = false;
 };
 

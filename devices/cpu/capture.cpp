@@ -16,12 +16,14 @@
 #include <limits>
 #include <new>
 
+#include "core/guarded.h"
 #include "devices/cpu/soften.h"
 #include "devices/cpu/watch.h"
 #include "devices/shared/capture_info.h"
 #include "devices/shared/soften.h"
 #include "rays/camera_rays.h"
 #include "rays/extra_cameras.h"
+#include "rays/ray_packet.h"
 #include "rays/shadow_lights.h"
 #include "rays/traced_scene.h"
 
@@ -131,11 +133,8 @@ struct Surfaces {
 /// `block` learns how wide the penumbra is, if the light is soft.
 void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const ShadowLight& light, bool soft,
                     const std::array<glm::vec2, kPacket>& places, std::array<float, kPacket>& lit, Block& block) {
-  alignas(64) RTCRayHit16 traced;
-  RTCRay16& to_light = traced.ray;
-  alignas(64) std::array<int, kPacket> wanted{};
+  RayPacket to_light;
   PenumbraSize& penumbra = block.penumbra[light.index];
-  bool any = false;
   for (int k = 0; k < kPacket; ++k) {
     if (!surfaces.there[k]) continue;
     const Surface& surface = surfaces.at[k];
@@ -156,36 +155,29 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       }
     }
     if (!light.point) {
-      set_ray(to_light, k, start, toward, std::numeric_limits<float>::infinity());
+      to_light.set(k, start, toward, 0.0f, std::numeric_limits<float>::infinity());
     } else if (!soft && glm::distance(start, surface.position) > kEndRounding * glm::length(toward)) {
       // From the light, where all rays of the packet meet: they take two thirds of the time.
-      set_ray(to_light, k, where, start - where, 1.0f);
+      to_light.set(k, where, start - where, 0.0f, 1.0f);
     } else {
-      set_ray(to_light, k, start, where - start, 1.0f);
+      to_light.set(k, start, where - start, 0.0f, 1.0f);
     }
-    wanted[k] = -1;
-    any = true;
   }
-  if (!any) return;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   if (!soft || !surfaces.first) {
-    rtcOccluded16(wanted.data(), drawing.traced.rtc, &context, &to_light);
+    to_light.find_blocked(drawing.traced, Coherence::kCoherent);
     for (int k = 0; k < kPacket; ++k)
-      if (wanted[k] && !(to_light.tfar[k] < 0.0f)) lit[k] += 1.0f;
+      if (to_light.arrives(k)) lit[k] += 1.0f;
     return;
   }
-  std::fill_n(traced.hit.geomID, kPacket, RTC_INVALID_GEOMETRY_ID);
-  rtcIntersect16(wanted.data(), drawing.traced.rtc, &context, &traced);
+  to_light.find_hits(drawing.traced, Coherence::kCoherent);
   for (int k = 0; k < kPacket; ++k) {
-    if (!wanted[k]) continue;
-    if (traced.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) {
+    if (!to_light.is_set(k)) continue;
+    if (!to_light.hit(k)) {
       lit[k] += 1.0f;
       continue;
     }
     const Surface& surface = surfaces.at[k];
-    const float t = to_light.tfar[k];
+    const float t = to_light.hit_distance(k);
     const float x = float(surfaces.x0 + k % kBlock) + 0.5f, y = float(surfaces.y0 + k / kBlock) + 0.5f;
     narrow(penumbra, drawing.rays, surface, block.depth[k], drawing.rays.direction_at(x, y),
            light.point ? light.where - surface.position : light.where,
@@ -224,27 +216,23 @@ void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out)
   }
 }
 
-/// Fills a block from the hits of its primary rays; `valid` names the pixels that the picture has.
-void shade_block(const Drawing& drawing, int x0, int y0, const RTCRayHit16& rh, const std::array<int, kPacket>& valid,
-                 Surfaces& surfaces, Block& out) {
+/// Fills a block from the hits of its primary rays.
+void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primary, Surfaces& surfaces, Block& out) {
   clear(drawing, out);
   const glm::mat3 view(drawing.info.camera.view_from_world);
   surfaces.there = {};
   surfaces.x0 = x0;
   surfaces.y0 = y0;
   for (int k = 0; k < kPacket; ++k) {
-    if (!valid[k] || rh.hit.geomID[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    if (!primary.hit(k)) continue;
     // Made in its place: a copy of what has just been written in parts has to wait for them.
-    const Surface& surface = *new (&surfaces.at[k]) Surface(surface_at(
-        drawing.traced, rh.hit.geomID[k], rh.hit.primID[k], rh.hit.u[k], rh.hit.v[k],
-        {rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]}, {rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]},
-        {rh.hit.Ng_x[k], rh.hit.Ng_y[k], rh.hit.Ng_z[k]}, rh.ray.tfar[k]));
+    const Surface& surface = *new (&surfaces.at[k]) Surface(primary.surface(drawing.traced, k));
     surfaces.there[k] = true;
     const glm::vec3 n = view * surface.normal;
     const float px = float(x0 + k % kBlock) + 0.5f, py = float(y0 + k / kBlock) + 0.5f;
     const glm::vec3 albedo = pixel_albedo(drawing.traced, drawing.rays, surface, px, py);
     const glm::vec3 emission = pixel_emission(drawing.traced, drawing.rays, surface, px, py);
-    out.depth[k] = rh.ray.tfar[k];
+    out.depth[k] = primary.hit_distance(k);
     out.nx[k] = n.x;
     out.ny[k] = n.y;
     out.nz[k] = n.z;
@@ -287,55 +275,44 @@ struct DrawnLayers {
 /// Draws the 4 x 4 pixels from (x0, y0) on, all layers.
 void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y0, Image& image) {
   const CameraRays& rays = drawing.rays;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  alignas(64) RTCRayHit16 rh;
-  alignas(64) std::array<int, kPacket> valid;
+  RayPacket primary;
   // One component at a time, so that the compiler makes vectors of the loops.
   const auto fill = [&](float* out, float constant, float per_x, float per_y) {
     for (int k = 0; k < kPacket; ++k)
       out[k] = constant + per_x * (float(x0 + k % kBlock) + 0.5f) + per_y * (float(y0 + k / kBlock) + 0.5f);
   };
-  fill(rh.ray.org_x, rays.origin.x, rays.origin_x.x, rays.origin_y.x);
-  fill(rh.ray.org_y, rays.origin.y, rays.origin_x.y, rays.origin_y.y);
-  fill(rh.ray.org_z, rays.origin.z, rays.origin_x.z, rays.origin_y.z);
-  fill(rh.ray.dir_x, rays.direction.x, rays.direction_x.x, rays.direction_y.x);
-  fill(rh.ray.dir_y, rays.direction.y, rays.direction_x.y, rays.direction_y.y);
-  fill(rh.ray.dir_z, rays.direction.z, rays.direction_x.z, rays.direction_y.z);
-  for (int k = 0; k < kPacket; ++k) {
-    valid[k] = x0 + k % kBlock < drawing.info.width && y0 + k / kBlock < drawing.info.height ? -1 : 0;
-    set_length(rh.ray, k, std::numeric_limits<float>::infinity());
-    rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+  for (int axis = 0; axis < 3; ++axis) {
+    fill(primary.origins(axis), rays.origin[axis], rays.origin_x[axis], rays.origin_y[axis]);
+    fill(primary.directions(axis), rays.direction[axis], rays.direction_x[axis], rays.direction_y[axis]);
   }
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (int k = 0; k < kPacket; ++k)
+    if (x0 + k % kBlock < drawing.info.width && y0 + k / kBlock < drawing.info.height)
+      primary.set_range(k, 0.0f, kInfinity);
   Block block;
   Surfaces surfaces;
   for (int layer = 0; layer < layers.count; ++layer) {
     if (layer > 0) {
-      bool any = false;
       for (int k = 0; k < kPacket; ++k) {
-        valid[k] = valid[k] && rh.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID ? -1 : 0;
-        if (!valid[k]) continue;
-        any = true;
-        const glm::vec3 direction(rh.ray.dir_x[k], rh.ray.dir_y[k], rh.ray.dir_z[k]);
-        const glm::vec3 origin(rh.ray.org_x[k], rh.ray.org_y[k], rh.ray.org_z[k]);
-        const float depth = rh.ray.tfar[k];
-        const glm::vec3 hit = origin + direction * depth;
+        if (!primary.hit(k)) {
+          primary.set_idle(k);
+          continue;
+        }
+        const float depth = primary.hit_distance(k);
+        const glm::vec3 direction = primary.direction(k), hit = primary.origin(k) + direction * depth;
         const float step = kLayerStep * (glm::length(hit) + glm::distance(hit, rays.eye)) / glm::length(direction);
-        set_length(rh.ray, k, std::numeric_limits<float>::infinity());
-        rh.ray.tnear[k] = depth + step;
-        rh.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+        primary.set_range(k, depth + step, kInfinity);
       }
-      if (!any) {
+      if (!primary.any()) {
         clear(drawing, block);
         store(drawing, block, x0, y0, layers.first + layer, image);
         if (layers.backs >= 0) store(drawing, block, x0, y0, layers.backs + layer, image);
         continue;
       }
     }
-    rtcIntersect16(valid.data(), drawing.traced.rtc, &context, &rh);
+    primary.find_hits(drawing.traced, Coherence::kCoherent);
     surfaces.first = layer == 0 && drawing.penumbrae;
-    shade_block(drawing, x0, y0, rh, valid, surfaces, block);
+    shade_block(drawing, x0, y0, primary, surfaces, block);
     store(drawing, block, x0, y0, layers.first + layer, image);
     if (surfaces.first) store_penumbrae(drawing, block, x0, y0);
     surfaces.first = false;
@@ -376,6 +353,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
     for (int r = range.rows().begin(); r < range.rows().end(); ++r)
       for (int c = range.cols().begin(); c < range.cols().end(); ++c)
         draw_block(drawing, layers, c * kBlock, drawn.begin + r * kBlock, image);
+    fault_point();
     watch.done(long(range.rows().size()) * long(range.cols().size()));
   });
 }

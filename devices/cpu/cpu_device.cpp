@@ -10,14 +10,16 @@
 #include <optional>
 
 #include "core/check.h"
+#include "core/guarded.h"
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cells.h"
 #include "devices/cpu/soften.h"
 #include "devices/cpu/watch.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
-#include "machine/cpu_target.h"
+#include "machine/isa.h"
 #include "machine/kernel_frame.h"
+#include "rays/embree_device.h"
 
 namespace umbrage {
 namespace {
@@ -102,7 +104,8 @@ class CpuDevice final : public Device {
   std::string_view name() const override { return "cpu"; }
 
   std::string description() const override {
-    return fmt::format("cpu: {} lanes, {} threads", settings_.scalar ? "scalar" : simd_target_name(), threads());
+    return fmt::format("cpu: kernels {}, rays {}, {} threads", settings_.scalar ? "scalar" : isa_in_use(),
+                       isa_of_rays(), threads());
   }
 
   int threads() const override { return arena_.max_concurrency(); }
@@ -437,6 +440,7 @@ class CpuDevice final : public Device {
   }
 
   static void run_tile(CpuKernel kernel, const KernelFrame& frame, Tile tile, const Skips& skips) {
+    fault_point();
     std::vector<std::uint64_t> cells;
     if (!skips.near.empty()) {
       const int words = skips.near[0].cells->words;
@@ -550,6 +554,10 @@ class CpuDevice final : public Device {
 
 }  // namespace
 
-std::unique_ptr<Device> make_cpu_device(const CpuSettings& settings) { return std::make_unique<CpuDevice>(settings); }
+std::unique_ptr<Device> make_cpu_device(const CpuSettings& settings) {
+  CpuSettings bounded = settings;
+  bounded.scalar = settings.scalar || isa_in_use() == "scalar";
+  return std::make_unique<CpuDevice>(bounded);
+}
 
 }  // namespace umbrage

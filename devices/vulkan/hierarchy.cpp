@@ -11,6 +11,7 @@
 
 #include "core/check.h"
 #include "devices/vulkan/capture.h"
+#include "rays/embree_device.h"
 
 namespace umbrage {
 namespace {
@@ -25,6 +26,13 @@ struct BuiltNode {
   unsigned count = 0;
   unsigned meshes[kMostInLeaf], triangles[kMostInLeaf];
 };
+
+/// Embree makes an error of the exception; it hands out no memory by null.
+BuiltNode* new_node(RTCThreadLocalAllocator memory) {
+  void* place = rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16);
+  if (!place) throw std::bad_alloc();
+  return new (place) BuiltNode;
+}
 
 // Share of a box's place and size by which it is wider than what it holds: a ray along its side must not miss it.
 constexpr float kWider = 5e-7f;
@@ -121,8 +129,9 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
     void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
   };
-  const std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device(rtcNewDevice(nullptr));
-  if (!device) return device_error("Embree cannot start on this machine (error {})", int(rtcGetDeviceError(nullptr)));
+  const auto started = new_embree_device();
+  if (!started) return started.error();
+  const std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device(*started);
   const std::unique_ptr<std::remove_pointer_t<RTCBVH>, Release> bvh(rtcNewBVH(device.get()));
   RTCBuildArguments how = rtcDefaultBuildArguments();
   how.maxLeafSize = kMostInLeaf;
@@ -130,9 +139,7 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
   how.bvh = bvh.get();
   how.primitives = primitives.data();
   how.primitiveCount = how.primitiveArrayCapacity = primitives.size();
-  how.createNode = [](RTCThreadLocalAllocator memory, unsigned, void*) -> void* {
-    return new (rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16)) BuiltNode;
-  };
+  how.createNode = [](RTCThreadLocalAllocator memory, unsigned, void*) -> void* { return new_node(memory); };
   how.setNodeChildren = [](void* node, void** children, unsigned, void*) {
     for (int k = 0; k < 2; ++k) static_cast<BuiltNode*>(node)->children[k] = static_cast<const BuiltNode*>(children[k]);
   };
@@ -141,7 +148,7 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
   };
   how.createLeaf = [](RTCThreadLocalAllocator memory, const RTCBuildPrimitive* primitives, std::size_t count,
                       void*) -> void* {
-    auto* node = new (rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16)) BuiltNode;
+    BuiltNode* node = new_node(memory);
     node->count = unsigned(count);
     for (std::size_t k = 0; k < count; ++k) {
       node->meshes[k] = primitives[k].geomID;
@@ -150,6 +157,8 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     return node;
   };
   const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&how));
+  if (!root && rtcGetDeviceError(device.get()) == RTC_ERROR_OUT_OF_MEMORY)
+    return device_error("{}: not enough memory for a hierarchy of {}", scene.name, size_text(scene));
   if (!root)
     return device_error("{}: Embree cannot build a hierarchy of {} (error {})", scene.name, size_text(scene),
                         int(rtcGetDeviceError(device.get())));

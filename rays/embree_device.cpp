@@ -1,0 +1,50 @@
+#include "rays/embree_device.h"
+
+#include <map>
+#include <mutex>
+#include <new>
+
+#include "machine/isa.h"
+
+namespace umbrage {
+namespace {
+
+/// What bounds Embree, in its own words; null: nothing does. Embree takes a word that it does not know, or a set that
+/// the machine lacks, for the least there is, without an error.
+const char* embree_bound(std::string_view isa) {
+  if (isa == "avx2") return "isa=avx2";
+  if (isa == "sse4") return "isa=sse4.2";
+  if (isa == "scalar" && usable_isas().front() != "neon") return "isa=sse2";
+  return nullptr;
+}
+
+std::string_view widest_of(RTCDevice device) {
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return "avx512";
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) return "avx2";
+  if (usable_isas().front() == "neon") return "neon";
+  return isa_in_use() == "scalar" ? "sse2" : "sse4";
+}
+
+}  // namespace
+
+Result<RTCDevice> new_embree_device() {
+  const RTCDevice device = rtcNewDevice(embree_bound(isa_in_use()));
+  if (device) return device;
+  const RTCError error = rtcGetDeviceError(nullptr);
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  return device_error("Embree cannot start on this machine (error {})", int(error));
+}
+
+std::string_view isa_of_rays() {
+  static std::mutex guard;
+  static std::map<std::string_view, std::string_view> known;  // by isa_in_use()
+  const std::lock_guard lock(guard);
+  if (const auto found = known.find(isa_in_use()); found != known.end()) return found->second;
+  const auto device = new_embree_device();
+  if (!device) return "none";
+  const std::string_view name = widest_of(*device);
+  rtcReleaseDevice(*device);
+  return known[isa_in_use()] = name;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,73 @@
+// Packets of rays: up to 16 rays that Embree traces together. Everything that traces more than one ray stands on this.
+// 16 everywhere: where Embree's kernels are 8 or 4 wide it splits packets itself, and is as fast (docs/performance.md).
+#pragma once
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <glm/vec3.hpp>
+
+#include "rays/traced_scene.h"
+
+namespace umbrage {
+
+/// Whether the rays of a packet run alike, such as those of neighbouring pixels through one eye.
+enum class Coherence { kCoherent, kIncoherent };
+
+/// Rays in unit space, one for each lane that has been set; the others are idle. All lanes hold defined numbers all the
+/// time, since Embree looks at idle lanes, too: where it has no kernels for 16 rays, its stream filter ignores the mask
+/// and takes a lane for idle only where tnear > tfar (RenderKit/embree issues 301 and 520).
+class alignas(64) RayPacket {
+ public:
+  RayPacket();
+
+  /// Lane k meets what lies on origin + t direction for t from `near` to `far`. It stays idle where that is no ray:
+  /// where components are no numbers or beyond kRayLimit, or `far` is no number.
+  void set(int k, glm::vec3 origin, glm::vec3 direction, float near, float far) {
+    if (!within_ray_limit(origin) || !within_ray_limit(direction) || std::isnan(far)) return set_idle(k);
+    for (int axis = 0; axis < 3; ++axis) {
+      origins(axis)[k] = origin[axis];
+      directions(axis)[k] = direction[axis];
+    }
+    set_range(k, near, far);
+  }
+  /// The same, with the origin and direction that the lane has.
+  void set_range(int k, float near, float far) {
+    rays_.ray.tnear[k] = near;
+    rays_.ray.tfar[k] = far;
+    rays_.ray.mask[k] = ~0u;
+    rays_.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    valid_[std::size_t(k)] = -1;
+  }
+  void set_idle(int k);
+
+  /// One component of the origins and directions of all lanes, for loops that become vectors.
+  float* origins(int axis) { return axis == 0 ? rays_.ray.org_x : axis == 1 ? rays_.ray.org_y : rays_.ray.org_z; }
+  float* directions(int axis) { return axis == 0 ? rays_.ray.dir_x : axis == 1 ? rays_.ray.dir_y : rays_.ray.dir_z; }
+
+  bool is_set(int k) const { return valid_[std::size_t(k)] != 0; }
+  bool any() const;
+
+  /// Finds the nearest hit of each ray.
+  void find_hits(const TracedScene& traced, Coherence coherence);
+  /// Finds for each ray whether anything lies in its way.
+  void find_blocked(const TracedScene& traced, Coherence coherence);
+
+  /// After find_hits.
+  bool hit(int k) const { return is_set(k) && rays_.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID; }
+  float hit_distance(int k) const { return rays_.ray.tfar[k]; }  ///< t of the hit
+  Surface surface(const TracedScene& traced, int k) const {
+    return surface_at(traced, rays_.hit.geomID[k], rays_.hit.primID[k], rays_.hit.u[k], rays_.hit.v[k], origin(k),
+                      direction(k), {rays_.hit.Ng_x[k], rays_.hit.Ng_y[k], rays_.hit.Ng_z[k]}, rays_.ray.tfar[k]);
+  }
+  /// After find_blocked.
+  bool arrives(int k) const { return is_set(k) && !(rays_.ray.tfar[k] < 0.0f); }
+
+  glm::vec3 origin(int k) const { return {rays_.ray.org_x[k], rays_.ray.org_y[k], rays_.ray.org_z[k]}; }
+  glm::vec3 direction(int k) const { return {rays_.ray.dir_x[k], rays_.ray.dir_y[k], rays_.ray.dir_z[k]}; }
+
+ private:
+  RTCRayHit16 rays_;
+  alignas(64) std::array<int, kPacket> valid_{};
+};
+
+}  // namespace umbrage

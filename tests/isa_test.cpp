@@ -1,0 +1,148 @@
+// Every CPU: the program under each instruction set that this machine has, as people run it. It ends well, and draws
+// the picture that plain C++ draws.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "looks/looks.h"
+#include "machine/isa.h"
+#include "run_program.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+constexpr const char* kScenes[] = {"scene:solids?detail=3000", "scene:room?detail=3000", "scene:terrain?detail=3000"};
+const std::string kSize = " --resolution 96x64 --threads 2";
+// Kernels that count differ by single counts in few pixels; filters and light spread those to their neighbours. No
+// pixel differs visibly, and nearly all differ by less than smooth kernels may.
+constexpr double kSeen = 2.0 / 255.0, kSmooth = 1e-4, kMaxShareOver = 0.02, kMaxMean = 2e-5;
+
+class Isa : public test::ProgramTest {
+ protected:
+  void succeed(const std::string& words, std::string_view isa) {
+    const auto outcome = run(words, fmt::format("UMBRAGE_ISA={}", isa));
+    ASSERT_EQ(outcome.code, 0) << isa << ": " << words << ": " << outcome.err;
+  }
+
+  /// Expects what these words draw to be the same under all instruction sets.
+  void expect_same(const std::string& words) {
+    succeed(words + " -o scalar.exr", "scalar");
+    const Image oracle = image("scalar.exr");
+    for (const std::string_view isa : test::isas()) {
+      if (isa == "scalar") continue;
+      SCOPED_TRACE(fmt::format("{}: {}", isa, words));
+      succeed(words + " -o other.exr", isa);
+      const Image picture = image("other.exr");
+      ASSERT_EQ(picture.names, oracle.names);
+      for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
+        double scale = 1.0;  // of depths
+        for (int y = 0; y < oracle.height; ++y)
+          for (int x = 0; x < oracle.width; ++x)
+            if (const double v = oracle.planes[p].at(x, y); std::isfinite(v)) scale = std::max(scale, v);
+        const auto d = test::difference(oracle.planes[p], picture.planes[p], kSmooth * scale);
+        EXPECT_LE(d.most, kSeen * scale) << oracle.names[p];
+        EXPECT_LE(d.share_over, kMaxShareOver) << oracle.names[p];
+        EXPECT_LE(d.mean, kMaxMean * scale) << oracle.names[p];
+      }
+    }
+  }
+};
+
+class IsaLooks : public Isa, public testing::WithParamInterface<const Look*> {};
+
+TEST_P(IsaLooks, DrawTheSamePicture) {
+  for (const char* scene : kScenes)
+    expect_same(fmt::format("{} --look {} --device cpu{}", scene, GetParam()->name, kSize));
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, IsaLooks, testing::ValuesIn(looks().begin(), looks().end()), [](const auto& info) {
+  std::string name(info.param->name);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+TEST_F(Isa, PassesAreTheSame) {
+  for (const char* scene : kScenes)
+    expect_same(fmt::format("{} --passes depth,normal,ao --device cpu{}", scene, kSize));
+}
+
+TEST_F(Isa, TheReferenceAndItsLightAreTheSame) {
+  for (const char* scene : kScenes)
+    expect_same(fmt::format("{} --look lit --ao reference --set reference.light=bounce --device cpu{}", scene, kSize));
+}
+
+TEST_F(Isa, LightOfImagesIsTheSame) { expect_same("scene:solids?detail=3000 --hdri-file sky: --device cpu" + kSize); }
+
+// Its hierarchies are built by Embree, and some of its captures are drawn by it.
+TEST_F(Isa, VulkanDrawsTheSame) {
+  if (run("scene:solids?detail=3000 --device vulkan --look ao -o vulkan.png" + kSize).code == 4) {
+    if (std::getenv("CI")) FAIL() << "no Vulkan here";
+    GTEST_SKIP() << "no Vulkan here";
+  }
+  expect_same("scene:solids?detail=3000 --device vulkan" + kSize);
+}
+
+TEST_F(Isa, ComparisonsScoreTheSame) {
+  const std::string words =
+      "compare scene:solids?detail=3000 --ao bitmask,unsharp --light --samples 16 --device cpu -o ";
+  const auto scores = [&](std::string_view isa) {
+    succeed(words + std::string(isa) + kSize, isa);
+    return nlohmann::json::parse(test::text_of(folder_ / isa / "scores.json"));
+  };
+  const auto oracle = scores("scalar");
+  ASSERT_FALSE(oracle.empty());
+  ASSERT_TRUE(oracle[0].contains("rmse"));
+  for (const std::string_view isa : test::isas()) {
+    if (isa == "scalar") continue;
+    const auto found = scores(isa);
+    ASSERT_EQ(found.size(), oracle.size());
+    for (std::size_t k = 0; k < oracle.size(); ++k)
+      for (const char* number : {"rmse", "bias", "ssim"}) {
+        if (!oracle[k].contains(number)) continue;
+        EXPECT_NEAR(found[k][number].get<double>(), oracle[k][number].get<double>(), 1e-3)
+            << isa << ' ' << oracle[k].dump();
+      }
+  }
+}
+
+TEST_F(Isa, BenchmarksRun) {
+  for (const std::string_view isa : test::isas())
+    succeed("bench scene:solids?detail=3000 --runs 1 --json --device cpu" + kSize, isa);
+}
+
+TEST_F(Isa, IsSaid) {
+  for (const std::string_view isa : test::isas()) {
+    const std::string said = fmt::format("kernels {}, rays {},", isa, isa == "scalar" ? "sse2" : isa);
+    const std::string set = fmt::format("UMBRAGE_ISA={}", isa);
+    EXPECT_NE(good("list devices", set).out.find(said), std::string::npos) << isa;
+    EXPECT_NE(run("tri.obj -o a.png --device cpu --verbose" + kSize, set).err.find(said), std::string::npos) << isa;
+  }
+}
+
+TEST_F(Isa, OptionWinsOverTheEnvironment) {
+  const auto outcome = run("tri.obj -o a.png --isa scalar --device cpu --verbose" + kSize, "UMBRAGE_ISA=nonsense");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.err.find("kernels scalar"), std::string::npos) << outcome.err;
+}
+
+TEST_F(Isa, IsTakenFromAConfigurationButNotWithoutAValue) {
+  write("bounded", "isa = scalar\n");
+  const auto outcome = run("tri.obj -o a.png --config bounded --device cpu --verbose" + kSize);
+  EXPECT_NE(outcome.err.find("kernels scalar"), std::string::npos) << outcome.err;
+  write("empty", "look = ao\nisa =\n");
+  bad("tri.obj -o b.png --config empty", 2, {"empty, line 2", "isa needs a value"});
+}
+
+TEST_F(Isa, WrongOnesAreRefused) {
+  bad_option("--isa avx3", {"--isa", "'avx3'", "scalar"});
+  bad("list devices", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");
+  bad("tri.obj -o a.png", 2, {"UMBRAGE_ISA", "'mmx'", "scalar"}, "UMBRAGE_ISA=mmx");
+  for (const std::string_view known : known_isas())  // one at least: of x86 or of ARM
+    if (std::find(usable_isas().begin(), usable_isas().end(), known) == usable_isas().end())
+      bad(fmt::format("tri.obj -o a.png --isa {}", known), 4, {fmt::format("'{}' on this CPU", known), "scalar"});
+}
+
+}  // namespace
+}  // namespace umbrage
