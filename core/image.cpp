@@ -90,13 +90,14 @@ void Plane::Free::operator()(float* data) {
   if (size >= kHugePage) {
     Kept& all = kept();
     const std::lock_guard lock(all.mutex);
-    if (all.wanted_by > 0) {
-      if (cells)
-        all.sparse.push_back({base, size, data, std::move(cells)});
-      else
-        all.blocks.emplace(size, base);
-      return;
-    }
+    if (all.wanted_by > 0) try {
+        if (cells)
+          all.sparse.push_back({base, size, data, std::move(cells)});
+        else
+          all.blocks.emplace(size, base);
+        return;
+      } catch (const std::bad_alloc&) {  // it is not kept
+      }
   }
   std::free(base);
 }

@@ -88,7 +88,7 @@ struct Image {
   /// The plane of that name, or null.
   Plane* find(std::string_view name);
   const Plane* find(std::string_view name) const;
-  /// The plane of that name; aborts if there is none.
+  /// The plane of that name; throws InternalError where there is none.
   Plane& plane(std::string_view name);
   const Plane& plane(std::string_view name) const;
   /// The plane of that name, added uninitialised if it is missing.

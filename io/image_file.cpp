@@ -11,6 +11,7 @@
 #include <exception>
 #include <new>
 
+#include "core/check.h"
 #include "core/suggest.h"
 #include "io/format.h"
 
@@ -49,12 +50,16 @@ Error write_error(const fs::path& file, int cause) {
   return file_error("'{}' cannot be written: {}", file.string(), std::strerror(cause));
 }
 
-/// Runs `write` on the stream and closes it. Exceptions, of a library or for want of memory, end here.
+/// Runs `write` on the stream and closes it. Exceptions end here: a library's mean that the file cannot be written.
 Result<void> fill(const fs::path& file, std::FILE* stream, const std::function<Result<void>(std::FILE*)>& write) {
   errno = 0;
   Result<void> done;
   try {
     done = write(stream);
+  } catch (const std::bad_alloc&) {
+    done = device_error("not enough memory to write '{}'", file.string());
+  } catch (const InternalError& error) {
+    done = Error{ErrorKind::kInternal, fmt::format("internal error: {}", error.what())};
   } catch (const std::exception& exception) {
     done = file_error("'{}' cannot be written: {}", file.string(), exception.what());
   }

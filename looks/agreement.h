@@ -26,8 +26,8 @@ struct LinePicture {
 };
 
 /// Of each pixel the share that lines hide, 0 to `opacity`. `mean`: that of all pictures, which is what is left where
-/// they agree. `pictures`: three or more of them, of the mean's size. `width_px`: of a line. Aborts where sizes or
-/// counts are others.
+/// they agree. `pictures`: three or more of them, of the mean's size. `width_px`: of a line. Throws InternalError where
+/// sizes or counts are others.
 ///
 /// Pictures disagree at a pixel where what one of them has there, in the mean over 3 x 3 pixels, no place up to a pixel
 /// away has in another, by about a sixth (see kDisputed): more than moving them by fractions of a pixel does. Lines

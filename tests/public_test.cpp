@@ -56,6 +56,8 @@ TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
   refused({.model = kSolids, .width = 0}, 2, "0 pixels");
   refused({.model = kSolids, .width = 16384, .height = 16384}, 2, "16384 x 16384");
   refused({.model = kSolids, .device = "gpu"}, 2, "gpu");
+  refused({.model = kSolids, .threads = -1}, 2, "--threads");
+  refused({.model = kSolids, .threads = 1025}, 2, "1024");
   refused({.model = kSolids, .camera = {.view_up = {{0, 0, 0}}}}, 2, "--camera-view-up");
   refused({.model = kSolids, .camera = {.position = {{0, NAN, 0}}}}, 2, "--camera-position");
   refused({.model = kSolids, .camera = {.view_angle_deg = 180.0f}}, 2, "--camera-view-angle");

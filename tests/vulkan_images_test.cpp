@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/guarded.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/memory.h"
@@ -332,6 +333,11 @@ TEST(VulkanShading, SaysWhatIsWrong) {
   r = request;
   r.outputs[0].planes = {"nothing"};
   refused(good, r, 2, "'nothing'");
+  injected_fault = [] { check_equal(2, 3, "injected"); };
+  refused(good, request, 1, "internal error: injected: 2 != 3");
+  injected_fault = [] { throw std::bad_alloc(); };
+  refused(good, request, 4, "not enough memory for a G-buffer of");
+  injected_fault = nullptr;
   EXPECT_EQ(shading.shade(good, request).code, 0);  // and it goes on
   EXPECT_EQ(shading.finish().code, 0);
   test::faulty().faults.submit = VK_ERROR_DEVICE_LOST;

@@ -179,9 +179,13 @@ int main(int argc, char** argv) {
   try {
     return umbrage::cli::run(argc, argv);
   } catch (const std::bad_alloc&) {
-    std::fputs("umbrage: not enough memory; try a smaller --resolution or model\n", stderr);
+    std::fprintf(
+        stderr,
+        "umbrage: not enough memory for: %s; try a smaller picture or model, or to render with a smaller --memory\n",
+        umbrage::cli::command_line.c_str());
+    return int(umbrage::ErrorKind::kDevice);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "umbrage: internal error: %s\n", error.what());
+    return int(umbrage::ErrorKind::kInternal);
   }
-  return int(umbrage::ErrorKind::kInternal);
 }

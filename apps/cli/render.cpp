@@ -290,7 +290,9 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
     try {
       return draw_bands(device, scene, draw_with, plan, take_rows, times);
     } catch (const std::bad_alloc&) {  // here, since it is not the file that cannot be written
-      return Error{ErrorKind::kInternal, "not enough memory; try a smaller --memory, --resolution or model"};
+      return device_error(
+          "not enough memory for {} x {} pixels in bands; try a smaller --memory, --resolution or model",
+          draw_with.width, draw_with.height);
     }
   };
   auto written = put_rows(place, shape, settings, make);

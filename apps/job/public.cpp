@@ -2,10 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 #include "apps/job/arrays.h"
+#include "apps/job/callers_progress.h"
 #include "apps/job/job.h"
 #include "apps/job/passes.h"
+#include "core/guarded.h"
 #include "core/image.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
@@ -324,21 +327,27 @@ Result<void> write_picture(const Picture& picture, const std::string& file, cons
   return write_image(file, image, {.bits = request.bits, .half = request.half});
 }
 
-Outcome outcome_of(const Error& error) {
-  Outcome outcome;
-  outcome.code = int(error.kind);
-  outcome.message = error.message;
-  return outcome;
+template <class Request>
+std::string asked_for(const Request& request) {
+  return fmt::format("a picture of {} x {} pixels", request.width, request.height);
 }
 
-/// Says how it went; takes over the picture if there is one.
-void conclude(Result<Picture> drawn, Picture& picture, Outcome& outcome) {
-  if (drawn) {
-    picture = std::move(*drawn);
-    return;
-  }
-  outcome.code = int(drawn.error().kind);
-  outcome.message = drawn.error().message;
+std::string asked_for(const RenderRequest& request) {
+  return fmt::format("a picture of {}, {} x {} pixels", request.model, request.width, request.height);
+}
+
+/// Says how it went. Nothing here can throw.
+template <class T>
+void conclude(Result<T>& done, Outcome& outcome) {
+  if (done) return;
+  outcome.code = int(done.error().kind);
+  outcome.message = std::move(done.error().message);
+}
+
+/// The same, and takes over the picture if there is one.
+void conclude(Result<Picture>& drawn, Picture& picture, Outcome& outcome) {
+  conclude(drawn, outcome);
+  if (drawn) picture = std::move(*drawn);
 }
 
 }  // namespace
@@ -347,22 +356,42 @@ inline namespace v0 {
 
 Outcome render(const RenderRequest& request, Picture& picture) {
   Outcome outcome;
-  conclude(draw_picture(request, outcome.warnings), picture, outcome);
+  CallersProgress progress;
+  auto drawn = guarded([&] { return asked_for(request); },
+                       [&] {
+                         RenderRequest watched = request;
+                         watched.progress = progress.watched(request.progress);
+                         return draw_picture(watched, outcome.warnings);
+                       });
+  progress.rethrow();
+  conclude(drawn, picture, outcome);
   return outcome;
 }
 
 Outcome shade(const ShadeRequest& request, Picture& picture) {
   Outcome outcome;
-  conclude(shade_picture(request), picture, outcome);
+  CallersProgress progress;
+  auto drawn = guarded([&] { return asked_for(request); },
+                       [&] {
+                         ShadeRequest watched = request;
+                         watched.progress = progress.watched(request.progress);
+                         return shade_picture(watched);
+                       });
+  progress.rethrow();
+  conclude(drawn, picture, outcome);
   return outcome;
 }
 
 Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request) {
-  const auto written = write_picture(picture, file, request);
-  return written ? Outcome() : outcome_of(written.error());
+  Outcome outcome;
+  auto written = guarded([&] { return asked_for(picture); }, [&] { return write_picture(picture, file, request); });
+  conclude(written, outcome);
+  return outcome;
 }
 
 struct FrameRenderer::State {
+  CallersProgress progress;
+  std::string asked;  ///< for sentences
   Opened opened;
   Framing framing;  ///< as the request has it
   KeptPlanes kept;
@@ -375,49 +404,68 @@ FrameRenderer& FrameRenderer::operator=(FrameRenderer&&) noexcept = default;
 
 Outcome FrameRenderer::open(const RenderRequest& request) {
   Outcome outcome;
-  auto opened = open_model(request, outcome.warnings);
-  if (!opened) {
-    outcome.code = int(opened.error().kind);
-    outcome.message = opened.error().message;
-    return outcome;
-  }
-  state_ = std::make_unique<State>();
-  state_->opened = std::move(*opened);
-  state_->framing = state_->opened.settings.framing;
+  std::unique_ptr<State> state;
+  auto opened = guarded([&] { return asked_for(request); },
+                        [&]() -> Result<void> {
+                          state = std::make_unique<State>();
+                          state->asked = asked_for(request);
+                          RenderRequest watched = request;
+                          watched.progress = state->progress.watched(request.progress);
+                          auto model = open_model(watched, outcome.warnings);
+                          if (!model) return model.error();
+                          state->opened = std::move(*model);
+                          state->framing = state->opened.settings.framing;
+                          return {};
+                        });
+  if (state) state->progress.rethrow();
+  conclude(opened, outcome);
+  if (opened) state_ = std::move(state);
   return outcome;
 }
+
+namespace {
+
+/// Where the next frame's camera stands. Errors: kUsage for one that cannot be.
+Result<Framing> framing_of(const FrameCamera& camera, const Framing& requested) {
+  if (!camera.placed) return requested;
+  const auto vector = [](const float v[3]) { return glm::vec3(v[0], v[1], v[2]); };
+  Framing framing;
+  framing.position = vector(camera.eye);
+  framing.focal_point = vector(camera.target);
+  framing.view_up = vector(camera.up);
+  framing.view_angle_deg = camera.angle_deg;
+  const bool sound = glm::length(*framing.position - *framing.focal_point) > 0.0f &&
+                     glm::length(*framing.view_up) > 0.0f && camera.angle_deg > 0.0f && camera.angle_deg < 180.0f;
+  if (sound) return framing;
+  return usage_error(
+      "a camera needs an eye that is not its target, an upward direction, and an angle between 0 and 180 degrees, not "
+      "{}",
+      camera.angle_deg);
+}
+
+}  // namespace
 
 Outcome FrameRenderer::draw(const FrameCamera& camera, Picture& picture) {
   Outcome outcome;
-  if (!state_) {
-    conclude(usage_error("FrameRenderer::open comes before draw"), picture, outcome);
-    return outcome;
-  }
-  Framing& framing = state_->opened.settings.framing;
-  const auto vector = [](const float v[3]) { return glm::vec3(v[0], v[1], v[2]); };
-  if (camera.placed) {
-    framing = {};
-    framing.position = vector(camera.eye);
-    framing.focal_point = vector(camera.target);
-    framing.view_up = vector(camera.up);
-    framing.view_angle_deg = camera.angle_deg;
-    const bool sound = glm::length(*framing.position - *framing.focal_point) > 0.0f &&
-                       glm::length(*framing.view_up) > 0.0f && camera.angle_deg > 0.0f && camera.angle_deg < 180.0f;
-    if (!sound) {
-      conclude(usage_error("a camera needs an eye that is not its target, an upward direction, and an angle between 0 "
-                           "and 180 degrees, not {}",
-                           camera.angle_deg),
-               picture, outcome);
-      return outcome;
-    }
-  } else {
-    framing = state_->framing;
-  }
-  conclude(draw_frame(state_->opened), picture, outcome);
+  auto drawn = guarded([&] { return state_ ? state_->asked : std::string("a picture"); },
+                       [&]() -> Result<Picture> {
+                         if (!state_) return usage_error("FrameRenderer::open comes before draw");
+                         auto framing = framing_of(camera, state_->framing);
+                         if (!framing) return framing.error();
+                         state_->opened.settings.framing = std::move(*framing);
+                         return draw_frame(state_->opened);
+                       });
+  if (state_) state_->progress.rethrow();
+  conclude(drawn, picture, outcome);
   return outcome;
 }
 
-std::string FrameRenderer::device() const { return state_ ? state_->opened.device->description() : std::string(); }
+std::string FrameRenderer::device() const {
+  if (!state_) return {};
+  auto name = guarded([] { return std::string("a name"); },
+                      [&] { return Result<std::string>(state_->opened.device->description()); });
+  return name ? std::move(*name) : std::string();
+}
 
 unsigned long long FrameRenderer::device_bytes() const {
   return state_ ? vulkan_memory(*state_->opened.device).device_bytes : 0;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "apps/job/job.h"
+#include "core/guarded.h"
 #include "core/suggest.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/vulkan_device.h"
@@ -25,11 +26,11 @@ const std::vector<std::string> kNormal = {"normal.x", "normal.y", "normal.z"};
 const std::vector<std::string> kAlbedo = {"albedo.r", "albedo.g", "albedo.b"};
 const std::vector<std::string> kLit = {"lit.r", "lit.g", "lit.b"};
 
-Outcome outcome_of(const Result<void>& done) {
+Outcome outcome_of(Result<void> done) {
   Outcome outcome;
   if (!done) {
     outcome.code = int(done.error().kind);
-    outcome.message = done.error().message;
+    outcome.message = std::move(done.error().message);
   }
   return outcome;
 }
@@ -142,24 +143,36 @@ VulkanShading::VulkanShading(VulkanShading&&) noexcept = default;
 VulkanShading& VulkanShading::operator=(VulkanShading&&) noexcept = default;
 
 Outcome VulkanShading::open(const VulkanContext& context) {
-  if (!context.get_instance_proc_addr || !context.instance || !context.physical_device || !context.device ||
-      !context.queue)
-    return outcome_of(usage_error("a VulkanContext needs all of its handles"));
-  auto device = make_vulkan_device_on({context.get_instance_proc_addr, context.instance, context.physical_device,
-                                       context.device, context.queue, context.queue_family});
-  if (!device) return outcome_of(device.error());
-  state_ = std::make_unique<State>(State{std::move(*device)});
-  return {};
+  return outcome_of(guarded([] { return std::string("a Vulkan device"); },
+                            [&]() -> Result<void> {
+                              if (!context.get_instance_proc_addr || !context.instance || !context.physical_device ||
+                                  !context.device || !context.queue)
+                                return usage_error("a VulkanContext needs all of its handles");
+                              if (auto valid = check_isa_setting(); !valid) return valid;
+                              auto device = make_vulkan_device_on({context.get_instance_proc_addr, context.instance,
+                                                                   context.physical_device, context.device,
+                                                                   context.queue, context.queue_family});
+                              if (!device) return device.error();
+                              state_ = std::make_unique<State>(State{std::move(*device)});
+                              return {};
+                            }));
 }
 
 Outcome VulkanShading::shade(const VulkanGBuffer& gbuffer, const VulkanShadeRequest& request) {
-  if (!state_) return outcome_of(usage_error("VulkanShading::open comes before shade"));
-  const auto done = shade_images(*state_->device, gbuffer, request);
-  if (!done) drop(*state_->device);
-  return outcome_of(done);
+  const auto asked = [&] { return fmt::format("a G-buffer of {} x {} pixels", gbuffer.width, gbuffer.height); };
+  return outcome_of(guarded(asked, [&]() -> Result<void> {
+    if (!state_) return usage_error("VulkanShading::open comes before shade");
+    Device& device = *state_->device;
+    auto done = guarded(asked, [&] { return shade_images(device, gbuffer, request); });
+    if (!done) drop(device);
+    return done;
+  }));
 }
 
-Outcome VulkanShading::finish() { return state_ ? outcome_of(state_->device->finish()) : Outcome(); }
+Outcome VulkanShading::finish() {
+  if (!state_) return {};
+  return outcome_of(guarded([] { return std::string("a picture"); }, [&] { return state_->device->finish(); }));
+}
 
 uint64_t VulkanShading::device_bytes() const { return state_ ? vulkan_memory(*state_->device).device_bytes : 0; }
 

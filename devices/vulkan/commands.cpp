@@ -160,9 +160,11 @@ Result<void> Commands::wait_for_it() {
     return error;
   }
   vk.ResetFences(gpu_->device, 1, &fence_);
-  Result<void> read = read_times();
-  reset();
-  return read;
+  struct AtEnd {
+    Commands& commands;
+    ~AtEnd() { commands.reset(); }
+  } const at_end{*this};  // also where reading the times throws: nobody signals the fence again
+  return read_times();
 }
 
 Result<void> Commands::read_times() {

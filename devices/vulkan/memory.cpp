@@ -192,7 +192,11 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
     if (uniform)
       self->destroy(copy);
     else
-      self->free_host_.push_back(copy);
+      try {
+        self->free_host_.push_back(copy);
+      } catch (const std::bad_alloc&) {  // it is not kept
+        self->destroy(copy);
+      }
     delete buffer;
   });
 }

@@ -125,17 +125,23 @@ Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
   return {};
 }
 
+void Pipelines::save() const {
+  const auto& vk = gpu_->vk;
+  std::size_t size = 0;
+  if (!cache_ || file_.empty() || vk.GetPipelineCacheData(gpu_->device, cache_, &size, nullptr) != VK_SUCCESS) return;
+  if (size <= read_) return;
+  std::vector<std::byte> data(size);
+  if (vk.GetPipelineCacheData(gpu_->device, cache_, &size, data.data()) != VK_SUCCESS) return;
+  data.resize(size);
+  write_pipelines(file_, data);
+}
+
 Pipelines::~Pipelines() {
   const auto& vk = gpu_->vk;
   const VkDevice device = gpu_->device;
-  std::size_t size = 0;
-  if (cache_ && !file_.empty() && vk.GetPipelineCacheData(device, cache_, &size, nullptr) == VK_SUCCESS &&
-      size > read_) {
-    std::vector<std::byte> data(size);
-    if (vk.GetPipelineCacheData(device, cache_, &size, data.data()) == VK_SUCCESS) {
-      data.resize(size);
-      write_pipelines(file_, data);
-    }
+  try {
+    save();
+  } catch (const std::exception&) {  // the next process compiles them again
   }
   for (const auto& [key, pipeline] : pipelines_) vk.DestroyPipeline(device, pipeline, nullptr);
   for (const VkRenderPass pass : drawing_)

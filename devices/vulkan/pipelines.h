@@ -61,6 +61,7 @@ class Pipelines {
  private:
   explicit Pipelines(GpuPtr gpu) : gpu_(std::move(gpu)) {}
   Result<void> make_layouts(VkBuffer uniforms);
+  void save() const;
   using Options = std::vector<std::optional<std::int32_t>>;
   /// SPIR-V, options, whether planes are bound.
   using Key = std::tuple<const std::uint32_t*, Options, bool>;

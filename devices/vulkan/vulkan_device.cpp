@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/check.h"
+#include "core/guarded.h"
 #include "devices/shared/capture_info.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
@@ -382,6 +383,7 @@ class VulkanDevice final : public Device {
     if (!staged) return staged.error();
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
+    commands_->keep(*staged);
     commands_->barrier();
     for (std::size_t p = first; p < end; ++p) {
       const DevicePlane* plane = planes.find(wanted[p]);
@@ -429,6 +431,7 @@ class VulkanDevice final : public Device {
   using Table = std::span<const VkDeviceAddress>;
 
   Result<void> run_pass(const PassRun& run, Planes& planes) {
+    fault_point();
     const Pass& pass = run.pass;
     for (std::string_view input : pass.inputs) {
       const std::string name = run.plane(input);

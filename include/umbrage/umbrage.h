@@ -13,7 +13,11 @@
 //
 // Threads: different threads may call anything at the same time, as long as each uses objects of its own.
 //
-// Errors: nothing here throws, except std::bad_alloc and what a caller's own callback throws.
+// Errors: nothing here throws, except what a caller's own callback throws, and nothing ends the process: an error
+// inside Umbrage is code 1, too little memory code 4.
+//
+// Environment: UMBRAGE_ISA, read once, at the first call, bounds the instruction set of the process: avx512, avx2,
+// sse4, neon or scalar. A name that there is not is code 2, one that the CPU lacks code 4.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -31,8 +35,8 @@ inline namespace v0 {
 #pragma GCC visibility push(default)
 
 /// How it went. `code` is 0, or the exit code that the command line would give: 1 internal, 2 a wrong request, 3 a file
-/// that cannot be used, 4 a device that cannot do it, 130 ended by a Progress; `message` is then one sentence for
-/// people.
+/// that cannot be used, 4 a device that cannot do it or too little memory, 130 ended by a Progress; `message` is
+/// then one sentence for people.
 struct Outcome {
   int code = 0;
   std::string message{};
@@ -80,7 +84,7 @@ struct RenderRequest {
   std::string occlusion{};      ///< an occlusion technique, "reference" or "none"; empty: the look's own
   std::vector<std::string> settings{};  ///< "effect.parameter=value": see `umbrage list effects`
   int width = 1024, height = 1024;      ///< pixels, 1 to 16384 each, together at most 67 108 864
-  int threads = 0;                      ///< 0: as many as the machine has
+  int threads = 0;                      ///< 0: as many as the machine has; at most 1024
   std::string device = "auto";          ///< "cpu", "vulkan", "vulkan:N", or "auto": a graphics card if there is one
   CameraRequest camera{};
   std::optional<std::array<float, 3>> up{};  ///< the model's up; as its format says

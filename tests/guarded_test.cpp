@@ -1,0 +1,115 @@
+// The border between the library and its host: whatever fails inside comes back as an Outcome.
+#include "core/guarded.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <new>
+#include <vector>
+
+#include "machine/kernel_frame.h"
+#include "run_program.h"
+#include "umbrage/umbrage.h"
+#include "vulkan_support.h"
+
+namespace umbrage {
+namespace {
+
+struct Fault {
+  const char* name;
+  void (*inject)();
+  int code;
+  const char* text;
+};
+
+const Fault kFaults[] = {
+    {"Check", [] { check_equal(2, 3, "injected"); }, 1, "internal error: injected: 2 != 3"},
+    {"Exception", [] { throw std::out_of_range("injected"); }, 1, "internal error: injected"},
+    {"Memory", [] { throw std::bad_alloc(); }, 4, "not enough memory for a picture of "},
+};
+
+class Guarded : public testing::TestWithParam<Fault> {
+ protected:
+  void TearDown() override { injected_fault = nullptr; }
+
+  /// Calls with the fault, which must be told, and then without it.
+  void expect_told(const std::function<v0::Outcome(Picture&)>& call) {
+    Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
+    injected_fault = GetParam().inject;
+    const v0::Outcome failed = call(picture);
+    injected_fault = nullptr;
+    EXPECT_EQ(failed.code, GetParam().code) << failed.message;
+    EXPECT_NE(failed.message.find(GetParam().text), std::string::npos) << failed.message;
+    EXPECT_EQ(failed.message.find('\n'), std::string::npos) << failed.message;
+    EXPECT_EQ(picture.rgba.size(), 4u);
+    const v0::Outcome again = call(picture);
+    EXPECT_EQ(again.code, 0) << again.message;
+    EXPECT_EQ(picture.rgba.size(), 64u * 48u * 4u);
+  }
+};
+
+RenderRequest solids(const char* device) {
+  return {.model = "scene:solids?detail=3000", .look = "ao", .width = 64, .height = 48, .threads = 2, .device = device};
+}
+
+TEST_P(Guarded, Render) {
+  expect_told([](Picture& picture) { return render(solids("cpu"), picture); });
+}
+
+TEST_P(Guarded, VulkanRender) {
+  UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
+  expect_told([](Picture& picture) { return render(solids("vulkan"), picture); });
+}
+
+TEST_P(Guarded, Frames) {
+  FrameRenderer renderer;
+  ASSERT_EQ(renderer.open(solids("cpu")).code, 0);
+  expect_told([&](Picture& picture) { return renderer.draw({}, picture); });
+}
+
+// What was recorded before the fault is still there.
+TEST_P(Guarded, VulkanFrames) {
+  UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
+  FrameRenderer renderer;
+  ASSERT_EQ(renderer.open(solids("vulkan")).code, 0);
+  expect_told([&](Picture& picture) { return renderer.draw({}, picture); });
+}
+
+TEST_P(Guarded, Shade) {
+  const std::vector<float> depth(64 * 48, 2.0f);
+  ShadeRequest request;
+  request.width = 64;
+  request.height = 48;
+  request.arrays = {{.name = "depth", .values = depth.data()}};
+  request.look = "ao";
+  request.device = "cpu";
+  expect_told([&](Picture& picture) { return shade(request, picture); });
+}
+
+INSTANTIATE_TEST_SUITE_P(Faults, Guarded, testing::ValuesIn(kFaults), [](const auto& info) { return info.param.name; });
+
+TEST(KernelFrame, RefusesPlanesThatAPassDoesNotList) { EXPECT_THROW(KernelFrame{}.plane("x"), std::logic_error); }
+
+// Where memory ends is not where a test puts it: the program is given less and less.
+class ShortMemory : public test::ProgramTest {};
+
+TEST_F(ShortMemory, IsCodeFourAndWritesNothing) {
+  const std::string words =
+      " scene:solids?detail=3000 --look ao --resolution 6000x6000 --device cpu --threads 2 -o big.png";
+  for (const int megabytes : {150, 300, 500, 800, 1200}) {
+    const test::fs::path err = root_ / "err";
+    const std::string line =
+        fmt::format("cd {} && ulimit -v {} && {}{} >/dev/null 2>{}", test::quoted(folder_.string()), megabytes * 1024,
+                    test::quoted(UMBRAGE_PROGRAM), words, test::quoted(err.string()));
+    const int status = std::system(line.c_str());
+    ASSERT_TRUE(WIFEXITED(status)) << megabytes;
+    const std::string told = test::text_of(err);
+    ASSERT_EQ(WEXITSTATUS(status), 4) << megabytes << ": " << told;
+    EXPECT_NE(told.find("not enough memory for"), std::string::npos) << told;
+    EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 1) << told;
+    EXPECT_FALSE(test::fs::exists(folder_ / "big.png"));
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
