@@ -1275,16 +1275,21 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
     for (int y = 0; y < pixels; ++y)
       for (int x = 0; x < pixels; ++x) ASSERT_EQ(surfaces_at(picture, 3, x, y), 1) << x << ',' << y;
   }
-  // A rim that falls on pixel centres belongs to the surface, for Embree's rays and ours; where triangles are drawn,
-  // half of it does.
+  // Whether a rim that falls on pixel centres belongs to the surface is a matter of rounding: with fused multiply-adds
+  // all of it does for Embree's rays, without (SSE4.2) a half, as where triangles are drawn. So the rim is cut off.
+  const auto inside = [](Image image) {
+    Image out(image.width - 2, image.height - 2);
+    for (std::size_t p = 0; p < image.planes.size(); ++p) out.add(image.names[p]) = cropped(image.planes[p], 1);
+    return out;
+  };
   if (Device* const gpu = test::drawing_device(VulkanCapture::kRays)) {
     const Scene scene = grid(2.0f, 16);
     const CaptureSettings settings{.width = 17, .height = 17, .layers = 3};
     const test::Disagreement d =
-        test::disagreement({test::captured(*gpu, scene, from_above(4.25f), settings),
-                            test::captured(*make_cpu_device(), scene, from_above(4.25f), settings)},
+        test::disagreement({inside(test::captured(*gpu, scene, from_above(4.25f), settings)),
+                            inside(test::captured(*make_cpu_device(), scene, from_above(4.25f), settings))},
                            settings.layers);
-    EXPECT_LE(d.anywhere, d.pixels / 200 + settings.width);
+    EXPECT_LE(d.anywhere, d.pixels / 200);
     for (const auto& [plane, count] : d.inside) EXPECT_LE(count, d.pixels / 500) << plane;
   }
 }

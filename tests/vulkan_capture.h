@@ -2,9 +2,12 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <map>
 #include <string>
 
+#include "devices/shared/capture_info.h"
+#include "rays/camera_rays.h"
 #include "support.h"
 #include "vulkan_support.h"
 
@@ -54,13 +57,47 @@ inline bool at_edge(const Image& image, int layer, int x, int y) {
   return false;
 }
 
+/// Finds the surfaces at a point of a scene. Two may coincide, such as the top of a block and the underside of the one
+/// that stands on it: a ray meets either, and the width of Embree's kernels decides which.
+class SurfacesAt {
+ public:
+  SurfacesAt(const Scene& scene, const PictureInfo& info)
+      : scene_(scene), world_{.scene = &scene}, rays_(camera_rays(world_, info)) {}
+
+  /// Whether a triangle of this object lies where the pixel's ray has this depth.
+  bool hold(float object, int x, int y, float depth) const {
+    const float px = float(x) + 0.5f, py = float(y) + 0.5f, near = 1e-5f * depth;
+    const glm::vec3 at = rays_.origin_at(px, py) + rays_.direction_at(px, py) * depth;
+    for (const Mesh& mesh : scene_.meshes) {
+      if (float(mesh.object) != object) continue;
+      for (std::size_t k = 0; k + 2 < mesh.indices.size(); k += 3) {
+        const glm::vec3 a = mesh.positions[mesh.indices[k]];
+        const glm::vec3 u = mesh.positions[mesh.indices[k + 1]] - a, v = mesh.positions[mesh.indices[k + 2]] - a;
+        const glm::vec3 n = glm::cross(u, v);
+        const float area = glm::dot(n, n);
+        if (!(area > 0.0f) || std::fabs(glm::dot(at - a, n)) > near * std::sqrt(area)) continue;
+        const float s = glm::dot(glm::cross(at - a, v), n) / area, t = glm::dot(glm::cross(u, at - a), n) / area;
+        const float beside = near / std::sqrt(std::sqrt(area));
+        if (s >= -beside && t >= -beside && s + t <= 1.0f + beside) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  const Scene& scene_;
+  TracedScene world_;
+  CameraRays rays_;
+};
+
 struct Disagreement {
   std::map<std::string, long> inside;  // by plane: pixels away from edges that differ
   long anywhere = 0;                   // pixels whose surface differs
   long pixels = 0;
 };
 
-inline Disagreement disagreement(const Both& both, int layers) {
+/// `surfaces` tells coincident ones apart from wrong ones, of layers that one camera sees.
+inline Disagreement disagreement(const Both& both, int layers, const SurfacesAt* surfaces = nullptr) {
   Disagreement d;
   for (int layer = 0; layer < layers; ++layer) {
     const auto a = [&](const char* name) -> const Plane& { return both.gpu.plane(layer_plane(layer, name)); };
@@ -72,7 +109,9 @@ inline Disagreement disagreement(const Both& both, int layers) {
         const bool there = std::isfinite(depth);
         const bool depth_differs =
             there ? !(std::fabs(a("depth").at(x, y) - depth) <= 1e-4f * depth) : std::isfinite(a("depth").at(x, y));
-        d.anywhere += depth_differs || a("object_id").at(x, y) != b("object_id").at(x, y);
+        const float object = a("object_id").at(x, y);
+        d.anywhere += depth_differs || (object != b("object_id").at(x, y) &&
+                                        !(surfaces && there && surfaces->hold(object, x, y, depth)));
         if (at_edge(both.cpu, layer, x, y)) continue;
         d.inside["depth"] += depth_differs;
         double squared = 0.0;  // of the normals' difference: its length is the angle
