@@ -90,7 +90,8 @@ void Plane::Free::operator()(float* data) {
   if (size >= kHugePage) {
     Kept& all = kept();
     const std::lock_guard lock(all.mutex);
-    if (all.wanted_by > 0) try {
+    if (all.wanted_by > 0) {
+      try {
         if (cells)
           all.sparse.push_back({base, size, data, std::move(cells)});
         else
@@ -98,6 +99,7 @@ void Plane::Free::operator()(float* data) {
         return;
       } catch (const std::bad_alloc&) {  // it is not kept
       }
+    }
   }
   std::free(base);
 }

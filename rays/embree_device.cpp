@@ -35,6 +35,12 @@ Result<RTCDevice> new_embree_device() {
   return device_error("Embree cannot start on this machine (error {})", int(error));
 }
 
+Error build_error(const Scene& scene, RTCError error) {
+  if (error == RTC_ERROR_OUT_OF_MEMORY)
+    return device_error("{}: not enough memory for {}", scene.name, size_text(scene));
+  return device_error("{}: Embree cannot build a hierarchy of {} (error {})", scene.name, size_text(scene), int(error));
+}
+
 std::string_view isa_of_rays() {
   static std::mutex guard;
   static std::map<std::string_view, std::string_view> known;  // by isa_in_use()

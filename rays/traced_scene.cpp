@@ -179,7 +179,7 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
     const RTCGeometry geometry = rtcNewGeometry(traced->device, type);
     if (!(mesh.points ? fill_points(*traced, mesh, geometry) : fill_triangles(*traced, mesh, geometry))) {
       rtcReleaseGeometry(geometry);
-      return device_error("{}: not enough memory for {}", scene.name, size_text(scene));
+      return build_error(scene, RTC_ERROR_OUT_OF_MEMORY);
     }
     rtcSetGeometryUserData(geometry, traced.get());
     if (is_masked(*traced, mesh)) {
@@ -191,12 +191,8 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
     rtcReleaseGeometry(geometry);
   }
   rtcCommitScene(traced->rtc);
-  const RTCError error = rtcGetDeviceError(traced->device);
-  if (error == RTC_ERROR_OUT_OF_MEMORY)
-    return device_error("{}: not enough memory for {}", scene.name, size_text(scene));
-  if (error != RTC_ERROR_NONE)
-    return device_error("{}: Embree cannot build its hierarchy of {} (error {})", scene.name, size_text(scene),
-                        int(error));
+  if (const RTCError error = rtcGetDeviceError(traced->device); error != RTC_ERROR_NONE)
+    return build_error(scene, error);
   return traced;
 }
 

@@ -75,15 +75,6 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
   return outputs(effect, params, gbuffer, *make_cpu_device(settings));
 }
 
-/// The brightest value of a plane, or 1: light of many lights and strong factors exceeds 1, and bounds hold relative to
-/// it.
-double scale_of(const Plane& plane) {
-  double scale = 1.0;
-  for (int y = 0; y < plane.height; ++y)
-    for (int x = 0; x < plane.width; ++x) scale = std::max(scale, double(std::fabs(plane.at(x, y))));
-  return scale;
-}
-
 /// Inputs of an effect that other effects make: what no pass before the reader writes.
 void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
   for (std::size_t reader = 0; reader < effect.passes.size(); ++reader)
@@ -129,7 +120,7 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
         ASSERT_TRUE(choose_isa(target));
         const Image lanes = outputs(effect, params, gbuffer, {.tuned = false});
         for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-          const double scale = scale_of(oracle.planes[p]);
+          const double scale = test::scale_of(oracle.planes[p]);
           const auto d = test::difference(oracle.planes[p], lanes.planes[p], 1e-4 * scale);
           const std::string what = fmt::format("{} {} {} variant {} at {}x{}", effect.name, oracle.names[p], target,
                                                variant, size.width, size.height);
@@ -213,7 +204,7 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
       const Image image = outputs(effect, params, gbuffer, *device);
       ASSERT_EQ(image.names, oracle.names);
       for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-        const double bound = std::max(kSeen, effect.quantum) * scale_of(oracle.planes[p]);
+        const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
         const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
         EXPECT_LE(d.share_over, kMostOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
                                            << size.width << 'x' << size.height << ", most " << d.most;
@@ -309,7 +300,7 @@ Image agreed_with_scalar(const char* name, const char* plane, const Size& size, 
     EXPECT_TRUE(choose_isa(target));
     const Image image = outputs(effect, params, gbuffer, {});
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-      const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * scale_of(oracle.planes[p]));
+      const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * test::scale_of(oracle.planes[p]));
       EXPECT_LE(d.share_over, kMostFlips) << oracle.names[p] << ' ' << target << " at " << size.height;
     }
   }

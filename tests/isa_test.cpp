@@ -9,6 +9,7 @@
 #include "machine/isa.h"
 #include "run_program.h"
 #include "support.h"
+#include "vulkan_support.h"
 
 namespace umbrage {
 namespace {
@@ -37,10 +38,7 @@ class Isa : public test::ProgramTest {
       const Image picture = image("other.exr");
       ASSERT_EQ(picture.names, oracle.names);
       for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-        double scale = 1.0;  // of depths
-        for (int y = 0; y < oracle.height; ++y)
-          for (int x = 0; x < oracle.width; ++x)
-            if (const double v = oracle.planes[p].at(x, y); std::isfinite(v)) scale = std::max(scale, v);
+        const double scale = test::scale_of(oracle.planes[p]);
         const auto d = test::difference(oracle.planes[p], picture.planes[p], kSmooth * scale);
         EXPECT_LE(d.most, kSeen * scale) << oracle.names[p];
         EXPECT_LE(d.share_over, kMaxShareOver) << oracle.names[p];
@@ -77,10 +75,7 @@ TEST_F(Isa, LightOfImagesIsTheSame) { expect_same("scene:solids?detail=3000 --hd
 
 // Its hierarchies are built by Embree, and some of its captures are drawn by it.
 TEST_F(Isa, VulkanDrawsTheSame) {
-  if (run("scene:solids?detail=3000 --device vulkan --look ao -o vulkan.png" + kSize).code == 4) {
-    if (std::getenv("CI")) FAIL() << "no Vulkan here";
-    GTEST_SKIP() << "no Vulkan here";
-  }
+  UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
   expect_same("scene:solids?detail=3000 --device vulkan" + kSize);
 }
 

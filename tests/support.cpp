@@ -10,6 +10,14 @@
 
 namespace umbrage::test {
 
+double scale_of(const Plane& plane) {
+  double scale = 1.0;
+  for (int y = 0; y < plane.height; ++y)
+    for (int x = 0; x < plane.width; ++x)
+      if (const double value = std::fabs(plane.at(x, y)); std::isfinite(value)) scale = std::max(scale, value);
+  return scale;
+}
+
 std::vector<std::string_view> isas() {
   choose_isa("");
   const auto& usable = usable_isas();

@@ -27,6 +27,10 @@ struct Difference {
 /// Compares planes of one size; two NaN are equal.
 Difference difference(const Plane& a, const Plane& b, double bound);
 
+/// The largest finite value of a plane, or 1: light of many lights, strong factors and depths exceed 1, and bounds hold
+/// relative to it.
+double scale_of(const Plane& plane);
+
 /// The instruction sets that tests run on: the one in use at the start, and those that are less wide.
 std::vector<std::string_view> isas();
 /// Those of them that have lanes: all but "scalar".

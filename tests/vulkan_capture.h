@@ -74,10 +74,10 @@ class SurfacesAt {
         const glm::vec3 a = mesh.positions[mesh.indices[k]];
         const glm::vec3 u = mesh.positions[mesh.indices[k + 1]] - a, v = mesh.positions[mesh.indices[k + 2]] - a;
         const glm::vec3 n = glm::cross(u, v);
-        const float area = glm::dot(n, n);
-        if (!(area > 0.0f) || std::fabs(glm::dot(at - a, n)) > near * std::sqrt(area)) continue;
-        const float s = glm::dot(glm::cross(at - a, v), n) / area, t = glm::dot(glm::cross(u, at - a), n) / area;
-        const float beside = near / std::sqrt(std::sqrt(area));
+        const float squared = glm::dot(n, n);  // of twice the area
+        if (!(squared > 0.0f) || std::fabs(glm::dot(at - a, n)) > near * std::sqrt(squared)) continue;
+        const float s = glm::dot(glm::cross(at - a, v), n) / squared, t = glm::dot(glm::cross(u, at - a), n) / squared;
+        const float beside = near / std::sqrt(std::sqrt(squared));
         if (s >= -beside && t >= -beside && s + t <= 1.0f + beside) return true;
       }
     }

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <new>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/config.h"
 #include "apps/cli/signals.h"
+#include "core/guarded.h"
 #include "core/suggest.h"
 
 namespace umbrage::cli {
@@ -175,17 +175,10 @@ std::string command_line;
 }  // namespace umbrage::cli
 
 int main(int argc, char** argv) {
-  umbrage::cli::end_on_signals();
-  try {
-    return umbrage::cli::run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    std::fprintf(
-        stderr,
-        "umbrage: not enough memory for: %s; try a smaller picture or model, or to render with a smaller --memory\n",
-        umbrage::cli::command_line.c_str());
-    return int(umbrage::ErrorKind::kDevice);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "umbrage: internal error: %s\n", error.what());
-    return int(umbrage::ErrorKind::kInternal);
-  }
+  using namespace umbrage;
+  cli::end_on_signals();
+  const auto code = guarded(
+      [] { return cli::command_line + "; try a smaller picture or model, or to render with a smaller --memory"; },
+      [&]() -> Result<int> { return cli::run(argc, argv); });
+  return code ? *code : cli::report(code.error());
 }

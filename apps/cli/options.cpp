@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
+#include "apps/job/isa_setting.h"
 #include "io/image_file.h"
 #include "looks/frames.h"
 
@@ -357,10 +358,10 @@ Result<ImportSettings> import_settings(const CommonOptions& o) {
 }
 
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
-  const auto threads = parse_number("--threads", o.threads, 0, kMostThreads);
+  const auto threads = parse_number("--threads", o.threads, 0, kMaxThreads);
   if (!threads) return threads.error();
   if (*threads != std::floor(*threads))
-    return usage_error("--threads cannot be '{}': it takes a whole number from 0 to {}", o.threads, kMostThreads);
+    return usage_error("--threads cannot be '{}': it takes a whole number from 0 to {}", o.threads, kMaxThreads);
   if (!o.isa.empty())
     if (auto valid = use_isa(o.isa); !valid) return valid.error();
   // Also for work that no device does: hierarchies, metrics.

@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <new>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -19,6 +18,7 @@
 #include "apps/job/bands.h"
 #include "apps/job/passes.h"
 #include "apps/job/turntable.h"
+#include "core/guarded.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
@@ -287,13 +287,13 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
       times.done("write");
       return taken;
     };
-    try {
-      return draw_bands(device, scene, draw_with, plan, take_rows, times);
-    } catch (const std::bad_alloc&) {  // here, since it is not the file that cannot be written
-      return device_error(
-          "not enough memory for {} x {} pixels in bands; try a smaller --memory, --resolution or model",
-          draw_with.width, draw_with.height);
-    }
+    // Here, since it is not the file that cannot be written.
+    return guarded(
+        [&] {
+          return fmt::format("{} x {} pixels in bands; try a smaller --memory, --resolution or model", draw_with.width,
+                             draw_with.height);
+        },
+        [&] { return draw_bands(device, scene, draw_with, plan, take_rows, times); });
   };
   auto written = put_rows(place, shape, settings, make);
   line.wipe();

@@ -12,6 +12,7 @@
 
 #include "apps/job/drawing.h"
 #include "apps/job/hdri.h"
+#include "apps/job/isa_setting.h"
 #include "core/absolute_length.h"
 #include "core/check.h"
 #include "core/suggest.h"
@@ -21,7 +22,6 @@
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "looks/quality.h"
-#include "machine/isa.h"
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "scene/builtin.h"
@@ -117,21 +117,8 @@ Result<VulkanCapture> vulkan_capture() {
 
 }  // namespace
 
-Result<void> use_isa(std::string_view name) {
-  if (choose_isa(name)) return {};
-  const auto& known = known_isas();
-  const std::string has = fmt::format("this machine has {}", fmt::join(usable_isas(), ", "));
-  if (std::find(known.begin(), known.end(), name) == known.end())
-    return usage_error("--isa (or UMBRAGE_ISA) cannot be '{}': {}", name, has);
-  return device_error("--isa (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, has);
-}
-
-Result<void> check_isa_setting() { return wrong_isa_setting().empty() ? Result<void>() : use_isa(wrong_isa_setting()); }
-
 Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads) {
   if (auto valid = check_isa_setting(); !valid) return valid.error();
-  if (threads < 0 || threads > kMostThreads)
-    return usage_error("--threads cannot be {}: it takes a whole number from 0 to {}", threads, kMostThreads);
   const auto cpu = [&] { return make_cpu_device({.threads = threads}); };
   if (name == "cpu") return cpu();
   const auto capture = vulkan_capture();

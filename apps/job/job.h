@@ -98,12 +98,6 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
 /// suggests. Errors: kUsage for one that there is not.
 Result<void> use_camera(int index, Scene& scene);
 
-/// Bounds kernels and rays of this process to an instruction set of machine/isa.h. Errors: kUsage for a name that there
-/// is not, kDevice for one that this CPU lacks; both name those that it has.
-Result<void> use_isa(std::string_view name);
-/// The same for what UMBRAGE_ISA says.
-Result<void> check_isa_setting();
-
 /// The device that `--device` names: `cpu`, `vulkan` (the best), `vulkan:N`, or `auto`: a real GPU if there is one,
 /// else the CPU. Errors: kUsage for a name that does not exist; kDevice for a device that is not there or cannot be
 /// used; those of use_isa for UMBRAGE_ISA.
@@ -136,8 +130,7 @@ Result<Recipe> make_recipe(const DrawSettings& draw);
 Result<CaptureSettings> capture_settings(const DrawSettings& draw, const Look& look, int shadows,
                                          long most = kMostPixels);
 
-inline constexpr int kMostThreads = 1024;
-
+inline constexpr int kMaxThreads = 1024;
 inline constexpr double kMostIntensity = 1e6;  ///< of Hdri
 inline constexpr double kWidestLight = 90.0;   ///< of light_size_deg
 

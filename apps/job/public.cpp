@@ -42,6 +42,7 @@ Result<void> store_vector(const char* option, const std::optional<std::array<flo
 /// What looks are asked for in the same words, of models and of arrays.
 template <class Request>
 Result<void> store_picture(const Request& request, DrawSettings& settings) {
+  if (auto valid = within("--threads", request.threads, 0, kMaxThreads); !valid) return valid;
   settings.look = request.look;
   settings.occlusion = request.occlusion;
   settings.occlusion_scale = request.occlusion_scale;
@@ -350,36 +351,31 @@ void conclude(Result<Picture>& drawn, Picture& picture, Outcome& outcome) {
   if (drawn) picture = std::move(*drawn);
 }
 
-}  // namespace
-
-inline namespace v0 {
-
-Outcome render(const RenderRequest& request, Picture& picture) {
+/// The picture that draw(request, warnings) makes, with the caller's Progress watched.
+template <class Request, class Draw>
+Outcome make_picture(const Request& request, Picture& picture, const Draw& draw) {
   Outcome outcome;
   CallersProgress progress;
   auto drawn = guarded([&] { return asked_for(request); },
                        [&] {
-                         RenderRequest watched = request;
+                         Request watched = request;
                          watched.progress = progress.watched(request.progress);
-                         return draw_picture(watched, outcome.warnings);
+                         return draw(watched, outcome.warnings);
                        });
   progress.rethrow();
   conclude(drawn, picture, outcome);
   return outcome;
 }
 
+}  // namespace
+
+inline namespace v0 {
+
+Outcome render(const RenderRequest& request, Picture& picture) { return make_picture(request, picture, draw_picture); }
+
 Outcome shade(const ShadeRequest& request, Picture& picture) {
-  Outcome outcome;
-  CallersProgress progress;
-  auto drawn = guarded([&] { return asked_for(request); },
-                       [&] {
-                         ShadeRequest watched = request;
-                         watched.progress = progress.watched(request.progress);
-                         return shade_picture(watched);
-                       });
-  progress.rethrow();
-  conclude(drawn, picture, outcome);
-  return outcome;
+  return make_picture(request, picture,
+                      [](const ShadeRequest& watched, std::vector<std::string>&) { return shade_picture(watched); });
 }
 
 Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request) {

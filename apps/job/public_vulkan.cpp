@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "apps/job/isa_setting.h"
 #include "apps/job/job.h"
 #include "core/guarded.h"
 #include "core/suggest.h"
@@ -159,14 +161,13 @@ Outcome VulkanShading::open(const VulkanContext& context) {
 }
 
 Outcome VulkanShading::shade(const VulkanGBuffer& gbuffer, const VulkanShadeRequest& request) {
-  const auto asked = [&] { return fmt::format("a G-buffer of {} x {} pixels", gbuffer.width, gbuffer.height); };
-  return outcome_of(guarded(asked, [&]() -> Result<void> {
-    if (!state_) return usage_error("VulkanShading::open comes before shade");
-    Device& device = *state_->device;
-    auto done = guarded(asked, [&] { return shade_images(device, gbuffer, request); });
-    if (!done) drop(device);
-    return done;
-  }));
+  auto done = guarded([&] { return fmt::format("a G-buffer of {} x {} pixels", gbuffer.width, gbuffer.height); },
+                      [&]() -> Result<void> {
+                        if (!state_) return usage_error("VulkanShading::open comes before shade");
+                        return shade_images(*state_->device, gbuffer, request);
+                      });
+  if (!done && state_) drop(*state_->device);
+  return outcome_of(std::move(done));
 }
 
 Outcome VulkanShading::finish() {

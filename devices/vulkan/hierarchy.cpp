@@ -157,11 +157,7 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     return node;
   };
   const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&how));
-  if (!root && rtcGetDeviceError(device.get()) == RTC_ERROR_OUT_OF_MEMORY)
-    return device_error("{}: not enough memory for a hierarchy of {}", scene.name, size_text(scene));
-  if (!root)
-    return device_error("{}: Embree cannot build a hierarchy of {} (error {})", scene.name, size_text(scene),
-                        int(rtcGetDeviceError(device.get())));
+  if (!root) return build_error(scene, rtcGetDeviceError(device.get()));
   out.triangles.reserve(primitives.size());
   out.root = Flattener{scene, positions, first_vertex, scale, out}.add(*root, 1);
   return out;
