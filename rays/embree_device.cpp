@@ -1,7 +1,5 @@
 #include "rays/embree_device.h"
 
-#include <map>
-#include <mutex>
 #include <new>
 
 #include "machine/isa.h"
@@ -42,15 +40,11 @@ Error build_error(const Scene& scene, RTCError error) {
 }
 
 std::string_view isa_of_rays() {
-  static std::mutex guard;
-  static std::map<std::string_view, std::string_view> known;  // by isa_in_use()
-  const std::lock_guard lock(guard);
-  if (const auto found = known.find(isa_in_use()); found != known.end()) return found->second;
   const auto device = new_embree_device();
   if (!device) return "none";
   const std::string_view name = widest_of(*device);
   rtcReleaseDevice(*device);
-  return known[isa_in_use()] = name;
+  return name;
 }
 
 }  // namespace umbrage
