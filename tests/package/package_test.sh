@@ -30,7 +30,7 @@ with_cmake() {
   local folder=$1
   shift
   rm -rf "$folder"
-  "$CMAKE" -S "$SOURCE/examples" -B "$folder" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$CXX" \
+  "$CMAKE" -G Ninja -S "$SOURCE/examples" -B "$folder" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$CXX" \
     -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF "$@" >"$folder.log" 2>&1 || { cat "$folder.log"; fail "cmake refused it"; }
   grep -q "umbrage_DIR:PATH=$prefix/" "$folder/CMakeCache.txt" || fail "another umbrage was found"
   "$CMAKE" --build "$folder" --target render_file shade_arrays progress >"$folder.log" 2>&1 ||
@@ -99,7 +99,7 @@ case $name in
       mkdir "$place/wish"
       printf 'cmake_minimum_required(VERSION 3.18)\nproject(wish NONE)\nfind_package(umbrage %s QUIET)\nif(umbrage_FOUND)\n  message(FATAL_ERROR "found")\nendif()\n' \
         "$wish" >"$place/wish/CMakeLists.txt"
-      "$CMAKE" -S "$place/wish" -B "$place/wish/build" -DCMAKE_PREFIX_PATH="$prefix" >"$place/wish.log" 2>&1 ||
+      "$CMAKE" -G Ninja -S "$place/wish" -B "$place/wish/build" -DCMAKE_PREFIX_PATH="$prefix" >"$place/wish.log" 2>&1 ||
         { cat "$place/wish.log"; fail "umbrage $wish was found"; }
     done
     ;;
