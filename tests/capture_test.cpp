@@ -93,7 +93,7 @@ Picture capture_with(const CaptureSettings& settings, const Scene& scene, const 
     const test::Both both{test::captured(*gpu, scene, camera, settings),
                           test::captured(*device, scene, camera, settings)};
     EXPECT_EQ(both.gpu.names, both.cpu.names);
-    const test::Disagreement d = test::disagreement(both, *layer_count(settings));
+    const test::Deviation d = test::deviation(both, *layer_count(settings));
     EXPECT_LE(d.anywhere, d.pixels / 200 + settings.width) << test::name_of(how);
     for (const auto& [plane, count] : d.inside) EXPECT_LE(count, d.pixels / 500) << test::name_of(how) << ' ' << plane;
   }
@@ -1285,10 +1285,10 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
   if (Device* const gpu = test::drawing_device(VulkanCapture::kRays)) {
     const Scene scene = grid(2.0f, 16);
     const CaptureSettings settings{.width = 17, .height = 17, .layers = 3};
-    const test::Disagreement d =
-        test::disagreement({inside(test::captured(*gpu, scene, from_above(4.25f), settings)),
-                            inside(test::captured(*make_cpu_device(), scene, from_above(4.25f), settings))},
-                           settings.layers);
+    const test::Deviation d =
+        test::deviation({inside(test::captured(*gpu, scene, from_above(4.25f), settings)),
+                         inside(test::captured(*make_cpu_device(), scene, from_above(4.25f), settings))},
+                        settings.layers);
     EXPECT_LE(d.anywhere, d.pixels / 200);
     for (const auto& [plane, count] : d.inside) EXPECT_LE(count, d.pixels / 500) << plane;
   }

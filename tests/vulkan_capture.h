@@ -90,15 +90,15 @@ class SurfacesAt {
   CameraRays rays_;
 };
 
-struct Disagreement {
+struct Deviation {
   std::map<std::string, long> inside;  // by plane: pixels away from edges that differ
   long anywhere = 0;                   // pixels whose surface differs
   long pixels = 0;
 };
 
 /// `surfaces` tells coincident ones apart from wrong ones, of layers that one camera sees.
-inline Disagreement disagreement(const Both& both, int layers, const SurfacesAt* surfaces = nullptr) {
-  Disagreement d;
+inline Deviation deviation(const Both& both, int layers, const SurfacesAt* surfaces = nullptr) {
+  Deviation d;
   for (int layer = 0; layer < layers; ++layer) {
     const auto a = [&](const char* name) -> const Plane& { return both.gpu.plane(layer_plane(layer, name)); };
     const auto b = [&](const char* name) -> const Plane& { return both.cpu.plane(layer_plane(layer, name)); };

@@ -45,7 +45,7 @@ TEST_P(VulkanCaptureShots, PlanesAreThoseOfEmbree) {
   ASSERT_EQ(both.gpu.width, both.cpu.width);
   const int layers = *layer_count(shot.settings);
   const test::SurfacesAt surfaces(*scene, picture_info(*scene, camera, shot.settings));
-  const test::Disagreement d = test::disagreement(both, layers, shot.settings.extra_views == 0 ? &surfaces : nullptr);
+  const test::Deviation d = test::deviation(both, layers, shot.settings.extra_views == 0 ? &surfaces : nullptr);
   EXPECT_LE(d.anywhere, d.pixels / 500) << shot.name;
   for (const auto& [plane, count] : d.inside) EXPECT_LE(count, d.pixels / 5000) << shot.name << ' ' << plane;
 }
