@@ -4,7 +4,8 @@
 // says how far it reads, and runs on those rows alone for which it has all that it reads: the band shrinks from pass to
 // pass, and what remains is the same to the bit as in a picture that is drawn whole. Passes that read anywhere get
 // planes of the whole picture. These are gathered from the bands first: a band ends at such a pass, unfinished, after
-// it has given its rows, and is drawn anew, from its capture on, when all bands have given theirs.
+// it has given its rows, and is drawn anew, from its capture on, when all bands have given theirs. What a host step
+// makes of such planes is whole, too, made by the first band for all.
 #pragma once
 #include <algorithm>
 #include <map>
@@ -28,7 +29,7 @@ struct Rows {
 struct WholePlanes {
   struct Entry {
     Plane plane;
-    bool complete = false;  ///< all bands have given their rows
+    bool complete = false;  ///< all bands have given their rows, or it was made whole
   };
   /// By the reduction of the picture, the name, and which pass of a frame wrote it, 0 for the capture: names are
   /// written over.

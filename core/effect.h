@@ -13,9 +13,13 @@ namespace umbrage {
 
 struct KernelFrame;  // what a compiled kernel gets, and
 struct Tile;         // the pixels that it computes: see machine/kernel_frame.h
+struct HostFrame;    // what a host step gets: see machine/host_frame.h
 
 /// A compiled kernel: computes the outputs of its pass for one tile. Tiles may run at the same time.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
+
+/// A pass that is a function of whole planes on the host. It may use all threads of its oneTBB arena.
+using HostStep = void (*)(const HostFrame&);
 
 /// One dispatch over all pixels on a GPU.
 struct GpuStep {
@@ -54,6 +58,7 @@ struct Pass {
   CpuKernel tuned = nullptr;                               ///< another way to the same bits, or null
   std::span<const std::uint32_t> spirv;                    ///< the kernel text as a compute shader
   std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs in place of it
+  HostStep host = nullptr;                                 ///< in place of kernels; such a pass has no `reach`
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always
   int tile_width = 1 << 20, tile_height = 16;              ///< tile that the CPU likes
   /// How many rows above and below a pixel's own it reads, at most, with these constants; null: it may read any.

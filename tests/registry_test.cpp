@@ -44,11 +44,17 @@ TEST(Registry, RowsAreUsable) {
 TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
   for (const Effect* effect : effects())
     for (const Pass& pass : effect->passes) {
+      EXPECT_FALSE(pass.outputs.empty()) << effect->name;
+      if (pass.host) {
+        EXPECT_TRUE(!pass.scalar && !pass.lanes && !pass.tuned && pass.spirv.empty() && pass.gpu_ways.empty())
+            << effect->name << ": a host step has no kernel";
+        EXPECT_TRUE(!pass.reach && pass.for_all && !pass.for_missing) << effect->name << ": it is of whole planes";
+        continue;
+      }
       EXPECT_NE(pass.scalar, nullptr) << effect->name;
       EXPECT_NE(pass.lanes, nullptr) << effect->name;
       ASSERT_GT(pass.spirv.size(), 5u) << effect->name;
       EXPECT_EQ(pass.spirv[0], 0x07230203u) << effect->name << ": not SPIR-V";
-      EXPECT_FALSE(pass.outputs.empty()) << effect->name;
       EXPECT_EQ(pass.tile_width % 16, 0) << effect->name;
     }
 }
@@ -68,7 +74,7 @@ void expect_exactly_its_planes(const GpuStep& step, std::string_view effect) {
 TEST(Registry, ShadersReachExactlyTheirPlanes) {
   for (const Effect* effect : effects())
     for (const Pass& pass : effect->passes) {
-      expect_exactly_its_planes(plain_step(pass), effect->name);
+      if (!pass.host) expect_exactly_its_planes(plain_step(pass), effect->name);
       for (std::string_view name : pass.later_inputs)
         EXPECT_NE(std::find(pass.inputs.begin(), pass.inputs.end(), name), pass.inputs.end()) << effect->name << name;
       for (const GpuWay& way : pass.gpu_ways) {
@@ -87,8 +93,12 @@ TEST(Registry, ShadersReachExactlyTheirPlanes) {
 TEST(Registry, EveryEffectHasItsFolderWhole) {
   for (const Effect* effect : effects()) {
     const std::string folder = fmt::format("{}/effects/{}/", UMBRAGE_SOURCE, effect->name);
-    for (const std::string& file : {std::string("README.md"), fmt::format("{}.h", effect->name),
-                                    fmt::format("{}.kernel.h", effect->name), fmt::format("{}_test.cpp", effect->name)})
+    // What is done on the host has no kernel text.
+    const bool on_host =
+        std::any_of(effect->passes.begin(), effect->passes.end(), [](const Pass& p) { return p.host; });
+    const std::string text = fmt::format("{}.{}", effect->name, on_host ? "cpp" : "kernel.h");
+    for (const std::string& file :
+         {std::string("README.md"), fmt::format("{}.h", effect->name), text, fmt::format("{}_test.cpp", effect->name)})
       EXPECT_TRUE(std::ifstream(folder + file)) << folder << file << " is missing";
     std::stringstream readme;
     readme << std::ifstream(folder + "README.md").rdbuf();

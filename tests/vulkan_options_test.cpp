@@ -57,6 +57,7 @@ TEST(KernelOptions, AreReadFromTheBlock) {
 TEST(KernelOptions, TakeThePlaceOfLoads) {
   for (const Effect* effect : effects())
     for (const Pass& pass : effect->passes) {
+      if (pass.host) continue;
       const KernelOptions options = options_of(pass.spirv);
       std::vector<std::optional<std::int32_t>> values(options.options.size(), 3);
       const auto words = with_options(pass.spirv, options, values);

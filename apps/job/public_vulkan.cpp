@@ -106,6 +106,7 @@ Result<void> shade_images(Device& device, const VulkanGBuffer& g, const VulkanSh
   if (!initial) return initial.error();
   const EffectSettings& settings = *initial;
 
+  wait_for(device, request.wait);
   auto frame = empty_frame(device, info_of(g));
   if (!frame) return frame.error();
   const ImageMeaning depth{.role = depth_role(g.depth_kind),
@@ -132,7 +133,7 @@ Result<void> shade_images(Device& device, const VulkanGBuffer& g, const VulkanSh
       return usage_error("an output takes one to four planes, not {}", output.planes.size());
     if (auto written = write_image(device, *frame, output.planes, device_image(output.image)); !written) return written;
   }
-  return hand_over(device, request.wait, request.signal);
+  return hand_over(device, request.signal);
 }
 
 }  // namespace

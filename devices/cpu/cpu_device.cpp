@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <list>
 #include <map>
 #include <optional>
 
@@ -15,6 +16,7 @@
 #include "devices/cpu/cells.h"
 #include "devices/cpu/soften.h"
 #include "devices/cpu/watch.h"
+#include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
 #include "machine/isa.h"
@@ -361,6 +363,7 @@ class CpuDevice final : public Device {
       }
       return unfinished(planes, own, info.reduced);
     }
+    if (run.pass.host) return of;
     for (const std::string_view output : run.pass.outputs) {
       if (!run.is_there(output)) continue;
       const std::string name = run.plane(output);
@@ -465,6 +468,38 @@ class CpuDevice final : public Device {
       for (int y = tile.y0; y < tile.y1; ++y) note_cells(*plane, y);
   }
 
+  /// Runs a host step, once for a whole picture. What it makes is that of all of its bands.
+  Result<void> run_host(const PassRun& run, Planes& planes) {
+    const PictureInfo& info = run.info;
+    std::list<Plane> whole_neutral;  // a band's own are as high as that
+    std::vector<const Plane*> inputs;
+    for (const std::string_view input : run.pass.inputs) {
+      const std::string name = run.plane(input);
+      const Held* held = find_held(planes, name);
+      if (held)
+        inputs.push_back(find_whole(planes, info, name, held->version));
+      else if (planes.band)
+        inputs.push_back(&whole_neutral.emplace_back(info.width, info.height, *neutral_value(name)));
+      else
+        inputs.push_back(find_plane(planes, name));
+    }
+    Watch watch(go_on, 1);
+    if (watch.ended()) return watch.result();
+    std::vector<Plane> outputs;
+    arena_.execute([&] { outputs = run_host_step(run, inputs); });
+    for (std::size_t k = 0; k < outputs.size(); ++k) {
+      if (!run.is_there(run.pass.outputs[k])) continue;
+      const std::string name = run.plane(run.pass.outputs[k]);
+      if (planes.band) {
+        planes.band->wholes->planes[{info.reduced, name, planes.passes}] = {std::move(outputs[k]), true};
+        planes.held[name] = {planes.rows, planes.passes, 0, false};
+      } else {
+        planes.image.add(name) = std::move(outputs[k]);
+      }
+    }
+    return {};
+  }
+
   Result<void> run_pass(const PassRun& run, Planes& planes) {
     const Pass& pass = run.pass;
     const PictureInfo& info = run.info;
@@ -486,6 +521,7 @@ class CpuDevice final : public Device {
       band = std::move(*ready);
       if (band.done) return {};
     }
+    if (pass.host) return run_host(run, planes);
     // Bands hold other rows of each plane, and look at all cells.
     const bool may_skip = !settings_.scalar && !planes.band && run.pixels == PixelSet::kAll;
     for (std::string_view output : pass.outputs) {

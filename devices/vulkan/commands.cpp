@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "core/check.h"
 #include "machine/frame_constants.h"
@@ -91,7 +92,7 @@ Result<void> Commands::finish() {
   if (lost_) return *lost_;
   if (handed_over_) return wait_for_it();
   if (!recording_) return {};
-  Result<void> done = submit(VK_NULL_HANDLE, VK_NULL_HANDLE);
+  Result<void> done = submit(VK_NULL_HANDLE);
   if (!done) {
     reset();
     return done;
@@ -99,14 +100,15 @@ Result<void> Commands::finish() {
   return wait_for_it();
 }
 
-Result<void> Commands::hand_over(VkSemaphore wait, VkSemaphore signal) {
+Result<void> Commands::hand_over(VkSemaphore signal) {
   if (const auto begun = buffer(); !begun) return begun.error();  // semaphores want a submission even of nothing
-  Result<void> done = submit(wait, signal);
+  Result<void> done = submit(signal);
   if (!done) reset();
   return done;
 }
 
 void Commands::drop() {
+  before_ = VK_NULL_HANDLE;
   if (!recording_) return;
   gpu_->vk.EndCommandBuffer(buffer_);
   reset();
@@ -128,7 +130,7 @@ Error Commands::failed(VkResult result) {
   return error;
 }
 
-Result<void> Commands::submit(VkSemaphore wait, VkSemaphore signal) {
+Result<void> Commands::submit(VkSemaphore signal) {
   const auto& vk = gpu_->vk;
   const VkMemoryBarrier to_host{VK_STRUCTURE_TYPE_MEMORY_BARRIER, nullptr, VK_ACCESS_TRANSFER_WRITE_BIT,
                                 VK_ACCESS_HOST_READ_BIT};
@@ -139,8 +141,9 @@ Result<void> Commands::submit(VkSemaphore wait, VkSemaphore signal) {
   VkSubmitInfo work{VK_STRUCTURE_TYPE_SUBMIT_INFO};
   work.commandBufferCount = 1;
   work.pCommandBuffers = &buffer_;
-  work.waitSemaphoreCount = wait ? 1 : 0;
-  work.pWaitSemaphores = &wait;
+  const VkSemaphore before = std::exchange(before_, VK_NULL_HANDLE);
+  work.waitSemaphoreCount = before ? 1 : 0;
+  work.pWaitSemaphores = &before;
   work.pWaitDstStageMask = &all;
   work.signalSemaphoreCount = signal ? 1 : 0;
   work.pSignalSemaphores = &signal;

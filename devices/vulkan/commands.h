@@ -27,9 +27,11 @@ class Commands {
   void barrier();
   /// Hands over what is noted and waits for it. Errors: kDevice; what was noted is then gone.
   Result<void> finish();
-  /// Hands over what is noted, after `wait` and before `signal` where they are not null, without waiting: that is done
-  /// before something is noted again. Errors: kDevice.
-  Result<void> hand_over(VkSemaphore wait, VkSemaphore signal);
+  /// What is handed over next waits for `before`, unless that is null.
+  void wait_for(VkSemaphore before) { before_ = before; }
+  /// Hands over what is noted, before `signal` where that is not null, without waiting: that is done before something
+  /// is noted again. Errors: kDevice.
+  Result<void> hand_over(VkSemaphore signal);
   /// Forgets what is noted.
   void drop();
   /// Keeps something alive until that has happened.
@@ -66,7 +68,7 @@ class Commands {
 
  private:
   explicit Commands(GpuPtr gpu) : gpu_(std::move(gpu)) {}
-  Result<void> submit(VkSemaphore wait, VkSemaphore signal);
+  Result<void> submit(VkSemaphore signal);
   Result<void> wait_for_it();
   void reset();
   Result<void> read_times();
@@ -76,6 +78,7 @@ class Commands {
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer buffer_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
+  VkSemaphore before_ = VK_NULL_HANDLE;  // of what is handed over next
   VkQueryPool queries_ = VK_NULL_HANDLE;
   VkDescriptorPool sets_ = VK_NULL_HANDLE;
   HostBufferPtr uniforms_;

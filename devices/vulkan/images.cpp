@@ -29,4 +29,31 @@ std::string_view texel_format_names() {
   return "R32_SFLOAT, D32_SFLOAT, R32G32B32A32_SFLOAT, R16G16B16A16_SFLOAT, R8G8B8A8 or B8G8R8A8 as UNORM or SRGB";
 }
 
+Error unknown_format(const DeviceImage& image) {
+  return usage_error("images of format {} cannot be used: {} can", int(image.format), texel_format_names());
+}
+
+VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format, VkDeviceSize offset) {
+  VkBufferImageCopy region{};
+  region.bufferOffset = offset;
+  region.imageSubresource = {VkImageAspectFlags(format.depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT),
+                             0, 0, 1};
+  region.imageExtent = {std::uint32_t(info.width), std::uint32_t(info.height), 1};
+  return region;
+}
+
+void turn_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
+                 VkImageLayout from, VkImageLayout to) {
+  VkImageMemoryBarrier turn{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
+  turn.srcAccessMask = turn.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
+  turn.oldLayout = from;
+  turn.newLayout = to;
+  turn.srcQueueFamilyIndex = turn.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  turn.image = image.image;
+  turn.subresourceRange = {VkImageAspectFlags(format.depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT), 0,
+                           1, 0, 1};
+  gpu.vk.CmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
+                            nullptr, 0, nullptr, 1, &turn);
+}
+
 }  // namespace umbrage

@@ -28,6 +28,16 @@ std::optional<TexelFormat> texel_format(VkFormat format);
 /// "R8G8B8A8_UNORM, ...": what texel_format knows.
 std::string_view texel_format_names();
 
+/// What to say of an image of another format.
+Error unknown_format(const DeviceImage& image);
+
+/// All of an image, which is copied from or to a buffer, from `offset` on.
+VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format, VkDeviceSize offset);
+
+/// Notes down a barrier around all of memory that also changes an image's layout.
+void turn_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
+                 VkImageLayout from, VkImageLayout to);
+
 /// What texels mean, besides their format.
 struct ImageMeaning {
   int role = kPlainRole;

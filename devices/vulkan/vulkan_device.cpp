@@ -10,6 +10,7 @@
 #include "core/check.h"
 #include "core/guarded.h"
 #include "devices/shared/capture_info.h"
+#include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
 #include "devices/shared/soften_passes.h"
@@ -64,7 +65,7 @@ struct PenumbraRadii {
 };
 
 /// A plane of the host on its way to a frame.
-struct HostPlane {
+struct NamedPlane {
   std::string name;
   const Plane* plane;
 };
@@ -140,18 +141,18 @@ class VulkanDevice final : public Device {
 
   Result<Frame> upload(const GBuffer& gbuffer) override {
     Frame frame{gbuffer.info, empty_planes(gbuffer.info)};
-    std::vector<HostPlane> planes;
+    std::vector<NamedPlane> planes;
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
       for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p)
         planes.push_back({layer_plane(int(layer), gbuffer.layers[layer].names[p]), &gbuffer.layers[layer].planes[p]});
-    if (auto done = copy_to(planes, frame); !done) return done.error();
+    if (auto done = copy_to(planes, frame.info, planes_of(frame)); !done) return done.error();
     return frame;
   }
 
   Result<void> add(const Image& image, Frame& frame) override {
-    std::vector<HostPlane> planes;
+    std::vector<NamedPlane> planes;
     for (std::size_t p = 0; p < image.planes.size(); ++p) planes.push_back({image.names[p], &image.planes[p]});
-    return copy_to(planes, frame);
+    return copy_to(planes, frame.info, planes_of(frame));
   }
 
   Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer,
@@ -212,11 +213,11 @@ class VulkanDevice final : public Device {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    turn_layout(*buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    turn_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
     gpu_->vk.CmdCopyImageToBuffer(*buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, (*texels)->buffer, 1,
                                   &region);
-    turn_layout(*buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.layout_after);
+    turn_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.layout_after);
     return convert(frame, *format, meaning, false, table);
   }
 
@@ -238,17 +239,19 @@ class VulkanDevice final : public Device {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    turn_layout(*buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    turn_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
     gpu_->vk.CmdCopyBufferToImage(*buffer, (*texels)->buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                                   &region);
-    turn_layout(*buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, image.layout_after);
+    turn_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, image.layout_after);
     return {};
   }
 
   void drop() { commands_->drop(); }
 
-  Result<void> hand_over(VkSemaphore wait, VkSemaphore signal) { return commands_->hand_over(wait, signal); }
+  void wait_for(VkSemaphore before) { commands_->wait_for(before); }
+
+  Result<void> hand_over(VkSemaphore signal) { return commands_->hand_over(signal); }
 
   Result<void> finish() override { return commands_->finish(); }
 
@@ -262,48 +265,12 @@ class VulkanDevice final : public Device {
       for (const std::string& name : planes.neutral)
         if (!planes.made.contains(name)) wanted.push_back(name);
     }
-    Image out(frame.info.inner_width(), frame.info.inner_height());
-    const std::size_t at_once = staged_at_once(planes);
-    for (std::size_t first = 0; first < wanted.size(); first += at_once)
-      if (auto done = copy_from(planes, wanted, first, std::min(first + at_once, wanted.size()), frame.info.guard, out);
-          !done)
-        return done.error();
-    // Also where nothing had to be copied: errors of what came before show here.
-    if (auto done = commands_->finish(); !done) return done.error();
-    return out;
+    return copied(planes, wanted, frame.info, frame.info.guard);
   }
 
  private:
   bool is_ended() const { return go_on && !go_on(0.0); }
   static Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
-
-  static Error unknown_format(const DeviceImage& image) {
-    return usage_error("images of format {} cannot be used: {} can", int(image.format), texel_format_names());
-  }
-
-  static VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format, VkDeviceSize offset) {
-    VkBufferImageCopy region{};
-    region.bufferOffset = offset;
-    region.imageSubresource = {VkImageAspectFlags(format.depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT),
-                               0, 0, 1};
-    region.imageExtent = {std::uint32_t(info.width), std::uint32_t(info.height), 1};
-    return region;
-  }
-
-  /// A barrier around all of memory that also changes an image's layout.
-  void turn_layout(VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format, VkImageLayout from,
-                   VkImageLayout to) {
-    VkImageMemoryBarrier turn{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
-    turn.srcAccessMask = turn.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
-    turn.oldLayout = from;
-    turn.newLayout = to;
-    turn.srcQueueFamilyIndex = turn.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
-    turn.image = image.image;
-    turn.subresourceRange = {VkImageAspectFlags(format.depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT),
-                             0, 1, 0, 1};
-    gpu_->vk.CmdPipelineBarrier(buffer, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
-                                nullptr, 0, nullptr, 1, &turn);
-  }
 
   Result<void> convert(const Frame& frame, const TexelFormat& format, const ImageMeaning& meaning, bool to_image,
                        std::span<const VkDeviceAddress> table) {
@@ -342,9 +309,8 @@ class VulkanDevice final : public Device {
   }
 
   /// Copies planes of the host into a frame.
-  Result<void> copy_to(const std::vector<HostPlane>& from, Frame& frame) {
-    Planes& planes = planes_of(frame);
-    const std::size_t row_bytes = std::size_t(frame.info.width) * sizeof(float);
+  Result<void> copy_to(const std::vector<NamedPlane>& from, const PictureInfo& info, Planes& planes) {
+    const std::size_t row_bytes = std::size_t(info.width) * sizeof(float);
     const std::size_t at_once = staged_at_once(planes);
     for (std::size_t first = 0; first < from.size(); first += at_once) {
       const std::size_t end = std::min(first + at_once, from.size());
@@ -357,13 +323,13 @@ class VulkanDevice final : public Device {
       if (const auto begun = commands_->buffer(); !begun) return begun.error();  // it may let go of what was kept
       commands_->keep(*staged);
       for (std::size_t p = first; p < end; ++p) {
-        check_equal(from[p].plane->width, frame.info.width, from[p].name);
-        check_equal(from[p].plane->height, frame.info.height, from[p].name);
+        check_equal(from[p].plane->width, info.width, from[p].name);
+        check_equal(from[p].plane->height, info.height, from[p].name);
         std::byte* to = (*staged)->mapped + planes.bytes * (p - first);
         if (from[p].plane->stride == planes.stride)
           std::memcpy(to, from[p].plane->data(), planes.bytes);
         else
-          for (int y = 0; y < frame.info.height; ++y)
+          for (int y = 0; y < info.height; ++y)
             std::memcpy(to + std::size_t(y) * planes.stride * sizeof(float), from[p].plane->row(y), row_bytes);
         const DevicePlanePtr& out = planes.made.find(from[p].name)->second;
         const auto buffer = commands_->buffer();
@@ -376,9 +342,22 @@ class VulkanDevice final : public Device {
     return {};
   }
 
-  /// Copies the planes [first, end) of those wanted to the host, without the guard band.
+  /// Planes of the frame, without so many pixels on each side.
+  Result<Image> copied(const Planes& planes, const std::vector<std::string>& wanted, const PictureInfo& info,
+                       int margin) {
+    Image out(info.width - 2 * margin, info.height - 2 * margin);
+    const std::size_t at_once = staged_at_once(planes);
+    for (std::size_t first = 0; first < wanted.size(); first += at_once)
+      if (auto done = copy_from(planes, wanted, first, std::min(first + at_once, wanted.size()), margin, out); !done)
+        return done.error();
+    // Also where nothing had to be copied: errors of what came before show here.
+    if (auto done = commands_->finish(); !done) return done.error();
+    return out;
+  }
+
+  /// Copies the planes [first, end) of those wanted to the host, without so many pixels on each side.
   Result<void> copy_from(const Planes& planes, const std::vector<std::string>& wanted, std::size_t first,
-                         std::size_t end, int guard, Image& out) {
+                         std::size_t end, int margin, Image& out) {
     const auto staged = memory_->host(planes.bytes * (end - first));
     if (!staged) return staged.error();
     const auto buffer = commands_->buffer();
@@ -396,7 +375,7 @@ class VulkanDevice final : public Device {
       const auto* from = reinterpret_cast<const float*>((*staged)->mapped + planes.bytes * (p - first));
       Plane to(out.width, out.height);
       for (int y = 0; y < out.height; ++y)
-        std::memcpy(to.row(y), from + std::size_t(y + guard) * planes.stride + guard,
+        std::memcpy(to.row(y), from + std::size_t(y + margin) * planes.stride + margin,
                     std::size_t(out.width) * sizeof(float));
       out.names.push_back(wanted[p]);
       out.planes.push_back(std::move(to));
@@ -431,7 +410,6 @@ class VulkanDevice final : public Device {
   using Table = std::span<const VkDeviceAddress>;
 
   Result<void> run_pass(const PassRun& run, Planes& planes) {
-    fault_point();
     const Pass& pass = run.pass;
     for (std::string_view input : pass.inputs) {
       const std::string name = run.plane(input);
@@ -441,6 +419,8 @@ class VulkanDevice final : public Device {
       if (auto done = add_constant(planes, *value); !done) return done;
       planes.neutral.push_back(name);
     }
+    if (pass.host) return run_host(run, planes);
+    fault_point();
     for (std::string_view output : pass.outputs)
       if (run.is_there(output))
         if (auto made = writable(planes, run.plane(output)); !made) return made.error();
@@ -448,6 +428,21 @@ class VulkanDevice final : public Device {
       for (const GpuWay& way : pass.gpu_ways)
         if (way.fits(run.constants.data())) return run_way(run, way, planes);
     return run_step(run, plain_step(pass), planes, {});
+  }
+
+  /// Does what is noted down, and runs a host step on what that made.
+  Result<void> run_host(const PassRun& run, Planes& planes) {
+    std::vector<std::string> names;
+    for (const std::string_view input : run.pass.inputs) names.push_back(run.plane(input));
+    const auto read = copied(planes, names, run.info, 0);
+    if (!read) return read.error();
+    std::vector<const Plane*> inputs;
+    for (const Plane& plane : read->planes) inputs.push_back(&plane);
+    const std::vector<Plane> outputs = run_host_step(run, inputs);
+    std::vector<NamedPlane> made;
+    for (std::size_t k = 0; k < outputs.size(); ++k)
+      if (run.is_there(run.pass.outputs[k])) made.push_back({run.plane(run.pass.outputs[k]), &outputs[k]});
+    return copy_to(made, run.info, planes);
   }
 
   /// Planes that the steps of a way alone know.
@@ -891,8 +886,10 @@ Result<void> write_image(Device& device, const Frame& frame, const std::vector<s
   return dynamic_cast<VulkanDevice&>(device).write_image(frame, planes, image);
 }
 
-Result<void> hand_over(Device& device, VkSemaphore wait, VkSemaphore signal) {
-  return dynamic_cast<VulkanDevice&>(device).hand_over(wait, signal);
+void wait_for(Device& device, VkSemaphore before) { dynamic_cast<VulkanDevice&>(device).wait_for(before); }
+
+Result<void> hand_over(Device& device, VkSemaphore signal) {
+  return dynamic_cast<VulkanDevice&>(device).hand_over(signal);
 }
 
 void drop(Device& device) { dynamic_cast<VulkanDevice&>(device).drop(); }

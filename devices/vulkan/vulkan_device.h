@@ -58,7 +58,8 @@ VulkanMemory vulkan_memory(const Device& device);
 /// A device on what somebody else opened; it draws no scenes. Errors: kDevice.
 Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign);
 
-/// Of devices made by make_vulkan_device_on. Nothing is handed over before a download, finish or hand_over.
+/// Of devices made by make_vulkan_device_on. Nothing is handed over before a download, a host step, finish or
+/// hand_over.
 ///
 /// An empty frame of this size.
 Result<Frame> empty_frame(Device& device, const PictureInfo& info);
@@ -70,9 +71,10 @@ Result<void> read_image(Device& device, const DeviceImage& image, const ImageMea
 /// Errors: kUsage for a plane that is missing, or a format that is not known.
 Result<void> write_image(Device& device, const Frame& frame, const std::vector<std::string>& planes,
                          const DeviceImage& image);
-/// Hands over what is noted, after `wait` and before `signal` where they are not null, without waiting. Errors:
-/// kDevice.
-Result<void> hand_over(Device& device, VkSemaphore wait, VkSemaphore signal);
+/// What is handed over next waits for `before`, unless that is null or the noted is dropped.
+void wait_for(Device& device, VkSemaphore before);
+/// Hands over what is noted, before `signal` where that is not null, without waiting. Errors: kDevice.
+Result<void> hand_over(Device& device, VkSemaphore signal);
 /// Forgets what is noted.
 void drop(Device& device);
 

@@ -83,9 +83,10 @@ class VulkanShading {
 
   /// Errors: code 4 where the device does not have what is needed.
   Outcome open(const VulkanContext& context);
-  /// Submits once and returns without waiting. The next call waits for the one before. Errors: code 2 for names and
-  /// formats that there are not, 4 where memory is short or the device is lost; after 2 nothing
-  /// has been submitted.
+  /// Submits once and returns without waiting. The next call waits for the one before. An effect that works on the
+  /// host, too, as `outline` does, has what comes before it submitted first, and waits for that. Errors: code 2 for
+  /// names and formats that there are not, 4 where memory is short or the device is lost; after 2 nothing has been
+  /// submitted but that.
   Outcome shade(const VulkanGBuffer& gbuffer, const VulkanShadeRequest& request);
   /// Waits for the last one. Errors: code 4.
   Outcome finish();

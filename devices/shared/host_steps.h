@@ -1,0 +1,16 @@
+// Host steps: passes that are functions of whole planes on the host, the same on every device.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "core/image.h"
+#include "devices/shared/passes.h"
+
+namespace umbrage {
+
+/// Runs the host step of a pass. `inputs`: whole planes of the picture's size, in the order of the pass's table.
+/// Returns its outputs, in that order, too; those of layers that are not there are empty. What the step throws comes
+/// through.
+std::vector<Plane> run_host_step(const PassRun& run, std::span<const Plane* const> inputs);
+
+}  // namespace umbrage
