@@ -147,10 +147,10 @@ TEST(Bands, GuardBandsAndFurtherViews) {
   expect_bands_same(settings, {16, 64});
 }
 
-// Frames agree on lines of the whole picture before any row of it is finished.
-TEST(Bands, LinesThatFramesAgreeOn) {
+// Lines are those of the whole picture, of the frame that stays.
+TEST(Bands, LinesOverAveragedFrames) {
   DrawSettings settings = of_look("cartoon", 181, 203);
-  settings.settings = {"outline.width=3"};
+  settings.settings = {"outline.width=3", "outline.r=0.5"};
   settings.guard_percent = 20.0f;
   const std::vector<std::string> planes = {"color.r", "color.b", "outline", "normal.x", "depth"};
   for (const bool averaged : {false, true}) {
@@ -181,19 +181,19 @@ TEST(Bands, SoftShadowsOfAModelInTheOpen) {
 TEST(Bands, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
   DrawSettings settings = of_look("studio", 1024, 1024);
-  EXPECT_EQ(plan_bands(*device, settings, 6e9, 2)->rows, 0);
-  EXPECT_GT(plan_bands(*device, settings, 3e8, 2)->rows, 0);
+  EXPECT_EQ(plan_bands(*device, settings, 6e9)->rows, 0);
+  EXPECT_GT(plan_bands(*device, settings, 3e8)->rows, 0);
   settings.width = settings.height = 16384;
-  const auto plan = plan_bands(*device, settings, 6e9, 2);
+  const auto plan = plan_bands(*device, settings, 6e9);
   ASSERT_TRUE(plan);
   EXPECT_GT(plan->rows, 0);
   EXPECT_EQ(plan->rows % 4, 0);
   EXPECT_LT(plan->bytes, 8e9);
   // Much memory does not make a picture one that can be drawn whole.
-  EXPECT_GT(plan_bands(*device, settings, 1e12, 2)->rows, 0);
+  EXPECT_GT(plan_bands(*device, settings, 1e12)->rows, 0);
   EXPECT_TRUE(check_passes({"depth", "ao"}, settings));
   settings.occlusion = "reference";
-  EXPECT_EQ(plan_bands(*device, settings, 6e9, 2).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(plan_bands(*device, settings, 6e9).error().kind, ErrorKind::kUsage);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
+#include "scene/builtin.h"
+#include "support.h"
 
 namespace umbrage {
 namespace {
@@ -51,6 +53,57 @@ TEST(Cartoon, TheLineOfAMouldingFadesWhereItBegins) {
   EXPECT_LT(widths[begins], 0.1);
   EXPECT_LT(widths[begins + 1], 0.2);
   for (std::size_t k = begins; k + 1 < widths.size(); ++k) EXPECT_GT(widths[k + 1], widths[k] - 0.1) << k;
+}
+
+// Lines are those of frame 0, over the mean of all: where they cover a pixel it has their colour, which no exposure
+// changes.
+TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
+  const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
+  const auto drawn = [&](int frames, const std::vector<std::string>& also, bool averaged = false) {
+    auto device = make_cpu_device();
+    EXPECT_TRUE(device->prepare(scene));
+    DrawSettings draw_with;
+    draw_with.width = draw_with.height = 200;
+    draw_with.look = "cartoon";
+    draw_with.occlusion = "none";
+    draw_with.frames = frames;
+    draw_with.radius = "5%";  // which applies settings anew
+    draw_with.settings = {"outline.width=4", "outline.r=0.6", "outline.g=0.3", "outline.b=0.05",
+                          "output.transfer=none"};
+    draw_with.settings.insert(draw_with.settings.end(), also.begin(), also.end());
+    if (averaged) draw_with.averaged = {"outline"};
+    StageTimes times;
+    Scene own = scene;
+    const auto frame = draw(*device, own, draw_with, times);
+    EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+    return *device->download(*frame, {"outline", "color.r", "color.g", "color.b", "color.a"});
+  };
+  const Image single = drawn(1, {});
+  for (const int frames : {2, 4})
+    for (const char* exposure : {"output.exposure=0", "output.exposure=-1"}) {
+      const Image picture = drawn(frames, {exposure}, frames == 4);
+      EXPECT_EQ(test::difference(single.planes[0], picture.planes[0], 0.0).most, 0.0);
+      const float line[] = {0.6f, 0.3f, 0.05f};
+      int lines = 0;
+      for (int y = 0; y < 200; ++y)
+        for (int x = 0; x < 200; ++x) {
+          if (picture.planes[0].at(x, y) < 1.0f) continue;
+          ++lines;
+          for (int c = 0; c < 3; ++c) ASSERT_NEAR(picture.planes[1 + c].at(x, y), line[c], 1e-6f) << x << ", " << y;
+        }
+      EXPECT_GT(lines, 200);
+    }
+  // Where nothing is behind, alpha is theirs.
+  const Image picture = drawn(4, {"output.transparent=on"});
+  const Image bare = drawn(4, {"output.transparent=on", "outline.opacity=0"});
+  int beyond = 0;
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 200; ++x) {
+      const float line = picture.planes[0].at(x, y), below = bare.planes[4].at(x, y);
+      ASSERT_NEAR(picture.planes[4].at(x, y), line + (1.0f - line) * below, 1e-6f) << x << ", " << y;
+      beyond += line > 0.0f && below == 0.0f;
+    }
+  EXPECT_GT(beyond, 10);
 }
 
 }  // namespace

@@ -63,10 +63,10 @@ Image one_pixel(float r, float alpha, float ao) {
 
 TEST(Frames, ColourIsAveragedByItsAlpha) {
   PictureSum total;
-  add_picture(total, one_pixel(0.8f, 1.0f, 0.25f), glm::vec2(0.0f));
-  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f), glm::vec2(0.0f));
-  add_picture(total, one_pixel(0.2f, 1.0f, 0.5f), glm::vec2(0.0f));
-  add_picture(total, one_pixel(0.3f, 0.0f, 0.5f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(0.8f, 1.0f, 0.25f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
+  add_picture(total, one_pixel(0.2f, 1.0f, 0.5f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.5f));
   const GBuffer mean = mean_picture(total, PictureInfo{.width = 1, .height = 1});
   EXPECT_FLOAT_EQ(mean.layers[0].plane("cover").at(0, 0), 0.5f);
   EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.25f);  // 0.5 over half of the pixel
@@ -76,14 +76,14 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
 
 TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
   PictureSum total{.for_eye = true};
-  add_picture(total, one_pixel(0.64f, 1.0f, 0.25f), glm::vec2(0.0f));
-  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f), glm::vec2(0.0f));
-  add_picture(total, one_pixel(0.04f, 1.0f, 0.5f), glm::vec2(0.0f));
-  add_picture(total, one_pixel(-1.0f, 0.0f, 0.5f), glm::vec2(0.0f));
+  add_picture(total, one_pixel(0.64f, 1.0f, 0.25f));
+  add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
+  add_picture(total, one_pixel(0.04f, 1.0f, 0.5f));
+  add_picture(total, one_pixel(-1.0f, 0.0f, 0.5f));
   for (const PictureSum& sum : {total, rows_of(total, 0, 1)}) {
     const GBuffer mean = mean_picture(sum, PictureInfo{.width = 1, .height = 1});
     EXPECT_EQ(mean.layers[0].find("cover"), nullptr);
-    EXPECT_FLOAT_EQ(mean.layers[0].plane("outline").at(0, 0), 0.5f);
+    EXPECT_FLOAT_EQ(mean.layers[0].plane("cover_for_eye").at(0, 0), 0.5f);
     EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.r").at(0, 0), 0.125f);  // (0.8 + 0.2)^2 / 4 over half of the pixel
     EXPECT_FLOAT_EQ(mean.layers[0].plane("lit.b").at(0, 0), 0.0f);
     EXPECT_FLOAT_EQ(mean_planes(sum, kAo).plane("ao").at(0, 0), 0.5f) << "what is no colour is averaged as it is";
@@ -107,38 +107,6 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   const auto frame = draw(*device, scene, draw_with, times);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   return *device->download(*frame, {"color.r", "color.a", "depth"});
-}
-
-// Where lines cover a pixel it has their colour, as each of the pictures has it.
-TEST(Frames, LinesThatFramesAgreeOnKeepTheirColour) {
-  const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
-  auto device = make_cpu_device();
-  ASSERT_TRUE(device->prepare(scene));
-  DrawSettings draw_with;
-  draw_with.width = draw_with.height = 200;
-  draw_with.look = "cartoon";
-  draw_with.occlusion = "none";
-  draw_with.settings = {"outline.width=4", "outline.r=0.6",        "outline.g=0.3",
-                        "outline.b=0.05",  "output.transfer=none", "output.exposure=-1"};
-  draw_with.averaged = {"outline"};
-  StageTimes times;
-  Scene drawn = scene;
-  const auto frame = draw(*device, drawn, draw_with, times);
-  ASSERT_TRUE(frame) << frame.error().message;
-  const Image picture = *device->download(*frame, {"color.r", "color.g", "color.b", "outline"});
-  int lines = 0, partly = 0;
-  for (int y = 0; y < 200; ++y)
-    for (int x = 0; x < 200; ++x) {
-      const float covered = picture.planes[3].at(x, y);
-      partly += covered > 0.0f && covered < 1.0f;
-      if (covered < 1.0f) continue;
-      ++lines;
-      EXPECT_NEAR(picture.planes[0].at(x, y), 0.3f, 1e-3f) << x << ", " << y;
-      EXPECT_NEAR(picture.planes[1].at(x, y), 0.15f, 1e-3f) << x << ", " << y;
-      EXPECT_NEAR(picture.planes[2].at(x, y), 0.025f, 1e-3f) << x << ", " << y;
-    }
-  EXPECT_GT(lines, 200);
-  EXPECT_GT(partly, 200);
 }
 
 // White before black: by the share of it that the model covers a pixel is between the two as square roots of light are.

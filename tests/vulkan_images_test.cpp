@@ -249,11 +249,12 @@ TEST(VulkanShading, ShadesAnEnginesImages) {
   VulkanShading shading;
   ASSERT_EQ(shading.open(engine->context()).code, 0);
   VulkanShadeRequest request;
-  request.effects = {"normals", "bitmask"};
+  request.effects = {"normals", "bitmask", "outline"};  // of which the last works on the host, too
   request.settings = {"bitmask.radius=50%"};
   request.outputs = {
       {{"ao"}, {engine->image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT}},
-      {{"normal.z", "depth"}, {engine->image(VK_FORMAT_R32G32B32A32_SFLOAT), VK_FORMAT_R32G32B32A32_SFLOAT}}};
+      {{"normal.z", "depth"}, {engine->image(VK_FORMAT_R32G32B32A32_SFLOAT), VK_FORMAT_R32G32B32A32_SFLOAT}},
+      {{"outline"}, {engine->image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT}}};
   // Semaphores in a row: each picture waits for the one before.
   VkSemaphore semaphores[2];
   const VkSemaphoreCreateInfo create{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
@@ -272,6 +273,7 @@ TEST(VulkanShading, ShadesAnEnginesImages) {
   EXPECT_EQ(shading.device_bytes(), after_two);
   EXPECT_NEAR(first_texel(*engine, request.outputs[0].image), 1.0f, 0.02f);  // a wall is open
   EXPECT_NEAR(first_texel(*engine, request.outputs[1].image), 1.0f, 1e-3f);
+  EXPECT_EQ(first_texel(*engine, request.outputs[2].image), 0.0f);
   for (const VkSemaphore s : semaphores)
     engine->function<PFN_vkDestroySemaphore>("vkDestroySemaphore")(engine->gpu->device, s, nullptr);
 }

@@ -460,16 +460,13 @@ Result<void> render(const RenderOptions& o) {
   if (!device) return device.error();
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
-  // Depth and occlusion are told of; a pass is up to three planes.
-  constexpr int kSeen = 2, kOfPass = 3;
-  const int passes = kSeen + (o.passes ? kOfPass * int(split(*o.passes).size()) : 0);
-  auto plan = plan_bands(**device, *draw_with, *memory, passes);
+  auto plan = plan_bands(**device, *draw_with, *memory);
   if (!plan && o.device == "auto" && !(*device)->draws_bands()) {
     RenderOptions on_cpu = o;
     on_cpu.device = "cpu";
     device = device_of(on_cpu);
     if (!device) return device.error();
-    plan = plan_bands(**device, *draw_with, *memory, passes);
+    plan = plan_bands(**device, *draw_with, *memory);
   }
   if (!plan) return plan.error();
   if (plan->rows > 0 && o.passes && *o.passes == "all")

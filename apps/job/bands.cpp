@@ -107,9 +107,6 @@ class BandDrawer {
     return {};
   }
 
-  /// Of exposure, that were added to the last band's.
-  float stops() const { return stops_; }
-
  private:
   /// Draws a band, with more margin as long as that lacks. Errors: kUnfinished where it waits for others.
   Result<void> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
@@ -148,7 +145,7 @@ class BandDrawer {
     if (auto known = know_picture(drawing_, frame->info, settings_); !known) return known;
     const auto stops = run_look(run_, device_, *frame);
     if (!stops) return stops.error();
-    stops_ = *stops;
+    if (auto done = draw_lines(device_, drawing_, *frame, times_); !done) return done;
     const auto rows = device_.download(*frame, planes);
     if (!rows) return rows.error();
     return rows->height > 0 ? finish(*frame, *rows, first_) : Result<void>();
@@ -172,7 +169,6 @@ class BandDrawer {
   LookRun run_;
   Metering seen_;
   float usual_ = 0.0f;     // stops
-  float stops_ = 0.0f;     // that were added to the last band's exposure
   bool metering_ = false;  // in this sweep
   int height_ = 0;
   std::size_t sweep_ = 0;     // of the frame
@@ -185,14 +181,12 @@ class BandDrawer {
 /// Numbers of planes, in sizes of the whole picture.
 struct PlaneCount {
   double held = 0.0;  ///< by a frame
-  double far = 0.0;   ///< of these, what passes read anywhere
+  double far = 0.0;   ///< of these, what passes read anywhere, and what they make on the host
   double averaged = 0.0;
-  double waiting = 0.0;  ///< of the frame that stays, until frames agree; in bands alone
 };
 
 /// What drawing takes, about: what a pass does not need any more is kept all the same.
-/// `passes`: planes besides what is averaged that are wanted.
-PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int layers, int passes) {
+PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int layers) {
   constexpr int kCaptured = 17;       // of each layer: with a second shadow, and emission
   constexpr double kBesides = 7.0;    // planes of one value, and what is handed out
   constexpr double kOfAverage = 6.0;  // the picture that is finished, and what that is made of
@@ -212,33 +206,22 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
         if (pass.for_all && there(plane)) (is_small ? small : full).emplace(plane);
       for (const std::string_view plane : pass.reach ? pass.far_inputs : pass.inputs)
         if (there(plane)) (is_small && pass.for_all ? far_small : far_full).emplace(plane);
+      if (pass.host) far_full.insert(pass.outputs.begin(), pass.outputs.end());
     }
   }
   PlaneCount count;
   count.held = double(kCaptured * layers) + kBesides + double(full.size());
   if (!small.empty()) count.held += reduced * double(small.size() + std::size_t(kCaptured * layers)) + 8.0;
   count.far = double(far_full.size()) + reduced * double(far_small.size());
-  if (recipe.frames > 1) {
-    const PictureSum sum = empty_sum(recipe, settings.height);
-    count.averaged = double(averaged_planes(settings, sum).size());
-    // Lines of single frames, a byte each; what they agree on, and three bytes on the way there.
-    constexpr double kOfAgreement = 1.0 + 3.0 / sizeof(float);
-    if (sum.opacity > 0.0f) {
-      count.averaged += std::min(recipe.frames, kMostLinePictures) / double(sizeof(float)) + kOfAgreement;
-      count.waiting = passes;
-    }
-  }
+  constexpr double kColor = 4.0;
+  if (recipe.frames > 1) count.averaged = kColor + double(settings.averaged.size());
   count.held += recipe.frames > 1 ? kOfAverage : 0.0;
   return count;
 }
 
-void put_rows(const Plane& rows, Plane& whole, int first) {
-  for (int y = 0; y < rows.height; ++y) std::copy_n(rows.row(y), rows.width, whole.row(first + y));
-}
-
 }  // namespace
 
-Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory, int passes) {
+Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory) {
   constexpr double kBytes = sizeof(float);
   constexpr double kFixed = 150e6;         // the program and a scene
   constexpr double kMargin = 64.0;         // rows above and below a band
@@ -248,7 +231,7 @@ Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, 
   const auto capture = capture_settings(settings, *recipe->look, kMostShadows, kMostBandPixels);
   if (!capture) return capture.error();
   const int layers = *layer_count(*capture);
-  const PlaneCount count = count_planes(settings, *recipe, layers, passes);
+  const PlaneCount count = count_planes(settings, *recipe, layers);
   const double width = capture->width + 2.0 * capture->guard, height = capture->height + 2.0 * capture->guard;
   BandPlan plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
@@ -261,7 +244,7 @@ Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, 
         "{}; larger pictures are drawn in bands, but not {}", fits.error().message,
         traced ? "with --ao reference" : fmt::format("on the device {}: try --device cpu", device.name()));
   }
-  const double fixed = kFixed + (count.far + count.averaged + count.waiting) * kBytes * width * height;
+  const double fixed = kFixed + (count.far + count.averaged) * kBytes * width * height;
   const double row = count.held * kBytes * width;
   const int rows = int(std::clamp((memory - fixed) / row - 2.0 * kMargin, double(kLeast), double(kMost)));
   plan.rows = rows / kLeast * kLeast;
@@ -275,76 +258,51 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
   if (!drawing) return drawing.error();
   BandProgress progress(device, settings.progress, drawing->recipe.frames);
   BandDrawer drawer(device, scene, *drawing, settings, times);
-  PictureSum total = empty_sum(drawing->recipe, settings.height);
-  const std::vector<std::string> averaged = averaged_planes(settings, total);
-  const auto is_finished = [&](const std::string& name) {
-    const auto& also = settings.averaged;
-    return name.starts_with("color.") || std::find(also.begin(), also.end(), name) != also.end();
+  PictureSum total{.for_eye = drawing->recipe.look->averages_for_eye};
+  const std::vector<std::string> averaged = averaged_planes(settings, *drawing);
+  const std::vector<std::string> also = also_averaged(settings, *drawing), of_lines = line_planes(*drawing);
+  std::vector<std::string> wanted = plan.planes;  // of the frame that stays
+  const auto want = [&](const std::string& name) {
+    if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
   };
-  std::vector<std::string> wanted = plan.planes, single;  // of the frame that stays; and those of it alone
-  for (const std::string& name : averaged)
-    if (drawing->averages() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
-  std::copy_if(plan.planes.begin(), plan.planes.end(), std::back_inserter(single),
-               [&](const std::string& name) { return !is_finished(name); });
-  // Of averaged frames, so many rows of the picture; `rows`: what of them is of one frame.
-  const auto take_average = [&](const PictureInfo& of_frame, const PictureSum& sum, const Image& rows,
-                                int first) -> Result<void> {
-    PictureInfo info = inner_info(of_frame);
-    info.height = sum.sum.height;
-    const auto color = finished_color(device, sum, *drawing, drawer.stops(), info);
-    if (!color) return color.error();
-    const Image means = mean_planes(sum, settings.averaged);
-    Image finished(sum.sum.width, sum.sum.height);
-    for (const std::string& name : plan.planes) {
-      const Plane* made = color->find(name) ? color->find(name) : means.find(name);
-      finished.add(name) = made ? *made : rows.plane(name);
-    }
-    times.done("average");
-    return take(of_frame, finished, first);
+  if (drawing->averages()) {
+    std::for_each(averaged.begin(), averaged.end(), want);
+    std::for_each(of_lines.begin(), of_lines.end(), want);
+  }
+  const auto chosen = [](const Image& rows, const std::vector<std::string>& names) {
+    Image own(rows.width, rows.height);
+    for (const std::string& name : names) own.add(name) = rows.plane(name);
+    return own;
   };
-  // Where frames are to agree on lines, all of them must be there before any row is finished.
-  const bool waits = drawing->averages() && total.opacity > 0.0f;
-  Image kept(settings.width, settings.height);
-  for (const std::string& name : single)
-    if (waits) kept.add(name) = Plane(kept.width, kept.height);
-  std::optional<PictureInfo> last_info;
   for (int k = drawing->recipe.frames - 1; k >= 0; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
-    const bool last = k == 0;
-    const auto averaged_of = [&](const Image& rows) {
-      Image own(rows.width, rows.height);
-      for (const std::string& name : averaged) own.add(name) = rows.plane(name);
-      return own;
-    };
-    const auto add = [&](const Frame& frame, const Image& rows, int first) -> Result<void> {
-      add_rows(total, last ? averaged_of(rows) : rows, first, settings.height, frame_offset(k, drawing->recipe.frames));
-      if (last)
-        for (std::size_t i = 0; i < kept.names.size(); ++i) put_rows(rows.plane(kept.names[i]), kept.planes[i], first);
-      last_info = frame.info;
+    const auto add = [&](const Frame&, const Image& rows, int first) -> Result<void> {
+      add_rows(total, rows, first, settings.height);
       times.done("average");
       return {};
     };
     const auto finish = [&](const Frame& frame, const Image& rows, int first) -> Result<void> {
       if (!drawing->averages()) return take(frame.info, rows, first);
       PictureSum sum = rows_of(total, first, rows.height);
-      add_rows(sum, averaged_of(rows), 0, rows.height, glm::vec2(0.0f));
+      add_rows(sum, chosen(rows, averaged), 0, rows.height);
       sum.count = drawing->recipe.frames;
-      return take_average(frame.info, sum, rows, first);
+      PictureInfo info = inner_info(frame.info);
+      info.height = rows.height;
+      const auto color = finished_color(device, sum, *drawing, chosen(rows, of_lines), info);
+      if (!color) return color.error();
+      const Image means = mean_planes(sum, also);
+      Image finished(rows.width, rows.height);
+      for (const std::string& name : plan.planes) {
+        const Plane* made = color->find(name) ? color->find(name) : means.find(name);
+        finished.add(name) = made ? *made : rows.plane(name);
+      }
+      times.done("average");
+      return take(frame.info, finished, first);
     };
+    const bool last = k == 0;
     BandDrawer::Finish each = add;
-    if (last && !waits) each = finish;
+    if (last) each = finish;
     if (auto done = drawer.draw_frame(camera, plan.rows, last ? wanted : averaged, each, progress); !done) return done;
-  }
-  if (waits) {
-    agree_on_lines(total);
-    times.done("average");
-    for (int first = 0; first < settings.height; first += plan.rows) {
-      const int count = std::min(plan.rows, settings.height - first);
-      Image rows(settings.width, count);
-      for (std::size_t i = 0; i < kept.names.size(); ++i)
-        rows.add(kept.names[i]) = some_rows(kept.planes[i], first, count);
-      if (auto done = take_average(*last_info, rows_of(total, first, count), rows, first); !done) return done;
-    }
   }
   return progress.end();
 }

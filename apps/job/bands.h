@@ -17,9 +17,8 @@ struct BandPlan {
 
 /// How to draw such a picture with about so many bytes: whole where they suffice and it has no more than kMostPixels,
 /// else in bands, of the fewest rows if not even these do. Devices that draw no bands, and techniques that trace the
-/// scene, draw it whole. `passes`: planes besides colour that are wanted, about. Errors: kUsage where it is too large
-/// for that.
-Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory, int passes);
+/// scene, draw it whole. Errors: kUsage where it is too large for that.
+Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory);
 
 /// Takes rows of a finished picture with the plan's planes, from its top down; `first` is the first of them.
 using TakeRows = std::function<Result<void>(const PictureInfo& info, const Image& rows, int first)>;

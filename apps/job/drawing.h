@@ -16,6 +16,7 @@ struct Drawing {
   ParameterBytes output;  ///< how the finished picture is made of averaged frames
   std::string noise;      ///< the parameter that each frame has another value of, "hemisphere.seed", or empty
   int first_noise = 0;    ///< of frame 0
+  ParameterBytes lines;   ///< of `outline`, where that is drawn once, by frame 0, over averaged frames; or empty
   bool radius_known = false;
 
   /// Frames are drawn from the last to the first, which has its samples at the pixels' centres.
@@ -35,15 +36,27 @@ Result<void> add_sky(Device& device, const Scene& scene, const Drawing& drawing,
 /// Applies what hangs on the picture: --ao-radius.
 Result<void> know_picture(Drawing& drawing, const PictureInfo& info, const DrawSettings& settings);
 
-/// An empty sum of its frames, of pictures of that height.
-PictureSum empty_sum(const Recipe& recipe, int height);
+/// Sets the parameters of lines aside that are drawn once, over the average; each frame goes without. Those of the
+/// paper's rule are in each.
+void keep_lines(Drawing& drawing);
 
-/// The planes of a frame that are averaged.
-std::vector<std::string> averaged_planes(const DrawSettings& settings, const PictureSum& total);
+/// The planes of a frame that are averaged; and those of them that are no colour.
+std::vector<std::string> averaged_planes(const DrawSettings& settings, const Drawing& drawing);
+std::vector<std::string> also_averaged(const DrawSettings& settings, const Drawing& drawing);
 
-/// The finished colour of averaged frames, as planes color.r, .g, .b and .a. `stops`: of exposure, that were added to
-/// each frame's. `info`: of a picture of the sum's size.
-Result<Image> finished_color(Device& device, const PictureSum& total, const Drawing& drawing, float stops,
+/// Draws the lines that lie over averaged frames, on frame 0: on others nothing.
+Result<void> draw_lines(Device& device, const Drawing& drawing, Frame& frame, StageTimes& times);
+
+/// The planes of frame 0 that `output` draws them from.
+std::vector<std::string> line_planes(const Drawing& drawing);
+
+/// The finished colour of averaged frames, as planes color.r, .g, .b and .a. `lines`: their line_planes. `info`: of a
+/// picture of the sum's size.
+Result<Image> finished_color(Device& device, const PictureSum& total, const Drawing& drawing, const Image& lines,
                              const PictureInfo& info);
+
+/// Makes the finished picture of averaged frames, and puts it and what else was averaged into frame 0.
+Result<void> finish_average(Device& device, const PictureSum& total, const Drawing& drawing,
+                            const std::vector<std::string>& averaged, Frame& frame);
 
 }  // namespace umbrage

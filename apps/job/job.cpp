@@ -13,13 +13,11 @@
 #include "apps/job/drawing.h"
 #include "apps/job/hdri.h"
 #include "apps/job/isa_setting.h"
-#include "core/absolute_length.h"
 #include "core/check.h"
 #include "core/suggest.h"
 #include "devices/cpu/cpu_device.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
-#include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "looks/quality.h"
 #include "rays/interior_lights.h"
@@ -262,7 +260,7 @@ Result<void> apply_radius(const DrawSettings& draw, const PictureInfo& info, Eff
     if (effect->set_radius) effect->set_radius(*radius, info, settings.find(effect->name)->second);
   // What --set says of a technique holds whatever the radius.
   for (const std::string& setting : draw.settings)
-    if (!setting.starts_with("output."))
+    if (!setting.starts_with("output.") && !setting.starts_with("outline."))
       if (auto done = apply_setting(settings, setting, handed_in()); !done) return done;
   return {};
 }
@@ -456,45 +454,6 @@ void must_apply(Recipe& recipe, const std::string& setting) {
   if (auto done = apply_setting(recipe.settings, setting, handed_in()); !done) fail_check(done.error().message);
 }
 
-/// Planes as a frame with a guard band has them: as much around, of what is at the rim.
-Image with_band(const Image& inner, int band) {
-  Image whole(inner.width + 2 * band, inner.height + 2 * band);
-  for (std::size_t k = 0; k < inner.names.size(); ++k) {
-    Plane& plane = whole.add(inner.names[k]) = Plane(whole.width, whole.height);
-    for (int y = 0; y < whole.height; ++y)
-      for (int x = 0; x < whole.width; ++x)
-        plane.at(x, y) =
-            inner.planes[k].at(std::clamp(x - band, 0, inner.width - 1), std::clamp(y - band, 0, inner.height - 1));
-  }
-  return whole;
-}
-
-/// Makes the finished picture of averaged ones, and puts it and what else was averaged into a frame.
-Result<void> finish_average(Device& device, const PictureSum& total, const Drawing& drawing, float stops,
-                            const std::vector<std::string>& averaged, Frame& frame) {
-  const auto color = finished_color(device, total, drawing, stops, inner_info(frame.info));
-  if (!color) return color.error();
-  if (auto done = device.add(with_band(*color, frame.info.guard), frame); !done) return done;
-  return device.add(with_band(mean_planes(total, averaged), frame.info.guard), frame);
-}
-
-/// The light that a line sends, as `output` hands it out.
-Result<glm::vec3> finished_line(Device& device, const OutlineParams& outline, const ParameterBytes& output) {
-  GBuffer g;
-  g.info = {.width = 1, .height = 1};
-  Image& image = g.layers.emplace_back(1, 1);
-  image.add("lit.r") = Plane(1, 1, outline.r);
-  image.add("lit.g") = Plane(1, 1, outline.g);
-  image.add("lit.b") = Plane(1, 1, outline.b);
-  image.add("depth") = Plane(1, 1, 1.0f);
-  auto frame = device.upload(g);
-  if (!frame) return frame.error();
-  if (auto done = device.run(*find_effect("output"), output, *frame); !done) return done.error();
-  const auto color = device.download(*frame, {"color.r", "color.g", "color.b"});
-  if (!color) return color.error();
-  return glm::vec3(color->planes[0].at(0, 0), color->planes[1].at(0, 0), color->planes[2].at(0, 0));
-}
-
 /// The reference tells whoever traces; this tells the thread that made it alone, and not more often than people see.
 std::function<bool(double)> own_thread_only(const std::function<bool(double)>& go_on) {
   using Clock = std::chrono::steady_clock;
@@ -563,48 +522,6 @@ LookRun look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress
 
 }  // namespace
 
-PictureSum empty_sum(const Recipe& recipe, int height) {
-  PictureSum sum;
-  sum.for_eye = recipe.look->averages_for_eye;
-  const auto& effects = recipe.look->effects;
-  if (!sum.for_eye || recipe.frames < kLeastThatAgree) return sum;
-  if (std::find(effects.begin(), effects.end(), "outline") == effects.end()) return sum;
-  const auto& outline = as<OutlineParams>(recipe.settings.find("outline")->second);
-  if (outline.mode == kOutlinePaper) return sum;  // lines of pixels, which no width tells of
-  sum.opacity = outline.opacity;
-  sum.line_px = std::min(absolute_length(outline.width, float(height)), kOutlineWidest);
-  return sum;
-}
-
-std::vector<std::string> averaged_planes(const DrawSettings& settings, const PictureSum& total) {
-  std::vector<std::string> names = {"color.r", "color.g", "color.b", "color.a"};
-  names.insert(names.end(), settings.averaged.begin(), settings.averaged.end());
-  if (total.opacity > 0.0f && std::find(names.begin(), names.end(), "outline") == names.end())
-    names.emplace_back("outline");
-  return names;
-}
-
-Result<Image> finished_color(Device& device, const PictureSum& total, const Drawing& drawing, float stops,
-                             const PictureInfo& info) {
-  glm::vec3 line(0.0f);
-  if (total.opacity > 0.0f) {
-    const EffectSettings& settings = drawing.recipe.settings;
-    ParameterBytes single = settings.find("output")->second;
-    as<OutputParams>(single).exposure += stops;
-    auto light = finished_line(device, as<OutlineParams>(settings.find("outline")->second), single);
-    if (!light) return light.error();
-    line = *light;
-  }
-  ParameterBytes output = drawing.output;
-  auto mean = device.upload(mean_picture(total, info, line));
-  if (!mean) return mean.error();
-  as<OutputParams>(output).exposure = 0.0f;  // each frame had them
-  as<OutputParams>(output).shoulder = 1.0f;
-  as<OutputParams>(output).sky = 0;
-  if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done.error();
-  return device.download(*mean, {"color.r", "color.g", "color.b", "color.a"});
-}
-
 Result<Drawing> begin_drawing(Device& device, Scene& scene, const DrawSettings& settings, long most_pixels) {
   auto recipe = make_recipe(settings);
   if (!recipe) return recipe.error();
@@ -626,6 +543,7 @@ Result<Drawing> begin_drawing(Device& device, Scene& scene, const DrawSettings& 
     // Light with alpha, so that edges mix with the background as light does, or for the eye.
     must_apply(drawing.recipe, "output.transfer=none");
     if (!settings.hdri.shown()) must_apply(drawing.recipe, "output.transparent=on");
+    keep_lines(drawing);
   }
   const FrameNoise noise = frame_noise(drawing.recipe);
   drawing.noise = noise.parameter;
@@ -677,7 +595,7 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
   LookRun run = look_run(recipe, times, progress);
   if (settings.stops) run.stops = *settings.stops;
   run.run_handed_in = run_reference;
-  PictureSum total = empty_sum(recipe, settings.height);
+  PictureSum total{.for_eye = recipe.look->averages_for_eye};
   // The last frame stays.
   for (int k = recipe.frames - 1;; --k) {
     const Camera camera = begin_frame(*drawing, k, settings);
@@ -696,14 +614,14 @@ Result<Frame> draw(Device& device, Scene& scene, const DrawSettings& settings, S
       if (auto done = progress.end(); !done) return done.error();
       return frame;
     }
-    const auto picture = device.download(*frame, averaged_planes(settings, total));
+    const auto picture = device.download(*frame, averaged_planes(settings, *drawing));
     if (!picture) return picture.error();
-    add_picture(total, *picture, frame_offset(k, recipe.frames));
-    progress.frame_done();
+    add_picture(total, *picture);
     times.done("average");
+    if (auto done = draw_lines(device, *drawing, *frame, times); !done) return done.error();
+    progress.frame_done();
     if (k > 0) continue;
-    agree_on_lines(total);
-    if (auto done = finish_average(device, total, *drawing, *stops, settings.averaged, *frame); !done)
+    if (auto done = finish_average(device, total, *drawing, also_averaged(settings, *drawing), *frame); !done)
       return done.error();
     times.done("average");
     if (auto done = progress.end(); !done) return done.error();

@@ -23,11 +23,11 @@ std::optional<float> neutral_value(std::string_view plane) {
   if (plane == "shininess") return 1.0f;
   if (plane.starts_with("shadow")) return 1.0f;
   if (plane == "ao") return 1.0f;
-  if (plane == "outline" || plane == "cover" || plane == "open_light" || plane == "object_id" ||
-      plane == "material_id" || plane == "bitmask_mips")
+  if (plane == "outline" || plane == "cover" || plane == "cover_for_eye" || plane == "open_light" ||
+      plane == "object_id" || plane == "material_id" || plane == "bitmask_mips")
     return 0.0f;
   if (plane.starts_with("direct.") || plane.starts_with("ambient.") || plane.starts_with("indirect.") ||
-      plane.starts_with("emission.") || plane.starts_with("sky."))
+      plane.starts_with("emission.") || plane.starts_with("sky.") || plane.starts_with("line."))
     return 0.0f;
   if (of_layer) return 0.0f;  // what an effect makes of every layer, of one that is not there
   return std::nullopt;

@@ -1,11 +1,11 @@
-// Lines drawn over the lit picture, in mode `paper`. Based on [Lajzer and Nottingham], listing 3: a pixel is black
-// where any of its 8 neighbours differs by 0.05 (1 - Z) in window depth Z or by 0.95 in the dot product of normals.
+// The share of each pixel that lines cover, in mode `paper`. Based on [Lajzer and Nottingham], listing 3: a pixel is
+// black where any of its 8 neighbours differs by 0.05 (1 - Z) in window depth Z or by 0.95 in the dot product of
+// normals.
 //
 // Differs: background has the normal 0 and the depth 1, as a cleared buffer.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(outline_window)
-INOUT_COLOR(lit)
 OUT_REAL(outline)
 
 FN void outline_paper_pixel(Int px, Int py) {
@@ -21,10 +21,5 @@ FN void outline_paper_pixel(Int px, Int py) {
       dark = dark || abs(near_outline_window(i, j) - base) > threshold;
       dark = dark || (dot(near_normal(i, j), base_normal) < C.paper_normal && either);
     }
-  Real covered = select(dark, Real(C.opacity), Real(0.0f));
-  store_outline(covered);
-  Vec3 line = Vec3(Real(C.r), Real(C.g), Real(C.b));
-  Vec3 lit = finite_or_zero(own_lit());
-  lit = select(covered > 0.0f, mixed_for_the_eye(lit, line, covered), lit);
-  store_lit(select(surface, lit, line * covered));  // `output` mixes the rest
+  store_outline(select(dark, Real(C.opacity), Real(0.0f)));
 }

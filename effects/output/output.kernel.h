@@ -1,12 +1,14 @@
 // Light to what a file or a screen holds: exposure, transfer function, background. Based on [IEC 61966-2-1] for sRGB.
 //
-// Where there is no surface `lit` is what a line sends that covers the share `outline` of the pixel, or what shade
-// sends, or surfaces in the mean of several pictures do, that cover the share `cover`; or `outline`, where those are
-// averaged for the eye.
+// Where there is no surface `lit` is what shade sends, or surfaces in the mean of several pictures do, that cover the
+// share `cover` of the pixel; or `cover_for_eye`, where those are averaged for the eye. Over all of it, finished, lie
+// lines of the colour `line` that cover the share `outline`.
 IN_COLOR(lit)
 IN_REAL(depth)
 IN_REAL(outline)
+IN_COLOR(line)
 IN_REAL(cover)
+IN_REAL(cover_for_eye)
 IN_COLOR(sky)
 OUT_COLOR(color)
 OUT_ALPHA(color)
@@ -22,20 +24,24 @@ FN Real compressed(Real v) {
   return min(v, Real(C.shoulder)) + (Real(1.0f) - Real(1.0f) / (over + 1.0f)) * Real(1.0f - C.shoulder);
 }
 
+FN Vec3 not_below_0(Vec3 v) { return Vec3(max(v.x, Real(0.0f)), max(v.y, Real(0.0f)), max(v.z, Real(0.0f))); }
+
 // Light, not below 0, as it is exposed.
 FN Vec3 exposed(Vec3 light) {
   light = finite_or_zero(light);  // what is not a number is black
-  light = Vec3(max(light.x, Real(0.0f)), max(light.y, Real(0.0f)), max(light.z, Real(0.0f)));
+  light = not_below_0(light);
   if (C.room > 0.0f) light = Vec3(compressed(light.x), compressed(light.y), compressed(light.z));
   return light;
 }
 
+FN Real share_of(Real v) { return clamp(v, Real(0.0f), Real(1.0f)); }
+
 FN void output_pixel(Int px, Int py) {
   Bool surface = is_finite(near_depth(0, 0));
-  Real line = clamp(near_outline(0, 0), Real(0.0f), Real(1.0f));
-  Real shade = clamp(near_cover(0, 0), Real(0.0f), Real(1.0f));
-  Bool lines = line > shade;
-  Real covered = max(line, shade);
+  Real of_eye = share_of(near_cover_for_eye(0, 0));
+  Real of_light = share_of(near_cover(0, 0));
+  Bool for_eye = of_eye > of_light;
+  Real covered = max(of_eye, of_light);
   Real share = select(surface || covered == Real(0.0f), Real(1.0f), covered);
   Vec3 light = exposed(near_lit(0, 0) * (Real(C.gain) / share));
   // What covers a share over the background, with straight alpha.
@@ -45,11 +51,19 @@ FN void output_pixel(Int px, Int py) {
   Vec3 beyond = Vec3(Real(C.behind_r), Real(C.behind_g), Real(C.behind_b));
   if (C.sky != 0) beyond = exposed(near_sky(0, 0) * Real(C.gain));
   Vec3 both = light * (covered * scale) + beyond * (behind * scale);
-  both = select(lines, mixed_for_the_eye(beyond, light, covered * scale), both);
+  both = select(for_eye, mixed_for_the_eye(beyond, light, covered * scale), both);
   light = select(surface, light, both);
+  alpha = select(surface, Real(1.0f), alpha);
+  // Lines over that, likewise.
+  Real line = share_of(near_outline(0, 0));
+  Bool lines = line > 0.0f;
+  alpha = select(lines, line + (Real(1.0f) - line) * alpha, alpha);
+  Vec3 drawn = mixed_for_the_eye(light, not_below_0(finite_or_zero(near_line(0, 0))),
+                                 line / select(lines, alpha, Real(1.0f)));
+  light = select(lines, drawn, light);
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
   if (C.sky != 0 && C.background_alpha > 0.0f) background = light;
-  store_color(select(surface || covered > 0.0f, light, background));
-  store_color_alpha(select(surface, Real(1.0f), alpha));
+  store_color(select(surface || covered > 0.0f || lines, light, background));
+  store_color_alpha(alpha);
 }

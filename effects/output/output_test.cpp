@@ -103,17 +103,17 @@ TEST(Output, AShoulderBendsLightBelowWhite) {
       });
 }
 
-TEST(Output, ALineAndTheBackgroundMixForTheEye) {
+TEST(Output, AMeanForTheEyeAndTheBackgroundMixSo) {
   GBuffer g = row_of({0.5f});
   g.layers[0].plane("depth").at(0, 0) = std::numeric_limits<float>::infinity();
-  g.layers[0].add("outline").at(0, 0) = 0.5f;
+  g.layers[0].add("cover_for_eye").at(0, 0) = 0.5f;
   g.layers[0].plane("lit.r").at(0, 0) = 0.0f;
   test::on_every_target("output", g, {}, [](const Image& image) {
     EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(0.25), 4e-6);  // black over half of white
   });
   // Shade does not: it is light that is less.
   g.layers[0].add("cover").at(0, 0) = 0.5f;
-  g.layers[0].plane("outline").at(0, 0) = 0.0f;
+  g.layers[0].plane("cover_for_eye").at(0, 0) = 0.0f;
   test::on_every_target("output", g, {},
                         [](const Image& image) { EXPECT_NEAR(image.plane("color.r").at(0, 0), srgb(0.5), 4e-6); });
 }
@@ -145,28 +145,48 @@ TEST(Output, BackgroundIsWrittenAsItIs) {
   });
 }
 
-TEST(Output, LinesLieOverTheBackground) {
+/// A surface, shade that covers half of a pixel, and background, under a line of the colour 0.64.
+GBuffer under_a_line(float line) {
   GBuffer g = row_of({0.25f, 0.125f, 0.0f});
-  for (int x = 1; x < 3; ++x) g.layers[0].plane("depth").at(x, 0) = std::numeric_limits<float>::infinity();
-  Plane& outline = g.layers[0].add("outline");
-  outline.at(0, 0) = 0.5f;  // over a surface it is in the light already
-  outline.at(1, 0) = 0.25f;
-  outline.at(2, 0) = 0.0f;
-  Settings settings = {{"transfer", "none"}, {"background_r", "0.8"}};
-  test::on_every_target("output", g, settings, [](const Image& image) {
-    EXPECT_FLOAT_EQ(image.plane("color.r").at(0, 0), 0.25f);
-    const double root = 0.25 * std::sqrt(0.5) + 0.75 * std::sqrt(0.8);  // the line's colour is 0.5
-    EXPECT_NEAR(image.plane("color.r").at(1, 0), root * root, 1e-6);
-    EXPECT_FLOAT_EQ(image.plane("color.r").at(2, 0), 0.8f);
-    for (int x = 0; x < 3; ++x) EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f);
-  });
-  settings.emplace_back("transparent", "on");
-  test::on_every_target("output", g, settings, [](const Image& image) {
-    EXPECT_FLOAT_EQ(image.plane("color.r").at(1, 0), 0.5f);
-    EXPECT_FLOAT_EQ(image.plane("color.a").at(1, 0), 0.25f);
-    EXPECT_EQ(image.plane("color.a").at(2, 0), 0.0f);
-    EXPECT_EQ(image.plane("color.r").at(2, 0), 0.0f);
-  });
+  Image& image = g.layers[0];
+  for (int x = 1; x < 3; ++x) image.plane("depth").at(x, 0) = std::numeric_limits<float>::infinity();
+  for (const char* name : {"outline", "line.r", "cover"}) image.add(name) = Plane(3, 1, 0.0f);
+  for (int x = 0; x < 3; ++x) {
+    image.plane("outline").at(x, 0) = line;
+    image.plane("line.r").at(x, 0) = 0.64f;
+  }
+  image.plane("cover").at(1, 0) = 0.5f;
+  return g;
+}
+
+double mixed(double light, double line, double share) {
+  const double root = share * std::sqrt(line) + (1.0 - share) * std::sqrt(light);
+  return root * root;
+}
+
+TEST(Output, LinesLieOverTheFinishedLight) {
+  // Neither exposure nor the shoulder changes a line: the surface becomes 1, and is bent to 0.75.
+  const Settings settings = {{"transfer", "none"}, {"background_r", "0.8"}, {"exposure", "2"}, {"shoulder", "0.5"}};
+  for (const float line : {0.0f, 0.25f, 1.0f})
+    test::on_every_target("output", under_a_line(line), settings, [&](const Image& image) {
+      const double light[] = {0.75, 0.5 * 0.75 + 0.5 * 0.8, 0.8};
+      for (int x = 0; x < 3; ++x) {
+        EXPECT_NEAR(image.plane("color.r").at(x, 0), mixed(light[x], 0.64, line), 1e-6) << x << ", " << line;
+        EXPECT_EQ(image.plane("color.a").at(x, 0), 1.0f);
+      }
+    });
+}
+
+TEST(Output, LinesHaveTheirAlphaWhereNothingIsBehind) {
+  const Settings settings = {{"transfer", "none"}, {"transparent", "on"}};
+  for (const float line : {0.0f, 0.25f, 1.0f})
+    test::on_every_target("output", under_a_line(line), settings, [&](const Image& image) {
+      EXPECT_EQ(image.plane("color.a").at(0, 0), 1.0f);
+      EXPECT_FLOAT_EQ(image.plane("color.a").at(1, 0), line + 0.5f * (1.0f - line));
+      EXPECT_EQ(image.plane("color.a").at(2, 0), line);
+      EXPECT_NEAR(image.plane("color.r").at(1, 0), mixed(0.25, 0.64, line / (line + 0.5 * (1.0 - line))), 1e-6);
+      EXPECT_FLOAT_EQ(image.plane("color.r").at(2, 0), line > 0.0f ? 0.64f : 0.0f);
+    });
 }
 
 TEST(Output, WhatIsNoLightIsBlack) {

@@ -1,4 +1,4 @@
-// Names the kernel text outline_even.kernel.h for Vulkan.
+// Names the kernel text outline_color.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "machine/glsl.h"
@@ -7,5 +7,5 @@
 UMBRAGE_CONSTANTS(OutlineConstants)
 #include "machine/common.kernel.h"
 
-#include "effects/outline/outline_even.kernel.h"
-UMBRAGE_MAIN(outline_even)
+#include "effects/outline/outline_color.kernel.h"
+UMBRAGE_MAIN(outline_color)

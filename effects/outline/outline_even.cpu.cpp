@@ -1,9 +1,0 @@
-// Names the kernel text outline_even.kernel.h for the CPU.
-#define UMBRAGE_KERNEL outline_even
-#define UMBRAGE_KERNEL_TEXT "effects/outline/outline_even.kernel.h"
-#define UMBRAGE_KERNEL_CONSTANTS OutlineConstants
-#include "effects/outline/outline.h"
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "effects/outline/outline_even.cpu.cpp"
-#include "hwy/foreach_target.h"
-#include "machine/cpu_kernel.h"
