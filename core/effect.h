@@ -40,14 +40,6 @@ struct GpuWay {
 /// all, and nothing else; the others keep theirs.
 enum class PixelSet { kAll, kMissing };
 
-/// An input that tells where a pass has anything to store.
-struct Where {
-  std::string_view plane;
-  /// How far from a pixel, to either side, it counts, at least, with these constants; null: the pixel's own alone.
-  int (*columns)(const void* constants) = nullptr;
-  int (*rows)(const void* constants) = nullptr;
-};
-
 /// One run over all pixels.
 struct Pass {
   std::string_view name;
@@ -65,12 +57,6 @@ struct Pass {
   int (*reach)(const void* constants, int round) = nullptr;
   /// Inputs that it may read anywhere, whatever its reach. Of a layer that is not there nothing is read.
   std::vector<std::string_view> far_inputs = {};
-  /// If not empty: at a pixel around which all of these are 0 as far as they count, the pass stores 0 to all outputs.
-  /// Devices may pass over such pixels.
-  std::vector<Where> where = {};
-  /// Few pixels have anything to store, far from each other, and take long: those that do may run together. Where
-  /// inputs count at the pixel alone.
-  bool packed = false;
   bool for_all = true, for_missing = false;  ///< for which pixels it runs
 };
 

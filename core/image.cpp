@@ -32,20 +32,11 @@ int padded_stride(int width) {
   return aliased ? stride + kRowAlignment : stride;
 }
 
-/// A sparse plane that is gone: outside its cells it holds 0.
-struct SparseBlock {
-  void* base;
-  std::size_t size;
-  float* data;
-  std::unique_ptr<Cells> cells;
-};
-
 /// Memory of planes that are gone, by its size, while somebody wants it kept.
 struct Kept {
   std::mutex mutex;
   int wanted_by = 0;
   std::multimap<std::size_t, void*> blocks;
-  std::vector<SparseBlock> sparse;
 };
 
 /// Where in its memory a large plane starts, bytes: another place each time.
@@ -82,20 +73,15 @@ KeptPlanes::~KeptPlanes() {
   if (--all.wanted_by > 0) return;
   for (const auto& [size, base] : all.blocks) std::free(base);
   all.blocks.clear();
-  for (const SparseBlock& block : all.sparse) std::free(block.base);
-  all.sparse.clear();
 }
 
-void Plane::Free::operator()(float* data) {
+void Plane::Free::operator()(float*) {
   if (size >= kHugePage) {
     Kept& all = kept();
     const std::lock_guard lock(all.mutex);
     if (all.wanted_by > 0) {
       try {
-        if (cells)
-          all.sparse.push_back({base, size, data, std::move(cells)});
-        else
-          all.blocks.emplace(size, base);
+        all.blocks.emplace(size, base);
         return;
       } catch (const std::bad_alloc&) {  // it is not kept
       }
@@ -103,13 +89,6 @@ void Plane::Free::operator()(float* data) {
   }
   std::free(base);
 }
-
-Cells::Cells(int width_, int height_)
-    : width(width_),
-      height(height_),
-      in_row((width_ + kCellWidth - 1) / kCellWidth),
-      words((in_row + kCellsInWord - 1) / kCellsInWord),
-      bits(std::size_t(words) * height_, 0) {}
 
 Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(padded_stride(width_)) {
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
@@ -133,46 +112,11 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
       if (huge < whole) madvise(static_cast<std::byte*>(base) + huge, whole - huge, MADV_NOHUGEPAGE);
     }
   }
-  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, nullptr}};
+  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole}};
 }
 
 Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
   std::fill_n(data(), std::size_t(stride) * height, value);
-}
-
-Plane Plane::sparse(int width, int height) {
-  Plane plane;
-  plane.width = width;
-  plane.height = height;
-  plane.stride = padded_stride(width);
-  const std::size_t bytes = std::size_t(plane.stride) * height * sizeof(float);
-  if (bytes == 0) return plane;
-  {
-    Kept& all = kept();
-    const std::lock_guard lock(all.mutex);
-    const auto found = std::find_if(all.sparse.begin(), all.sparse.end(), [&](const SparseBlock& block) {
-      return block.cells->width == width && block.cells->height == height;
-    });
-    if (found != all.sparse.end()) {
-      plane.data_ = {found->data, Free{found->base, found->size, std::move(found->cells)}};
-      all.sparse.erase(found);
-      return plane;
-    }
-  }
-  // Zeros that the system hands out as they are wanted: what is never written takes no memory and stays in the caches.
-  const bool large = bytes >= kHugePage;
-  std::size_t room = bytes + (large ? kHugePage + kStaggers * kStagger : kCacheLine);
-  const std::size_t whole = room;
-  void* base = std::calloc(1, whole);
-  if (!base) throw std::bad_alloc();
-  void* first = base;
-  std::align(large ? kHugePage : kCacheLine, bytes, first, room);
-  if (large) {
-    madvise(first, bytes / kHugePage * kHugePage, MADV_HUGEPAGE);
-    first = static_cast<std::byte*>(first) + next_stagger();
-  }
-  plane.data_ = {static_cast<float*>(first), Free{base, whole, std::make_unique<Cells>(width, height)}};
-  return plane;
 }
 
 Plane::Plane(const Plane& other) : Plane(other.width, other.height) {
@@ -206,15 +150,6 @@ Plane& Image::add(std::string_view name) {
   if (Plane* found = find(name)) return *found;
   names.emplace_back(name);
   return planes.emplace_back(width, height);
-}
-
-Plane& Image::add_sparse(std::string_view name) {
-  if (Plane* found = find(name)) {
-    if (!found->cells()) *found = Plane::sparse(width, height);
-    return *found;
-  }
-  names.emplace_back(name);
-  return planes.emplace_back(Plane::sparse(width, height));
 }
 
 Plane cropped(const Plane& plane, int margin) {

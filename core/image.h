@@ -1,7 +1,6 @@
 // Image: width, height, named planes of float.
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -13,24 +12,6 @@ namespace umbrage {
 /// stored over the end of a row.
 inline constexpr int kRowAlignment = 16;
 
-/// Pixels of a row that one bit of Cells stands for, and how many such bits are in a word.
-inline constexpr int kCellWidth = 16;
-inline constexpr int kCellsInWord = 64;
-
-/// Which stretches of a plane's rows may hold anything but 0. Bit b of word w of a row stands for the kCellWidth pixels
-/// from (kCellsInWord w + b) kCellWidth on.
-struct Cells {
-  Cells() = default;
-  /// None.
-  Cells(int width, int height);
-
-  int width = 0, height = 0;  ///< of the plane
-  int in_row = 0, words = 0;  ///< cells of a row, and their words
-  std::vector<std::uint64_t> bits;
-  std::uint64_t* row(int y) { return bits.data() + std::size_t(y) * words; }
-  const std::uint64_t* row(int y) const { return bits.data() + std::size_t(y) * words; }
-};
-
 /// One float per pixel. Row y starts at data() + y * stride; row 0 is the top one.
 class Plane {
  public:
@@ -41,9 +22,6 @@ class Plane {
   Plane(const Plane& other);
   Plane(Plane&&) noexcept = default;
   Plane& operator=(Plane other) noexcept;
-  /// A plane that knows where it may hold anything but 0; what it holds there is not initialised. Who writes to it
-  /// keeps its cells true. A copy is an ordinary plane.
-  static Plane sparse(int width, int height);
 
   int width = 0, height = 0;
   int stride = 0;  ///< floats from one row to the next
@@ -53,18 +31,14 @@ class Plane {
   const float* row(int y) const { return data() + std::size_t(y) * stride; }
   float& at(int x, int y) { return row(y)[x]; }
   float at(int x, int y) const { return row(y)[x]; }
-  /// Of a sparse plane; else null.
-  Cells* cells() { return data_.get_deleter().cells.get(); }
-  const Cells* cells() const { return data_.get_deleter().cells.get(); }
 
  private:
   struct Free {
-    void* base;                    // what was allocated; pixels start a little later
-    std::size_t size;              // of it, bytes
-    std::unique_ptr<Cells> cells;  // of a sparse plane
+    void* base;        // what was allocated; pixels start a little later
+    std::size_t size;  // of it, bytes
     void operator()(float* data);
   };
-  std::unique_ptr<float, Free> data_{nullptr, Free{nullptr, 0, nullptr}};
+  std::unique_ptr<float, Free> data_{nullptr, Free{nullptr, 0}};
 };
 
 /// While one of these lives, the memory of planes that are gone serves the next ones of their size: fresh memory costs
@@ -93,8 +67,6 @@ struct Image {
   const Plane& plane(std::string_view name) const;
   /// The plane of that name, added uninitialised if it is missing.
   Plane& add(std::string_view name);
-  /// The plane of that name as a sparse one: an ordinary one is replaced, and what it held is gone.
-  Plane& add_sparse(std::string_view name);
 };
 
 /// The pixels that remain when `margin` of them are cut off on each side.

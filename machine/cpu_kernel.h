@@ -2,16 +2,12 @@
 //   UMBRAGE_KERNEL            its name: the text's entry is NAME_pixel(Int x, Int y)
 //   UMBRAGE_KERNEL_TEXT       the path of the text
 //   UMBRAGE_KERNEL_CONSTANTS  the constants struct
-//   UMBRAGE_KERNEL_VIEW       of a pass that is packed (core/effect.h) PackedView; else nothing
 // and gets run_scalar_NAME and run_lanes_NAME of machine/kernel_frame.h. Included once per SIMD target.
 #include <algorithm>
 
 #include "machine/lanes.h"
 #include "machine/lanes_view.h"
 
-#ifndef UMBRAGE_KERNEL_VIEW
-#define UMBRAGE_KERNEL_VIEW LanesView
-#endif
 #define UMBRAGE_CONCAT_(a, b) a##b
 #define UMBRAGE_CONCAT(a, b) UMBRAGE_CONCAT_(a, b)
 
@@ -37,7 +33,7 @@ namespace HWY_NAMESPACE {
 namespace {
 
 struct Kernel {
-  UMBRAGE_KERNEL_VIEW view;
+  LanesView view;
 #include "machine/kernel_begin.h"
 
 #include UMBRAGE_KERNEL_TEXT
@@ -50,7 +46,7 @@ void Run(const KernelFrame& frame, const Tile& tile) {
   // Where nothing is to be computed, not even planes are looked up by their names.
   if (!pixels.next()) return;
   const bool packs = pixels.packs;
-  Kernel kernel{{{frame}}};
+  Kernel kernel{{frame}};
   const auto lane = hn::Iota(DI(), 0);  // once: it is made number by number
   do {
     const int y = pixels.y, end = pixels.end;

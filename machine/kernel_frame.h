@@ -9,16 +9,9 @@
 
 namespace umbrage {
 
-/// Pixels of a row that one bit of Tile::cells stands for: those of Cells (core/image.h).
-inline constexpr int kTileCell = 16;
-
 /// Pixels [x0, x1) x [y0, y1). x0 is a multiple of 16, so that lanes of two tiles never store to one pixel.
 struct Tile {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  /// Where there are some, lanes compute their pixels alone: one bit for each kTileCell pixels of a row, so many 64-bit
-  /// words to a row, from row y0 on; x0 is 0.
-  const std::uint64_t* cells = nullptr;
-  int words = 0;
 };
 
 struct KernelPlane {
@@ -32,9 +25,6 @@ struct KernelFrame {
   std::span<const KernelPlane> planes;
   const float* ao = nullptr;              ///< where FrameConstants::missing is set
   int first_row = 0, last_row = 1 << 30;  ///< what load_NAME reads at most of the picture: the rows that are held
-  /// Where there are some, lanes compute the pixels alone where any of these planes is not 0, as many as they are at a
-  /// time, wherever they are in the tile.
-  std::span<const float* const> packed_by = {};
 
   /// The plane of that name. Throws std::logic_error where the effect's table does not list it.
   float* plane(std::string_view name) const;

@@ -130,151 +130,68 @@ struct LanesView {
   }
 };
 
-/// The same where lanes are pixels from anywhere in the picture, always: neighbours are gathered. Of kernels that are
-/// compiled for passes whose pixels are few, see Pass::packed. There is no corner and no block.
-struct PackedView : LanesView {
-  Int place = 0;  // of each pixel in a plane
-
-  HWY_INLINE void move(int to_x, int to_y) { move_to(Int(hn::Iota(DI(), to_x)), Int(to_y)); }
-  HWY_INLINE void move_to(Int columns, Int rows) {
-    LanesView::move_to(columns, rows);
-    place = rows * Int(frame.frame.stride) + columns;
-    const Bool within = columns >= Int(kMargin) && columns < Int(frame.frame.width - kMargin) && rows >= Int(kMargin) &&
-                        rows < Int(frame.frame.height - kMargin);
-    inner = !some(!within);
-  }
-  HWY_INLINE Real near(const float* plane, int i, int j) const {
-    const bool close = unsigned(i + kMargin) <= 2u * kMargin && unsigned(j + kMargin) <= 2u * kMargin;
-    if (HWY_LIKELY(inner && close))
-      return hn::GatherIndex(D(), plane + std::ptrdiff_t(j) * frame.frame.stride + i, place.v);
-    return near_border(plane, i, j);
-  }
-  HWY_INLINE void store(float* plane, Real v) const { hn::ScatterIndex(v.v, D(), plane, place.v); }
-};
-
-/// Runs of a tile's pixels, each in one row: whole rows, or cells that are neighbours.
-struct Stretches {
-  const Tile& tile;
-  int y = tile.y0;
-  int x = 0, end = 0;
-  int seen = 0;  // of row y: cells that have been looked at, or whether it has been
-
-  /// The next one; false after the last.
-  HWY_INLINE bool next() {
-    for (; y < tile.y1; ++y, seen = 0) {
-      if (!tile.cells) {
-        if (seen++ > 0) continue;
-        x = tile.x0;
-        end = tile.x1;
-        return true;
-      }
-      const int first = next_cell(seen, true);
-      x = first * kTileCell;
-      if (x >= tile.x1) continue;
-      seen = next_cell(first, false);
-      end = HWY_MIN(seen * kTileCell, tile.x1);
-      return true;
-    }
-    return false;
-  }
-
-  /// The first cell from `cell` on that is set, or is not.
-  HWY_INLINE int next_cell(int cell, bool set) const {
-    const std::uint64_t* bits = tile.cells + std::ptrdiff_t(y - tile.y0) * tile.words;
-    while (cell < tile.words * 64) {
-      const std::uint64_t rest = (set ? bits[cell / 64] : ~bits[cell / 64]) >> (cell % 64);
-      if (rest != 0) return cell + int(hwy::Num0BitsBelowLS1Bit_Nonzero64(rest));
-      cell += 64 - cell % 64;
-    }
-    return cell;
-  }
-};
-
-/// What a tile computes, in steps of kLanes pixels: runs of its pixels or, wherever they are, those where `ao` is
-/// kMissing or any of KernelFrame::packed_by is not 0. Those where the first of these is not 0 run together, and so do
-/// the others, since kernels often ask one plane after the other. Where fewer are left than lanes, the last of them
-/// stands in all other lanes: they compute the same, and store it to the same place.
+/// What a tile computes, in steps of kLanes pixels: its rows or, wherever they are in the tile, those pixels where `ao`
+/// is kMissing. Where fewer of these are left than lanes, the last of them stands in all other lanes: they compute the
+/// same, and store it to the same place.
 class TilePixels {
  public:
   TilePixels(const KernelFrame& frame, const Tile& tile)
-      : packs(frame.frame.missing != 0 || !frame.packed_by.empty()), frame_(frame), stretches_{tile} {}
+      : packs(frame.frame.missing != 0), frame_(frame), tile_(tile), column_(tile.x0), row_(tile.y0) {}
 
   const bool packs;
-  int y = 0, x = 0, end = 0;  // of a run
+  int y = 0, x = 0, end = 0;  // of a row
   Int columns = 0, rows = 0;  // of packed pixels, for which x to end is one step
 
-  /// The next run or packed pixels; false after the last.
+  /// The next row or packed pixels; false after the last.
   HWY_NOINLINE bool next() {
     if (packs) return pack();
-    if (!stretches_.next()) return false;
-    y = stretches_.y;
-    x = stretches_.x;
-    end = stretches_.end;
+    if (row_ >= tile_.y1) return false;
+    y = row_++;
+    x = tile_.x0;
+    end = tile_.x1;
     return true;
   }
 
  private:
-  /// Pixels found, and not yet handed out.
-  struct Queue {
-    int count = 0;
-    HWY_ALIGN std::uint32_t columns[2 * kLanes];
-    HWY_ALIGN std::uint32_t rows[2 * kLanes];
-
-    HWY_INLINE void add(Bool where, Uint x, Uint y) {
-      hn::StoreU(packed(where, x).v, DU(), columns + count);
-      hn::StoreU(y.v, DU(), rows + count);
-      count += how_many(where);
-    }
-  };
-
   bool pack() {
-    for (; first_.count < kLanes && others_.count < kLanes; at_ += kLanes) {
-      if (at_ >= stretches_.end) {
-        if (!stretches_.next()) break;
-        at_ = stretches_.x;
-      }
-      take_from(at_);
+    while (count_ < kLanes && row_ < tile_.y1) {
+      take();
+      column_ += kLanes;
+      if (column_ < tile_.x1) continue;
+      column_ = tile_.x0;
+      ++row_;
     }
-    Queue& queue = first_.count >= kLanes || others_.count == 0 ? first_ : others_;
-    if (queue.count == 0) return false;
-    for (int i = queue.count; i < kLanes; ++i) {
-      queue.columns[i] = queue.columns[queue.count - 1];
-      queue.rows[i] = queue.rows[queue.count - 1];
+    if (count_ == 0) return false;
+    for (int i = count_; i < kLanes; ++i) {
+      found_columns_[i] = found_columns_[count_ - 1];
+      found_rows_[i] = found_rows_[count_ - 1];
     }
-    columns = to_signed(hn::Load(DU(), queue.columns));
-    rows = to_signed(hn::Load(DU(), queue.rows));
+    columns = to_signed(hn::Load(DU(), found_columns_));
+    rows = to_signed(hn::Load(DU(), found_rows_));
     end = 1;
-    hn::Store(hn::Load(DU(), queue.columns + kLanes), DU(), queue.columns);
-    hn::Store(hn::Load(DU(), queue.rows + kLanes), DU(), queue.rows);
-    queue.count = HWY_MAX(queue.count - kLanes, 0);
+    hn::Store(hn::Load(DU(), found_columns_ + kLanes), DU(), found_columns_);
+    hn::Store(hn::Load(DU(), found_rows_ + kLanes), DU(), found_rows_);
+    count_ = HWY_MAX(count_ - kLanes, 0);
     return true;
   }
 
-  HWY_INLINE void take_from(int from) {
-    const std::ptrdiff_t here = std::ptrdiff_t(stretches_.y) * frame_.frame.stride + from;
-    const Int x_here = hn::Iota(DI(), from);
-    const Uint y_here = to_uint(Int(stretches_.y));
-    const Bool inside = x_here < Int(stretches_.tile.x1);
-    if (frame_.frame.missing != 0) {
-      const Bool missing = {hn::Ge(hn::LoadU(D(), frame_.ao + here), hn::Set(D(), kMissing))};
-      if (HWY_UNLIKELY(some(missing))) first_.add(missing && inside, to_uint(x_here), y_here);
-      return;
-    }
-    const auto by_first = hn::BitCast(DU(), hn::LoadU(D(), frame_.packed_by[0] + here));
-    auto any = by_first;
-    for (const float* plane : frame_.packed_by.subspan(1))
-      any = hn::Or(any, hn::BitCast(DU(), hn::LoadU(D(), plane + here)));
-    const Bool chosen = inside && !(to_signed(Uint(any)) == Int(0));
-    if (HWY_LIKELY(!some(chosen))) return;
-    const Bool in_first = chosen && !(to_signed(Uint(by_first)) == Int(0));
-    first_.add(in_first, to_uint(x_here), y_here);
-    others_.add(chosen && !in_first, to_uint(x_here), y_here);
+  /// Finds what is missing of the next kLanes pixels.
+  HWY_INLINE void take() {
+    const Int here = hn::Iota(DI(), column_);
+    const auto ao = hn::LoadU(D(), frame_.ao + std::ptrdiff_t(row_) * frame_.frame.stride + column_);
+    const Bool missing = Bool{hn::Ge(ao, hn::Set(D(), kMissing))} && here < Int(tile_.x1);
+    if (HWY_LIKELY(!some(missing))) return;
+    hn::StoreU(packed(missing, to_uint(here)).v, DU(), found_columns_ + count_);
+    hn::StoreU(to_uint(Int(row_)).v, DU(), found_rows_ + count_);
+    count_ += how_many(missing);
   }
 
   const KernelFrame& frame_;
-  Stretches stretches_;
-  int at_ = 0;  // of the stretch
-  Queue first_, others_;
+  const Tile& tile_;
+  int column_, row_;  // that are looked at next
+  int count_ = 0;     // of pixels found, and not yet handed out
+  HWY_ALIGN std::uint32_t found_columns_[2 * kLanes];
+  HWY_ALIGN std::uint32_t found_rows_[2 * kLanes];
 };
 
 }  // namespace

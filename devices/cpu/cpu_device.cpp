@@ -13,7 +13,6 @@
 #include "core/check.h"
 #include "core/guarded.h"
 #include "devices/cpu/capture.h"
-#include "devices/cpu/cells.h"
 #include "devices/cpu/soften.h"
 #include "devices/cpu/watch.h"
 #include "devices/shared/host_steps.h"
@@ -203,7 +202,6 @@ class CpuDevice final : public Device {
         const Plane* in = planes_of(frame).image.find(of_layer);
         if (!in) continue;
         Plane& out = planes->image.add(of_layer);
-        if (out.cells()) out = Plane(out.width, out.height);
         int first = 0;  // row of `in` that the first of `out` is
         if (const Held* held = find_held(from_planes, of_layer)) {
           planes->held[of_layer] = {divided(held->valid, factor), held->version, rows.begin};
@@ -234,10 +232,6 @@ class CpuDevice final : public Device {
       const Plane* in = find_plane(planes_of(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
       Plane& out = planes_of(full).image.add(reduced_plane(name));
-      if (out.cells()) {
-        out = Plane(out.width, out.height);
-        whole.placed.erase(reduced_plane(name));
-      }
       if (const Held* held = find_held(planes_of(small), name); held && whole.band) {
         // A pass reads it where the rows are that it stands for.
         const Rows valid{held->valid.begin * factor,
@@ -401,73 +395,6 @@ class CpuDevice final : public Device {
     });
   }
 
-  /// Where a pass passes over what holds nothing.
-  struct Skips {
-    std::vector<NearCells> near;   ///< empty: all cells are computed
-    std::vector<Plane*> outputs;   ///< those that are sparse
-    std::vector<float*> unpacked;  ///< row 0 of all of them, of a pass that is packed and does not skip cells
-  };
-
-  /// Whether it matters where a plane of an effect holds nothing.
-  static bool is_sparse(const Effect& effect, std::string_view plane) {
-    const auto is_it = [&](std::string_view name) { return name == plane; };
-    return std::any_of(effect.passes.begin(), effect.passes.end(), [&](const Pass& pass) {
-      const bool made = std::any_of(pass.outputs.begin(), pass.outputs.end(), is_it);
-      return (made && !pass.where.empty()) ||
-             std::any_of(pass.where.begin(), pass.where.end(), [&](const Where& by) { return by.plane == plane; });
-    });
-  }
-
-  static Skips skips_of(const PassRun& run, Planes& planes, bool may_skip) {
-    Skips skips;
-    for (const std::string_view output : run.pass.outputs) {
-      Plane* plane = run.is_there(output) ? planes.image.find(run.plane(output)) : nullptr;
-      if (!plane || !plane->cells()) continue;
-      if (may_skip)
-        skips.outputs.push_back(plane);
-      else
-        for (int y = 0; y < plane->height; ++y) keep_all_cells(*plane, y);
-    }
-    if (!may_skip) return skips;
-    for (const Where& where : run.pass.where) {
-      const Plane* plane = planes.image.find(run.plane(where.plane));
-      if (!plane || !plane->cells()) {
-        skips.near.clear();
-        return skips;
-      }
-      const void* constants = run.constants.data();
-      skips.near.push_back(
-          {plane->cells(), where.columns ? where.columns(constants) : 0, where.rows ? where.rows(constants) : 0});
-    }
-    return skips;
-  }
-
-  static void run_tile(CpuKernel kernel, const KernelFrame& frame, Tile tile, const Skips& skips) {
-    fault_point();
-    std::vector<std::uint64_t> cells;
-    if (!skips.near.empty()) {
-      const int words = skips.near[0].cells->words;
-      cells.resize(std::size_t(words) * (tile.y1 - tile.y0));
-      for (int y = tile.y0; y < tile.y1; ++y) {
-        std::uint64_t* row = cells.data() + std::size_t(y - tile.y0) * words;
-        find_near_cells(skips.near, y, row);
-        for (Plane* plane : skips.outputs) keep_cells(*plane, y, row, !frame.packed_by.empty());
-      }
-      tile.cells = cells.data();
-      tile.words = words;
-    } else {
-      for (Plane* plane : skips.outputs)
-        for (int y = tile.y0; y < tile.y1; ++y) keep_all_cells(*plane, y);
-      // Pixels that a packed pass does not choose hold 0.
-      for (float* plane : skips.unpacked)
-        for (int y = tile.y0; y < tile.y1; ++y)
-          std::fill_n(plane + std::ptrdiff_t(y) * frame.frame.stride + tile.x0, tile.x1 - tile.x0, 0.0f);
-    }
-    kernel(frame, tile);
-    for (Plane* plane : skips.outputs)
-      for (int y = tile.y0; y < tile.y1; ++y) note_cells(*plane, y);
-  }
-
   /// Runs a host step, once for a whole picture. What it makes is that of all of its bands.
   Result<void> run_host(const PassRun& run, Planes& planes) {
     const PictureInfo& info = run.info;
@@ -522,15 +449,8 @@ class CpuDevice final : public Device {
       if (band.done) return {};
     }
     if (pass.host) return run_host(run, planes);
-    // Bands hold other rows of each plane, and look at all cells.
-    const bool may_skip = !settings_.scalar && !planes.band && run.pixels == PixelSet::kAll;
-    for (std::string_view output : pass.outputs) {
-      if (!run.is_there(output)) continue;
-      if (may_skip && is_sparse(run.effect, output))
-        planes.image.add_sparse(run.plane(output));
-      else
-        planes.image.add(run.plane(output));
-    }
+    for (std::string_view output : pass.outputs)
+      if (run.is_there(output)) planes.image.add(run.plane(output));
     if (band.rows.count() <= 0) return {};
     // A kernel stores to its outputs alone, which are nobody else's.
     for (std::string_view name : pass.inputs)
@@ -556,15 +476,6 @@ class CpuDevice final : public Device {
     const int tile_height = all ? pass.tile_height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (band.rows.count() + tile_height - 1) / tile_height;
-    Skips skips = skips_of(run, planes, may_skip && columns == 1);
-    std::vector<const float*> packed_by;
-    if (pass.packed && all && !settings_.scalar) {
-      for (const Where& where : pass.where) packed_by.push_back(row_zero_of(run, planes, band, run.plane(where.plane)));
-      kernel_frame.packed_by = packed_by;
-      if (skips.near.empty())
-        for (const std::string_view output : pass.outputs)
-          if (run.is_there(output)) skips.unpacked.push_back(row_zero_of(run, planes, band, run.plane(output)));
-    }
     Watch watch(go_on, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
@@ -572,8 +483,9 @@ class CpuDevice final : public Device {
           [&](const tbb::blocked_range<int>& range) {
             for (int t = range.begin(); t < range.end() && !watch.ended(); ++t) {
               const int x0 = t % columns * tile_width, y0 = band.rows.begin + t / columns * tile_height;
-              Tile tile{x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, band.rows.end)};
-              run_tile(kernel, kernel_frame, tile, skips);
+              fault_point();
+              kernel(kernel_frame,
+                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, band.rows.end)});
               watch.done(1);
             }
           },
