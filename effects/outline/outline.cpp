@@ -1,21 +1,35 @@
 #include "effects/outline/outline.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
 
+#include "core/absolute_length.h"
 #include "core/effect.h"
+#include "effects/outline/outline_draw.h"
 #include "machine/kernel_frame.h"
 
 namespace umbrage {
 
+UMBRAGE_DECLARE_KERNEL(outline_breaks)
+UMBRAGE_DECLARE_KERNEL(outline_turns)
+UMBRAGE_DECLARE_KERNEL(outline_edges)
 UMBRAGE_DECLARE_KERNEL(outline_window)
 UMBRAGE_DECLARE_KERNEL(outline_paper)
 UMBRAGE_DECLARE_KERNEL(outline_color)
 
-void outline_strokes(const HostFrame& frame);
-
 namespace {
 
+constexpr std::uint32_t kBreaksSpirv[] = {
+#include "spirv/outline_breaks.inc"
+};
+constexpr std::uint32_t kTurnsSpirv[] = {
+#include "spirv/outline_turns.inc"
+};
+constexpr std::uint32_t kEdgesSpirv[] = {
+#include "spirv/outline_edges.inc"
+};
 constexpr std::uint32_t kWindowSpirv[] = {
 #include "spirv/outline_window.inc"
 };
@@ -108,16 +122,38 @@ const std::vector<Parameter> kTable = {
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+  constexpr float kUnitHeight = 1024.0f;  // of the picture that lengths of strokes are for
   const auto& params = as<OutlineParams>(bytes);
+  const auto height = float(info.inner_height());
+  const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
   const float far_depth = std::max(info.depth_max / kFarShare, 1e-30f);
-  *static_cast<OutlineConstants*>(out) = {.r = params.r,
-                                          .g = params.g,
-                                          .b = params.b,
-                                          .opacity = params.opacity,
-                                          .paper_depth = params.paper_depth,
-                                          .paper_normal = params.paper_normal,
-                                          .near_depth = far_depth * kNearToFar,
-                                          .far_depth = far_depth};
+  // Windows of creases are up to an 85th of the picture high, narrow up to a 200th: what is an edge is one at any size.
+  // A line that hides so much of its own object is half as wide as others. What a camera that frames a model sees lies
+  // between about two and four of its radii: lines recede beyond.
+  *static_cast<OutlineConstants*>(out) = {
+      .width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineWidest),
+      .r = params.r,
+      .g = params.g,
+      .b = params.b,
+      .opacity = params.opacity,
+      .depth = 2.0f * params.depth,
+      .crease_chord = 2.0f * std::sin(0.5f * crease),
+      .convex = params.convex,
+      .concave = params.concave,
+      .objects = params.ids & kOutlineObjects ? 1 : 0,
+      .materials = params.ids & kOutlineMaterials ? 1 : 0,
+      .max_window = std::clamp(int(std::lround(0.5f * (height / 85.0f - 1.0f))), 0, kOutlineMaxWindow),
+      .narrow = height / 200.0f,
+      .coarser = 0.04f * std::min(1.0f, kUnitHeight / height),
+      .scale = height / kUnitHeight,
+      .recede = params.recede,
+      .recede_from = std::max(2.0f * info.depth_min, 0.25f * info.depth_max),
+      .inner = params.inner,
+      .inner_px = params.depth * height / 256.0f,
+      .paper_depth = params.paper_depth,
+      .paper_normal = params.paper_normal,
+      .near_depth = far_depth * kNearToFar,
+      .far_depth = far_depth};
 }
 
 bool is_drawn(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).opacity > 0.0f; }
@@ -131,6 +167,11 @@ bool is_coloured(const ParameterBytes& bytes) {
   return is_drawn(bytes) && std::max({params.r, params.g, params.b}) > 0.0f;
 }
 
+/// How far the passes read, in rows: see the kernel texts.
+int breaks_reach(const void*, int) { return 3; }
+int turns_reach(const void* constants, int) {
+  return 2 * static_cast<const OutlineConstants*>(constants)->max_window + 2;
+}
 int paper_reach(const void*, int) { return 1; }
 
 }  // namespace
@@ -147,10 +188,35 @@ const Effect& effect_outline() {
       .constants = fill_constants,
       .variants = {"", "width=4", "width=8", "mode=paper"},
       .quantum = 1.0,
-      .passes = {{.name = "outline_strokes",
+      .passes = {{.name = "outline_breaks",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
+                  .outputs = {"outline_break_right", "outline_break_below"},
+                  .scalar = run_scalar_outline_breaks,
+                  .lanes = run_lanes_outline_breaks,
+                  .spirv = kBreaksSpirv,
+                  .needed = is_robust,
+                  .reach = breaks_reach},
+                 {.name = "outline_turns",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below"},
+                  .outputs = {"outline_turn_right", "outline_turn_below"},
+                  .scalar = run_scalar_outline_turns,
+                  .lanes = run_lanes_outline_turns,
+                  .spirv = kTurnsSpirv,
+                  .needed = is_robust,
+                  .reach = turns_reach},
+                 {.name = "outline_edges",
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below",
+                             "outline_turn_right", "outline_turn_below"},
+                  .outputs = {"outline_edge_right", "outline_edge_below"},
+                  .scalar = run_scalar_outline_edges,
+                  .lanes = run_lanes_outline_edges,
+                  .spirv = kEdgesSpirv,
+                  .needed = is_robust,
+                  .reach = turns_reach},
+                 {.name = "outline_strokes",
+                  .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
                   .outputs = {"outline"},
-                  .host = outline_strokes,
+                  .host = run_host_outline,
                   .needed = is_robust},
                  {.name = "outline_window",
                   .inputs = {"depth"},

@@ -2,6 +2,7 @@
 #ifndef UMBRAGE_EFFECTS_OUTLINE_H
 #define UMBRAGE_EFFECTS_OUTLINE_H
 #include "core/length.h"
+#include "effects/outline/outline_code.h"
 
 // One row of the table in outline.cpp per field.
 struct OutlineParams {
@@ -9,7 +10,7 @@ struct OutlineParams {
   Length width;        // pixels, or share of the picture's height
   float r, g, b;       // of the line, linear light of the finished picture
   float opacity;       // 0 to 1
-  float depth;         // robust: a jump is this many pixel sizes behind the surface's plane
+  float depth;         // robust: a depth discontinuity is this many pixel sizes
   float crease_deg;    // robust: angle between faces from which on an edge is drawn
   int convex;          // robust: 0 or 1
   int concave;         // robust: 0 or 1
@@ -26,7 +27,20 @@ const int kOutlineObjects = 1, kOutlineMaterials = 2;
 const float kOutlineWidest = 16.0f;  // pixels
 
 struct OutlineConstants {
+  float width_px;
   float r, g, b, opacity;
+  float depth;         // pixel sizes of a depth discontinuity of strength 1
+  float crease_chord;  // distance of unit normals that differ by the crease angle
+  int convex, concave;
+  int objects, materials;  // 0 or 1
+  int max_window;          // pixels, half the widest window in which a crease is told
+  float narrow;            // pixels, width of a window up to which it counts as narrow
+  float coarser;           // by how much a crease counts less per pixel that half its window is wider
+  float scale;             // the picture's height in units of the one that lengths in pixels are for
+  float recede;            // share, of how much thinner lines can become with distance, that they do,
+  float recede_from;       // and depth from which on
+  float inner;             // share of its width that the line of a discontinuity within one object loses, half of it
+  float inner_px;          // where that is as many pixel sizes
   float paper_depth, paper_normal;
   float near_depth, far_depth;  // paper: of window depth
 };

@@ -1,0 +1,31 @@
+// Lines of a picture as curves.
+#pragma once
+#include <vector>
+
+namespace umbrage {
+
+enum class LineKind {
+  kOutline,  ///< an object ends: before another one, another material or the background
+  kFold,     ///< an object hides a part of itself
+  kCrease,   ///< two faces meet
+};
+
+struct LinePoint {
+  float x, y;   ///< pixels from the picture's upper left corner; the first pixel's centre lies at (0.5, 0.5)
+  float width;  ///< pixels
+};
+
+/// A polyline with round ends and joins, whose width changes linearly from point to point.
+struct Line {
+  LineKind kind = LineKind::kOutline;  ///< of most of it
+  int object = 0;                      ///< object_id of the nearer surface, along most of it
+  bool closed = false;                 ///< the last point is the first one again
+  std::vector<LinePoint> points;
+};
+
+struct Lines {
+  int width = 0, height = 0;  ///< of the picture, pixels
+  std::vector<Line> lines;
+};
+
+}  // namespace umbrage

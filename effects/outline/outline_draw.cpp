@@ -1,0 +1,203 @@
+#include "effects/outline/outline_draw.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "effects/outline/outline_chains.h"
+#include "effects/outline/outline_grid.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kTaper = 12.0f;      // pixels of a free end that become narrower; grows
+constexpr float kEven = 6.0f;        // points to either side whose mean width counts; grows
+constexpr float kTolerance = 0.05f;  // pixels that a line may leave its points by
+constexpr float kMaxCrowd = 75.0f;   // points within 16 x 16 pixels, from which on they are crowded
+constexpr float kShare = 0.6f;       // of the distance to the line beside it, that a line may cover
+constexpr int kMaxSkip = 8;          // points that one segment stands for
+
+/// The share of its width that a line has at a point.
+float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographic) {
+  float weight = p.kind == kOutlineDepth ? 1.0f - c.inner * c.inner_px / (p.drop + c.inner_px) : 1.0f;
+  if (c.inner > 0.0f) weight *= std::min(p.strength, 1.0f);
+  if (!orthographic && p.depth > c.recede_from) weight *= 1.0f - c.recede * (1.0f - std::sqrt(c.recede_from / p.depth));
+  return weight;
+}
+
+/// Makes a chain's width even along it, and tapers its free ends.
+void even_out(const Chain& chain, const Tracing& t, std::array<bool, 2> is_free, std::vector<float>& width) {
+  const int count = int(width.size()), around = int(std::lround(std::max(kEven * t.c.scale, t.c.width_px)));
+  std::vector<double> sum(1, 0.0);
+  for (const float w : width) sum.push_back(sum.back() + w);
+  for (int k = 0; k < count; ++k) {
+    const int r = std::min({around, k, count - 1 - k});
+    width[std::size_t(k)] = float((sum[std::size_t(k + r + 1)] - sum[std::size_t(k - r)]) / (2 * r + 1));
+  }
+  const float taper = kTaper * t.c.scale;
+  for (int last = 0; last < 2 && t.c.inner > 0.0f; ++last) {
+    if (!is_free[std::size_t(last)]) continue;
+    float along = 0.0f;
+    for (int k = 0; k < count && along < taper; ++k) {
+      const auto at = std::size_t(last ? count - 1 - k : k), before = last ? at + 1 : at - 1;
+      if (k > 0)
+        along += length_of(chain.points[at].x - chain.points[before].x, chain.points[at].y - chain.points[before].y);
+      width[at] *= 1.0f - t.c.inner * (1.0f - std::sqrt(std::min(1.0f, along / taper)));
+    }
+  }
+}
+
+/// Makes lines narrower where they have little room. Of two side by side each covers no more than a share of the
+/// distance between them, though at least half of its own width: what lies between keeps some of its colour. Where
+/// lines are crowded all become thinner, so that the tone stays.
+void give_way(const Tracing& t, std::vector<std::vector<float>>& widths) {
+  const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
+  tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t c) {
+    const Chain& chain = t.chains[c];
+    for (std::size_t k = 0; k < chain.points.size(); ++k) {
+      const ChainPoint& p = chain.points[k];
+      float& width = widths[c][k];
+      const float reach = width / kShare;
+      const auto way = way_at(chain, int(k));
+      float nearest = reach;
+      grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
+        if (std::abs(way[0] * e.dx + way[1] * e.dy) < kParallel) return;
+        const float across = std::abs((e.x - p.x) * way[1] - (e.y - p.y) * way[0]);
+        if (across * across < 0.5f * d2) return;  // before or behind it on its way
+        if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
+        nearest = std::min(nearest, across);
+      });
+      width = std::max(std::min(width, kShare * nearest), 0.5f * width);
+      width *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
+    }
+  });
+}
+
+/// Whether points between two can go without the line leaving them.
+bool can_skip(const std::vector<LinePoint>& p, std::size_t first, std::size_t last) {
+  const LinePoint &a = p[first], &b = p[last];
+  const float dx = b.x - a.x, dy = b.y - a.y, length = length_of(dx, dy);
+  if (length < 0.1f) return false;
+  for (std::size_t k = first + 1; k < last; ++k) {
+    const float f = float(k - first) / float(last - first);
+    if (std::abs((p[k].y - a.y) * dx - (p[k].x - a.x) * dy) >= kTolerance * length) return false;
+    if (std::abs(a.width + f * (b.width - a.width) - p[k].width) >= 2.0f * kTolerance) return false;
+  }
+  return true;
+}
+
+std::vector<LinePoint> simplified(const std::vector<LinePoint>& p) {
+  std::vector<LinePoint> kept;
+  for (std::size_t k = 0; k < p.size();) {
+    kept.push_back(p[k]);
+    std::size_t next = k + 1;
+    while (next + 1 < p.size() && next < k + kMaxSkip && can_skip(p, k, next + 1)) ++next;
+    k = next;
+  }
+  return kept;
+}
+
+/// Kind and object of most of a chain's points.
+void classify(const Chain& chain, Line& line) {
+  std::array<int, 4> kinds{};
+  std::map<int, int> objects;
+  for (const ChainPoint& p : chain.points) {
+    ++kinds[p.kind];
+    ++objects[p.object];
+  }
+  const auto most = [](const auto& a, const auto& b) { return a.second < b.second; };
+  line.object = std::max_element(objects.begin(), objects.end(), most)->first;
+  const int kind = int(std::max_element(kinds.begin() + 1, kinds.end()) - kinds.begin());
+  line.kind = kind == kOutlineCrease ? LineKind::kCrease : kind == kOutlineDepth ? LineKind::kFold : LineKind::kOutline;
+}
+
+Lines lines_of(const Tracing& t, const std::vector<std::array<bool, 2>>& is_free) {
+  Lines all{t.frame.frame.width, t.frame.frame.height, std::vector<Line>(t.chains.size())};
+  std::vector<std::vector<float>> widths(t.chains.size());
+  for (std::size_t k = 0; k < t.chains.size(); ++k)
+    for (const ChainPoint& p : t.chains[k].points)
+      widths[k].push_back(t.c.width_px * weight_of(p, t.c, t.frame.frame.orthographic != 0));
+  give_way(t, widths);
+  tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
+    const Chain& chain = t.chains[k];
+    Line& line = all.lines[k];
+    line.closed = chain.closed;
+    classify(chain, line);
+    std::vector<float>& width = widths[k];
+    even_out(chain, t, is_free[k], width);
+    std::vector<LinePoint> points;
+    for (std::size_t p = 0; p < width.size(); ++p) points.push_back({chain.points[p].x, chain.points[p].y, width[p]});
+    line.points = simplified(points);
+  });
+  return all;
+}
+
+/// Covers rows [first, end) by a part of a line.
+void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const HostPlane& cover, int columns, int first,
+                  int end) {
+  const float reach = 0.5f * std::max({a.width, b.width, 1.0f}) + 0.5f;
+  const int y0 = std::max(first, int(std::floor(std::min(a.y, b.y) - reach)));
+  const int y1 = std::min(end - 1, int(std::floor(std::max(a.y, b.y) + reach)));
+  const int x0 = std::max(0, int(std::floor(std::min(a.x, b.x) - reach)));
+  const int x1 = std::min(columns - 1, int(std::floor(std::max(a.x, b.x) + reach)));
+  const float dx = b.x - a.x, dy = b.y - a.y, inverse = 1.0f / std::max(dx * dx + dy * dy, 1e-12f);
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x) {
+      const float px = float(x) + 0.5f - a.x, py = float(y) + 0.5f - a.y;
+      const float f = std::clamp((px * dx + py * dy) * inverse, 0.0f, 1.0f);
+      const float off = length_of(px - f * dx, py - f * dy), width = a.width + f * (b.width - a.width);
+      const float inside = std::clamp(0.5f * std::max(width, 1.0f) + 0.5f - off, 0.0f, 1.0f) * std::min(width, 1.0f);
+      float& at = cover.row(y)[x];
+      at = std::max(at, inside * opacity);
+    }
+}
+
+}  // namespace
+
+Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants) {
+  constexpr float kMinLoose = 32.0f, kMinBranch = 8.0f;  // what ends free on both sides, and on one; grows
+  Tracing t(frame, constants);
+  find_chains(t);
+  keep_clear_parts(t);
+  drop_doubles(t);
+  bridge_gaps(t);
+  drop_short(t, kMinLoose, kMinBranch);
+  std::vector<std::array<bool, 2>> is_free;
+  const std::vector<int> meetings = t.meetings();
+  for (const Chain& chain : t.chains) is_free.push_back({t.is_free(chain, 0, meetings), t.is_free(chain, 1, meetings)});
+  smooth_chains(t);
+  meet(t);
+  return lines_of(t, is_free);
+}
+
+void draw_lines(const Lines& lines, float opacity, const HostPlane& cover) {
+  constexpr int kRows = 32;  // that are drawn at once
+  struct Part {
+    const LinePoint *first, *last;
+  };
+  std::vector<std::vector<Part>> parts(std::size_t((lines.height + kRows - 1) / kRows));
+  for (const Line& line : lines.lines)
+    for (std::size_t k = 0; k < line.points.size(); ++k) {
+      const LinePoint *a = &line.points[k], *b = a + (k + 1 < line.points.size());
+      if (a == b && k > 0) continue;
+      const float reach = 0.5f * std::max({a->width, b->width, 1.0f}) + 1.0f;
+      const int top = int(std::min(a->y, b->y) - reach) / kRows, bottom = int(std::max(a->y, b->y) + reach) / kRows;
+      for (int block = std::max(top, 0); block <= std::min(bottom, int(parts.size()) - 1); ++block)
+        parts[std::size_t(block)].push_back({a, b});
+    }
+  tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t block) {
+    const int first = int(block) * kRows, end = std::min(first + kRows, lines.height);
+    for (int y = first; y < end; ++y) std::fill_n(cover.row(y), lines.width, 0.0f);
+    for (const Part& part : parts[block])
+      draw_segment(*part.first, *part.last, opacity, cover, lines.width, first, end);
+  });
+}
+
+void run_host_outline(const HostFrame& frame) {
+  const auto& c = *static_cast<const OutlineConstants*>(frame.constants);
+  draw_lines(trace_lines(frame, c), c.opacity, frame.output("outline"));
+}
+
+}  // namespace umbrage

@@ -1,0 +1,110 @@
+// The edges that lines are traced along, between each pixel and its right and its lower neighbour: breaks, of several
+// that fall the same way in a row the largest; and creases, where normals turn more than at all neighbours within their
+// window. A crease lies where the normal is halfway between those at its window's ends. An edge is stored as a whole
+// number (outline_code.h).
+IN_REAL(depth)
+IN_VECTOR(normal)
+IN_REAL(outline_break_right)
+IN_REAL(outline_break_below)
+IN_REAL(outline_turn_right)
+IN_REAL(outline_turn_below)
+OUT_REAL(outline_edge_right)
+OUT_REAL(outline_edge_below)
+#include "effects/outline/outline_windows.kernel.h"
+
+FN Real turn_beside(int s, int i, int j) {
+  return i != 0 ? near_outline_turn_right(s, 0) : near_outline_turn_below(0, s);
+}
+FN Real window_of(Real coded) { return floor(coded * (1.0f / kWindowUnit)); }
+FN Real strength_of(Real coded) { return coded - window_of(coded) * kWindowUnit; }
+
+FN Real edge_code(int kind, Real strength, Real place, Real offset) {
+  Real code = mad(floor(min(strength, Real(kOutlineMaxStrength)) * 31.0f + 0.5f), Real(4.0f), Real(float(kind)));
+  code = mad(floor(place * 127.0f + 0.5f), Real(512.0f), code);
+  return mad(offset + float(kOutlineMaxWindow), Real(65536.0f), code);
+}
+
+// A break as an edge, or 0 where its neighbour in the row is larger.
+FN Real break_code(Real found, int i, int j) {
+  Real before = break_beside(-1, i, j);
+  Real after = break_beside(1, i, j);
+  Real none = Real(0.0f);
+  Bool lesser = (before * found > 0.0f && abs(before) >= abs(found) && abs(before) <= kOutlineMaxStrength) ||
+                (after * found > 0.0f && abs(after) > abs(found) && abs(after) <= kOutlineMaxStrength);
+  Real depth = select(lesser, none, edge_code(kOutlineDepth, abs(found), Real(0.5f), none));
+  return select(abs(found) > kOutlineMaxStrength, edge_code(kOutlineId, abs(found), Real(0.5f), none), depth);
+}
+
+// Whether this pair's crease is as strong as all within its window on the same surface, and stronger than those after
+// it.
+FN Bool is_peak(Bool on, Real strength, Real window, int i, int j) {
+  Bool on_before = on;
+  Bool on_after = on;
+  Real reach = max(window, Real(1.0f));
+  for (int s = 1; s <= (C.max_window > 1 ? C.max_window : 1); ++s) {
+    Bool near = reach >= float(s);
+    on_before = on_before && near && break_beside(-s, i, j) == 0.0f && near_inside(-s * i, -s * j);
+    on_after = on_after && near && break_beside(s, i, j) == 0.0f && near_inside((s + 1) * i, (s + 1) * j);
+    if (!some(on_before || on_after)) break;
+    on = on && !(on_before && strength_of(turn_beside(-s, i, j)) > strength) &&
+         !(on_after && strength_of(turn_beside(s, i, j)) >= strength);
+  }
+  return on;
+}
+
+// Inverse depth, or -depth in orthographic views, of a pixel that shows a surface.
+FN Real nearness(Int x, Int y) {
+  Real depth = load_depth(x, y);
+  return F.orthographic != 0 ? Real(0.0f) - depth : Real(1.0f) / max(depth, Real(1e-30f));
+}
+
+FN Real crease_code(Int px, Int py, Real coded, int i, int j) {
+  Real strength = strength_of(coded);
+  Real window = window_of(coded);
+  Bool on = is_peak(coded > 0.0f, strength, window, i, j);
+  if (!some(on)) return Real(0.0f);
+  Int h = to_int(window);
+  Int ax = px - Int(i) * h;
+  Int ay = py - Int(j) * h;
+  Int bx = px + Int(i) * (h + Int(1));
+  Int by = py + Int(j) * (h + Int(1));
+  // It is concave where inverse depth falls more slowly, or rises faster, after it than before.
+  Real slope_before = nearness(ax, ay) - nearness(ax - Int(i), ay - Int(j));
+  Real slope_after = nearness(bx + Int(i), by + Int(j)) - nearness(bx, by);
+  Bool known = i != 0 ? load_outline_break_right(ax - Int(1), ay) == 0.0f && load_outline_break_right(bx, by) == 0.0f
+                      : load_outline_break_below(ax, ay - Int(1)) == 0.0f && load_outline_break_below(bx, by) == 0.0f;
+  if (C.convex == 0) on = on && (slope_after > slope_before || !known);
+  if (C.concave == 0) on = on && !(slope_after > slope_before && known);
+  Vec3 a = load_normal(ax, ay);
+  Vec3 across = load_normal(bx, by) - a;
+  Vec3 middle = (load_normal(bx, by) + a) * 0.5f;
+  Real halfway = dot(across, middle);
+  Real offset = Real(0.0f);
+  Real place = Real(0.5f);
+  Bool open = on && window > 0.0f;
+  Real before = dot(across, near_normal(-C.max_window * i, -C.max_window * j));
+  for (int s = -C.max_window; s <= C.max_window; ++s) {
+    Real after = dot(across, near_normal((s + 1) * i, (s + 1) * j));
+    Bool here = open && window >= float(s < 0 ? -s : s) && (after > halfway || window == float(s));
+    place = select(here, (halfway - before) / select(after > before, after - before, Real(1.0f)), place);
+    offset = select(here, Real(float(s)), offset);
+    open = open && !here;
+    before = after;
+  }
+  place = clamp(place, Real(0.0f), Real(1.0f));
+  return select(on, edge_code(kOutlineCrease, strength, place, offset), Real(0.0f));
+}
+
+FN Real edge_at(Int px, Int py, int i, int j) {
+  Real found = break_beside(0, i, j);
+  Real coded = turn_beside(0, i, j);
+  Real code = Real(0.0f);
+  if (some(!(found == 0.0f))) code = select(found == 0.0f, code, break_code(found, i, j));
+  if (some(coded > 0.0f)) code = select(coded > 0.0f, crease_code(px, py, coded, i, j), code);
+  return code;
+}
+
+FN void outline_edges_pixel(Int px, Int py) {
+  store_outline_edge_right(edge_at(px, py, 1, 0));
+  store_outline_edge_below(edge_at(px, py, 0, 1));
+}

@@ -1,0 +1,73 @@
+// Points of chains by their place, to find those near one.
+#pragma once
+#include <algorithm>
+#include <vector>
+
+#include "effects/outline/outline_chains.h"
+
+namespace umbrage {
+
+class PointGrid {
+ public:
+  struct Entry {
+    float x, y, dx, dy;  // place, and way of its chain there
+    int chain, point, edge;
+  };
+
+  PointGrid(const std::vector<Chain>& chains, int width, int height)
+      : columns_(width / kCell + 1),
+        rows_(height / kCell + 1),
+        first_(std::size_t(columns_) * std::size_t(rows_) + 1, 0) {
+    std::vector<Entry> all;
+    for (int c = 0; c < int(chains.size()); ++c)
+      for (int k = 0; k < int(chains[std::size_t(c)].points.size()); ++k) {
+        const auto& p = chains[std::size_t(c)].points[std::size_t(k)];
+        const auto [dx, dy] = way_at(chains[std::size_t(c)], k);
+        all.push_back({p.x, p.y, dx, dy, c, k, p.edge});
+      }
+    for (const Entry& e : all) ++first_[cell(e.x, e.y) + 1];
+    for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+    entries_.resize(all.size());
+    std::vector<int> next(first_.begin(), first_.end() - 1);
+    for (const Entry& e : all) entries_[std::size_t(next[cell(e.x, e.y)]++)] = e;
+  }
+
+  /// Calls visit(entry, squared distance) for all points nearer than `reach`.
+  template <class Visit>
+  void near(float x, float y, float reach, const Visit& visit) const {
+    const int x0 = column(x - reach), x1 = column(x + reach), y0 = row(y - reach), y1 = row(y + reach);
+    for (int j = y0; j <= y1; ++j) {
+      const std::size_t cells = std::size_t(j) * std::size_t(columns_);
+      for (int k = first_[cells + std::size_t(x0)]; k < first_[cells + std::size_t(x1) + 1]; ++k) {
+        const Entry& e = entries_[std::size_t(k)];
+        const float d2 = (e.x - x) * (e.x - x) + (e.y - y) * (e.y - y);
+        if (d2 < reach * reach) visit(e, d2);
+      }
+    }
+  }
+
+  /// How many points lie in the 4 x 4 cells around a place, 16 pixels wide and high.
+  int crowd(float x, float y) const {
+    const int x0 = column(x - 1.5f * kCell), x1 = column(x + 1.5f * kCell);
+    int count = 0;
+    for (int j = row(y - 1.5f * kCell); j <= row(y + 1.5f * kCell); ++j)
+      count += first_[std::size_t(j) * std::size_t(columns_) + std::size_t(x1) + 1] -
+               first_[std::size_t(j) * std::size_t(columns_) + std::size_t(x0)];
+    return count;
+  }
+
+ private:
+  static constexpr int kCell = 4;  // pixels
+
+  int column(float x) const { return std::clamp(int(x) / kCell, 0, columns_ - 1); }
+  int row(float y) const { return std::clamp(int(y) / kCell, 0, rows_ - 1); }
+  std::size_t cell(float x, float y) const {
+    return std::size_t(row(y)) * std::size_t(columns_) + std::size_t(column(x));
+  }
+
+  int columns_, rows_;
+  std::vector<int> first_;  // entry of each cell
+  std::vector<Entry> entries_;
+};
+
+}  // namespace umbrage

@@ -1,0 +1,152 @@
+// What all steps of tracing share: chains' ends, and linking chains by them.
+#include <algorithm>
+#include <cmath>
+
+#include "effects/outline/outline_chains.h"
+
+namespace umbrage {
+namespace {
+
+/// Points between two ends, a pixel apart.
+void bridge(std::vector<ChainPoint>& points, const ChainPoint& to) {
+  const ChainPoint from = points.back();
+  const int count = int(length_of(to.x - from.x, to.y - from.y));
+  for (int k = 1; k < count; ++k) {
+    const float f = float(k) / float(count);
+    ChainPoint p = from;
+    p.x += (to.x - from.x) * f;
+    p.y += (to.y - from.y) * f;
+    p.depth += (to.depth - from.depth) * f;
+    p.strength = std::min(from.strength, to.strength);
+    p.drop = std::min(from.drop, to.drop);
+    p.edge = p.node = -1;
+    points.push_back(p);
+  }
+}
+
+void append(Chain& to, const Chain& from, bool reversed) {
+  const auto begin = std::ptrdiff_t(to.points.size());
+  to.points.insert(to.points.end(), from.points.begin(), from.points.end());
+  if (!reversed) return;
+  std::reverse(to.points.begin() + begin, to.points.end());
+  for (std::size_t k = std::size_t(begin); k + 1 < to.points.size(); ++k) to.points[k].node = to.points[k + 1].node;
+  to.points.back().node = -1;
+}
+
+}  // namespace
+
+Tracing::Tracing(const HostFrame& of_frame, const OutlineConstants& constants)
+    : frame(of_frame),
+      c(constants),
+      depth(of_frame.input("depth")),
+      object(of_frame.input("object_id")),
+      graph(of_frame.input("outline_edge_right"), of_frame.input("outline_edge_below"), of_frame.frame.width,
+            of_frame.frame.height) {}
+
+std::vector<int> Tracing::meetings() const {
+  std::vector<int> count(nodes.size(), 0);
+  for (const Chain& chain : chains) {
+    for (const int node : chain.node)
+      if (node >= 0 && !chain.closed) ++count[std::size_t(node)];
+    for (const ChainPoint& p : chain.points)
+      if (p.node >= 0) count[std::size_t(p.node)] += 2;
+  }
+  return count;
+}
+
+bool Tracing::is_free(const Chain& chain, int last, const std::vector<int>& meetings) const {
+  const int node = chain.node[std::size_t(last)];
+  if (chain.closed || chain.joined[std::size_t(last)] >= 0) return false;
+  return node < 0 || (!graph.at_border(nodes[std::size_t(node)]) && meetings[std::size_t(node)] < 2);
+}
+
+void Tracing::drop_empty() {
+  std::erase_if(chains, [](const Chain& chain) { return chain.points.empty(); });
+  std::vector<std::uint8_t> alive(std::size_t(graph.size()), 0);
+  for (const Chain& chain : chains)
+    for (const ChainPoint& p : chain.points)
+      if (p.edge >= 0) alive[std::size_t(p.edge)] = 1;
+  for (Chain& chain : chains)
+    for (int& joined : chain.joined)
+      if (joined >= 0 && !alive[std::size_t(joined)]) joined = -1;
+}
+
+bool has_id(const Chain& chain) {
+  return std::any_of(chain.points.begin(), chain.points.end(),
+                     [](const ChainPoint& p) { return p.kind == kOutlineId; });
+}
+
+float mean_strength(const Chain& chain) {
+  float sum = 0.0f;
+  for (const ChainPoint& p : chain.points) sum += p.strength;
+  return sum / float(chain.points.size());
+}
+
+std::array<float, 2> way_at(const Chain& chain, int point) {
+  constexpr int kAround = 4;
+  const auto& first = chain.points[std::size_t(std::max(0, point - kAround))];
+  const auto& last = chain.points[std::size_t(std::min(int(chain.points.size()) - 1, point + kAround))];
+  const float dx = last.x - first.x, dy = last.y - first.y, length = std::max(length_of(dx, dy), 1e-6f);
+  return {dx / length, dy / length};
+}
+
+Ray lead(const Chain& chain, int last) {
+  const int count = std::min(kLead, int(chain.points.size()));
+  const ChainPoint* end = &chain.end(last);
+  const int step = last ? -1 : 1;
+  float mx = 0.0f, my = 0.0f, xx = 0.0f, xy = 0.0f, yy = 0.0f;
+  for (int k = 0; k < count; ++k) {
+    mx += end[k * step].x;
+    my += end[k * step].y;
+  }
+  mx /= float(count);
+  my /= float(count);
+  for (int k = 0; k < count; ++k) {
+    const float x = end[k * step].x - mx, y = end[k * step].y - my;
+    xx += x * x;
+    xy += x * y;
+    yy += y * y;
+  }
+  // The direction in which they spread most, outwards.
+  const float apart = length_of(xx - yy, 2.0f * xy);
+  float dx = xx > yy ? xx - yy + apart : 2.0f * xy, dy = xx > yy ? 2.0f * xy : yy - xx + apart;
+  const ChainPoint& inner = end[(count - 1) * step];
+  const float length = std::max(length_of(dx, dy), 1e-30f);
+  const float sign = (end->x - inner.x) * dx + (end->y - inner.y) * dy < 0.0f ? -1.0f : 1.0f;
+  return {mx, my, sign * dx / length, sign * dy / length};
+}
+
+void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
+  std::vector<Chain> linked;
+  std::vector<std::uint8_t> used(t.chains.size(), 0);
+  for (const bool closed : {false, true})
+    for (int start = 0; start < 2 * int(t.chains.size()); ++start) {
+      const Chain& first = t.chains[std::size_t(start / 2)];
+      if (used[std::size_t(start / 2)] || first.points.empty() ||
+          (!closed && mate[std::size_t(start)] >= 0 && !first.closed))
+        continue;
+      if (!closed && first.closed) continue;
+      Chain chain;
+      chain.closed = closed;
+      chain.node[0] = first.node[std::size_t(start % 2)];
+      chain.joined[0] = first.joined[std::size_t(start % 2)];
+      for (int at = start;;) {
+        const Chain& next = t.chains[std::size_t(at / 2)];
+        used[std::size_t(at / 2)] = 1;
+        if (over_gaps && !chain.points.empty()) bridge(chain.points, next.end(at % 2));
+        append(chain, next, at % 2 == 1);
+        const std::size_t far = std::size_t(1 - at % 2);
+        chain.node[1] = next.node[far];
+        chain.joined[1] = next.joined[far];
+        at = mate[std::size_t(at ^ 1)];
+        if (at < 0) break;
+        chain.points.back().node = over_gaps ? -1 : chain.node[1];
+        if (used[std::size_t(at / 2)]) break;
+      }
+      if (closed && over_gaps && !first.closed) bridge(chain.points, ChainPoint(chain.points.front()));
+      linked.push_back(std::move(chain));
+    }
+  t.chains = std::move(linked);
+}
+
+}  // namespace umbrage

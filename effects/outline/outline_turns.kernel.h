@@ -1,0 +1,117 @@
+// How strong a crease there may be between each pixel and its right and its lower neighbour: by how much normals turn
+// across it, within the widest of several windows that says so, less what the surface turns beside the window over as
+// wide a stretch. So edges are found whether sharp or bevelled, and round things have none. Beside the surface's own
+// silhouette there must be a side left to tell by. Normals in the middle of a window lie on the way between its ends',
+// or else it holds a vertex. Stored as strength + kWindowUnit times the window's half width, 0 where there is none.
+// outline_edges chooses among neighbours.
+IN_REAL(depth)
+IN_VECTOR(normal)
+IN_REAL(outline_break_right)
+IN_REAL(outline_break_below)
+OUT_REAL(outline_turn_right)
+OUT_REAL(outline_turn_below)
+#include "effects/outline/outline_windows.kernel.h"
+
+CONST float kMaxStraying = 0.17f;   // of a window's turn, that normals in its middle lie off the way
+CONST float kRoundness = 0.5f;      // times the turn beside a window on either side, that does not count,
+CONST float kSoftRoundness = 2.0f;  // and of a window wider than C.narrow
+
+FN Real length_of(Vec3 v) { return sqrt(dot(v, v)); }
+
+// How far n lies off the way from a to b.
+FN Real off_the_way(Vec3 a, Vec3 n, Vec3 b) {
+  Vec3 c = cross(a, b);
+  return abs(dot(c, n)) / max(length_of(c), Real(1e-6f));
+}
+
+// How much a side turns per pixel, from its pixel with normal v on: over all of its pixels, the last of which has the
+// normal `far`, or over half of them, whichever is less, since another crease may be there.
+FN Real milder_turn(Vec3 v, Vec3 far, Real count, Vec3 near, Real few) {
+  return min(length_of(v - far) / max(count, Real(1.0f)), length_of(v - near) / max(few, Real(1.0f)));
+}
+
+// That of the side that begins s steps of (i, j) from this pixel, where so many pixels are left of it.
+FN Real side_turn(Int px, Int py, Vec3 v, int s, int i, int j, Int count) {
+  Int few = to_signed(to_uint(count + Int(1)) >> 1);
+  Int far_x = px + Int(i) * (count + Int(s));
+  Int far_y = py + Int(j) * (count + Int(s));
+  Int near_x = px + Int(i) * (few + Int(s));
+  Int near_y = py + Int(j) * (few + Int(s));
+  return milder_turn(v, load_normal(far_x, far_y), to_real(count), load_normal(near_x, near_y), to_real(few));
+}
+
+// The same where as many are left as are asked.
+FN Real whole_side_turn(Vec3 v, int s, int i, int j, int count) {
+  int few = (count + 1) / 2;
+  return milder_turn(v, near_normal((s + count) * i, (s + count) * j), Real(float(count)),
+                     near_normal((s + few) * i, (s + few) * j), Real(float(few)));
+}
+
+FN Real turn_at(Int px, Int py, int i, int j) {
+  Bool maybe = break_beside(0, i, j) == 0.0f && near_inside(i, j) && is_surface(near_depth(0, 0));
+  if (!some(maybe)) return Real(0.0f);
+  Real most = Real(0.0f);
+  for (int h = 0; h <= C.max_window; h = wider(h)) {
+    Vec3 across = near_normal((1 + h) * i, (1 + h) * j) - near_normal(-h * i, -h * j);
+    most = max(most, dot(across, across));
+  }
+  Real least = Real(C.crease_chord);
+  maybe = maybe && most >= least * least * (kOutlineMinStrength * kOutlineMinStrength);
+  if (!some(maybe)) return Real(0.0f);
+  // How many more pixels the surface has on either side, and whether it ends in a silhouette of its own there.
+  Int before = Int(0);
+  Int after = Int(0);
+  Bool rim_before = maybe && !maybe;
+  Bool rim_after = rim_before;
+  Bool on_before = maybe;
+  Bool on_after = maybe;
+  for (int s = 1; s <= 2 * C.max_window + 1; ++s) {
+    Real there = break_beside(-s, i, j);
+    Bool inside = near_inside(-s * i, -s * j);
+    rim_before = rim_before || (on_before && inside && there < 0.0f);
+    on_before = on_before && inside && there == 0.0f;
+    before = before + select(on_before, Int(1), Int(0));
+    there = break_beside(s, i, j);
+    inside = near_inside((s + 1) * i, (s + 1) * j);
+    rim_after = rim_after || (on_after && inside && there > 0.0f);
+    on_after = on_after && inside && there == 0.0f;
+    after = after + select(on_after, Int(1), Int(0));
+    if (!some(on_before || on_after)) break;
+  }
+  Vec3 n1 = near_normal(0, 0);
+  Vec3 n2 = near_normal(i, j);
+  Real best = Real(0.0f);
+  Real coded = Real(0.0f);
+  for (int h = 0; h <= C.max_window; h = wider(h)) {
+    Vec3 a = near_normal(-h * i, -h * j);
+    Vec3 b = near_normal((1 + h) * i, (1 + h) * j);
+    Real turn = length_of(b - a);
+    Int left = min(before - Int(h), Int(h + 1));
+    Int right = min(after - Int(h), Int(h + 1));
+    Int rim_room = Int(h < 4 ? 1 : h / 2);
+    Int room = Int(h > 0 ? 1 : 0);
+    Bool on = maybe && turn >= least * max(best, Real(kOutlineMinStrength)) && left + right > Int(0) &&
+              left >= select(rim_before, rim_room, room) && right >= select(rim_after, rim_room, room);
+    if (!some(on)) continue;
+    Real of_left = whole_side_turn(a, h, -i, -j, h + 1);
+    Real of_right = whole_side_turn(b, h + 1, i, j, h + 1);
+    if (some(on && (left < Int(h + 1) || right < Int(h + 1)))) {
+      of_left = side_turn(px, py, a, h, -i, -j, max(left, Int(0)));
+      of_right = side_turn(px, py, b, h + 1, i, j, max(right, Int(0)));
+    }
+    Real sides = select(left > Int(0), of_left, of_right) + select(right > Int(0), of_right, of_left);
+    float width = float(2 * h + 1);
+    Real strength = turn - sides * (width * (width <= C.narrow ? kRoundness : kSoftRoundness));
+    strength = strength * Real((1.0f - C.coarser * float(h)) / C.crease_chord);
+    on = on && strength > best;
+    if (h > 0) on = on && max(off_the_way(a, n1, b), off_the_way(a, n2, b)) < turn * kMaxStraying;
+    best = select(on, strength, best);
+    coded = select(on, Real(float(h) * kWindowUnit), coded);
+  }
+  return select(best > kOutlineMinStrength, min(best, Real(kWindowUnit - 1.0f)) + coded, Real(0.0f));
+}
+
+FN void outline_turns_pixel(Int px, Int py) {
+  store_outline_turn_right(turn_at(px, py, 1, 0));
+  store_outline_turn_below(turn_at(px, py, 0, 1));
+}
