@@ -11,8 +11,9 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/frame_names.h"
-#include "apps/cli/options.h"
+#include "apps/cli/hints.h"
 #include "apps/cli/progress.h"
+#include "apps/cli/render_options.h"
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
 #include "apps/job/bands.h"
@@ -27,13 +28,6 @@
 
 namespace umbrage::cli {
 namespace {
-
-struct RenderOptions : CommonOptions {
-  std::string output, turntable, frame_rate = "30", memory = "6G";
-  std::optional<std::string> passes;
-  int bits = 8;
-  bool half = false, json = false;
-};
 
 constexpr std::string_view kStandardOutput = "-";  // as --output
 
@@ -142,96 +136,6 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
   const auto image = device.download(frame, names);
   if (!image) return image.error();
   return put_image(place, picture_in_file(o, place, *image, names, effect_settings, place.first), settings);
-}
-
-/// What is seen in a picture, for hints.
-struct Seen {
-  long surfaces = 0;  ///< pixels that show one
-  long changed = 0;   ///< and that occlusion changes
-
-  void add(const Plane& depth, const Plane* ao) {
-    constexpr float kVisible = 1.0f / 255.0f;  // of an 8-bit picture
-    for (int y = 0; y < depth.height; ++y)
-      for (int x = 0; x < depth.width; ++x) {
-        if (!std::isfinite(depth.at(x, y))) continue;
-        ++surfaces;
-        changed += ao && std::abs(ao->at(x, y) - 1.0f) > kVisible;
-      }
-  }
-};
-
-/// The planes that tell it; occlusion only where it is asked for.
-std::vector<std::string> seen_planes(const RenderOptions& o, const Recipe& recipe) {
-  std::vector<std::string> planes = {"depth"};
-  if (!o.radius.empty() && recipe.occlusion != kNoOcclusion) planes.emplace_back("ao");
-  return planes;
-}
-
-/// A sentence for each setting that this picture does not show.
-std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& recipe, const Scene& scene) {
-  std::vector<std::string> sentences;
-  const std::string_view look = recipe.look->name;
-  const auto runs = [&](std::string_view effect) {
-    const auto& effects = recipe.look->effects;
-    // What is not computed at reduced resolution now may be with another --quality; upsample is part of that.
-    return effect == recipe.occlusion || effect == "upsample" ||
-           std::find(effects.begin(), effects.end(), effect) != effects.end();
-  };
-  const auto techniques = occlusion_names(handed_in());
-  for (const std::string& setting : o.settings) {
-    const std::string effect = setting.substr(0, setting.find('.'));
-    // Of a configuration file some settings are for other looks.
-    if (runs(effect) || command_line.find(setting) == std::string_view::npos) continue;
-    if (std::find(techniques.begin(), techniques.end(), effect) != techniques.end())
-      sentences.push_back(fmt::format("--set {} does nothing: the occlusion of this picture is {}; try --ao {}",
-                                      setting, recipe.occlusion == kNoOcclusion ? "off" : recipe.occlusion, effect));
-    else
-      sentences.push_back(fmt::format("--set {} does nothing: the look {} has no {}", setting, look, effect));
-  }
-  if (!o.radius.empty() && recipe.occlusion == kNoOcclusion)
-    sentences.push_back(fmt::format("--ao-radius {} does nothing: this picture has no occlusion", o.radius));
-  const bool shines = std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
-    const Effect* effect = find_effect(name);
-    const Parameter* rig = effect ? find_parameter(*effect, "rig") : nullptr;
-    return rig && parameter_text(*rig, recipe.settings.find(effect->name)->second) == "scene";
-  });
-  if (!o.hdri_file.empty() && !o.hdri_skybox && (!shines || !o.hdri_ambient))
-    sentences.push_back(o.hdri_ambient ? fmt::format("--hdri-file does nothing: the look {} brings its own light", look)
-                                       : "--hdri-file does nothing: it is to be neither light nor background");
-  if (o.hdri_file.empty())
-    for (const std::string_view option : {"--hdri-rotation", "--hdri-intensity", "--hdri-ambient"})
-      if (command_line.find(option) != std::string_view::npos)
-        sentences.push_back(fmt::format("{} does nothing: there is no image; try --hdri-file sky:", option));
-  if (scene.point_count() == 0) {
-    const char* what = !o.point_size.empty() ? "--point-size" : o.point_shape != "auto" ? "--point-sprites" : nullptr;
-    if (what) sentences.push_back(fmt::format("{} does nothing: {} has no points", what, scene.name));
-  }
-  return sentences;
-}
-
-/// A sentence where the radius that the user chose leaves hardly any occlusion; else nothing.
-std::string radius_hint(const RenderOptions& o, const Recipe& recipe, const Seen& seen, float scene_radius) {
-  constexpr double kHardlyAny = 1e-3;              // of the pixels that show a surface
-  constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the scene's radius
-  if (o.radius.empty() || recipe.occlusion == kNoOcclusion) return "";
-  const auto length = parse_radius("--ao-radius", o.radius);
-  if (!length) return "";
-  const double percent =
-      length->relative ? double(length->value) : 100.0 * double(length->value) / double(scene_radius);
-  const double pixels = double(seen.surfaces), changed = double(seen.changed);
-  if (seen.surfaces == 0 || percent >= kTooSmall || changed > kHardlyAny * pixels) return "";
-  return fmt::format(
-      "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the scene's; try --ao-radius {:g}%",
-      100.0 * changed / pixels, percent, kUsual);
-}
-
-/// Says on standard error what is odd about a picture.
-void print_hints(const RenderOptions& o, const Recipe& recipe, const Seen& seen, const Scene& scene) {
-  if (seen.surfaces == 0)
-    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
-               scene.name);
-  if (const std::string hint = radius_hint(o, recipe, seen, scene.radius()); !hint.empty())
-    fmt::print(stderr, "umbrage: warning: {}\n", hint);
 }
 
 /// The planes of the passes that are wanted, as a small copy of the picture has them.

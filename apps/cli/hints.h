@@ -1,0 +1,28 @@
+// Hints on standard error: what is odd about a picture, and which settings it does not show.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "apps/cli/render_options.h"
+#include "core/image.h"
+
+namespace umbrage::cli {
+
+/// What is seen in a picture, for hints.
+struct Seen {
+  long surfaces = 0;  ///< pixels that show one
+  long changed = 0;   ///< and that occlusion changes
+
+  void add(const Plane& depth, const Plane* ao);
+};
+
+/// The planes that tell it; occlusion only where it is asked for.
+std::vector<std::string> seen_planes(const RenderOptions& o, const Recipe& recipe);
+
+/// A sentence for each setting that this picture does not show.
+std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& recipe, const Scene& scene);
+
+/// Says on standard error what is odd about a picture.
+void print_hints(const RenderOptions& o, const Recipe& recipe, const Seen& seen, const Scene& scene);
+
+}  // namespace umbrage::cli
