@@ -33,17 +33,22 @@ bool is_surer(const Edge& a, const Edge& b) {
 
 EdgeGraph::EdgeGraph(const HostPlane& right, const HostPlane& below, int width, int height)
     : width_(width), height_(height), row_bits_((2 * std::size_t(width) + 4 + 63) / 64 * 64) {
-  constexpr int kRows = 32;  // that are read at once
-  std::vector<std::vector<Edge>> found(std::size_t((height + kRows - 1) / kRows));
-  tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t block) {
-    const int first = int(block) * kRows;
-    for (int y = first; y < std::min(first + kRows, height); ++y)
+  constexpr int kBlock = 32;              // pixels wide and high
+  constexpr int kMost = kBlock * kBlock;  // edges of one: what has more is noise
+  std::vector<std::vector<Edge>> found(std::size_t((height + kBlock - 1) / kBlock));
+  tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t row_of_blocks) {
+    std::vector<Edge>& edges = found[row_of_blocks];
+    const int first = int(row_of_blocks) * kBlock;
+    for (int y = first; y < std::min(first + kBlock, height); ++y)
       for (const bool is_below : {false, true}) {
         const float* row = (is_below ? below : right).row(y);
         for (int x = 0; x < width; ++x)
           if (row[x] > 0.0f)
-            if (const auto e = decoded(row[x], x, y, is_below, width, height)) found[block].push_back(*e);
+            if (const auto e = decoded(row[x], x, y, is_below, width, height)) edges.push_back(*e);
       }
+    std::vector<int> count(std::size_t(width / kBlock + 1), 0);
+    for (const Edge& e : edges) ++count[std::size_t(e.x / kBlock)];
+    std::erase_if(edges, [&](const Edge& e) { return count[std::size_t(e.x / kBlock)] > kMost; });
   });
   std::vector<Edge> all;
   for (const std::vector<Edge>& block : found) all.insert(all.end(), block.begin(), block.end());

@@ -229,7 +229,7 @@ void drop_short(Tracing& t, float free_px, float branch_px) {
     for (std::size_t k = 0; k < t.chains.size(); ++k) {
       Chain& chain = t.chains[k];
       const bool free0 = t.is_free(chain, 0, meetings), free1 = t.is_free(chain, 1, meetings);
-      float least = free0 && free1 ? free_px : free0 || free1 ? branch_px : 0.0f;
+      float least = free0 && free1 ? free_px : free0 || free1 ? branch_px : 0.5f * branch_px;
       if (chain.closed || has_id(chain)) least = 0.0f;
       const float least_total = is_object[std::size_t(group[k])] ? 2.0f * branch_px : free_px;
       if (own[k] >= least * t.c.scale && total[std::size_t(group[k])] >= least_total * t.c.scale) continue;

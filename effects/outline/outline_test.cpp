@@ -1,157 +1,12 @@
-// `outline` on scenes whose edges are known: G-buffers are traced in double from half-spaces and spheres. Mode `paper`
-// is held to listing 3 of [Lajzer and Nottingham], ported literally.
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <functional>
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-#include <limits>
-#include <numbers>
-
-#include "run_effect.h"
-#include "support.h"
+// `outline` in both modes, and mode `paper` against listing 3 of [Lajzer and Nottingham], ported literally.
+#include "effects/outline/outline_test_scenes.h"
 
 namespace umbrage {
 namespace {
 
-using glm::dmat3;
-using glm::dvec3;
-using test::Settings;
+using namespace test;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTanHalfView = 0.36397023426620234;  // of 40 degrees, as empty_gbuffer has it
-constexpr double kLine = 0.02;                        // cover from which on a pixel counts as one of a line
-
-double radians(double deg) { return deg * std::numbers::pi / 180.0; }
-
-dmat3 rotation(double about_x_deg, double about_y_deg, double about_z_deg = 0.0) {
-  const double a = radians(about_x_deg), b = radians(about_y_deg), c = radians(about_z_deg);
-  const dmat3 x(1, 0, 0, 0, std::cos(a), std::sin(a), 0, -std::sin(a), std::cos(a));
-  const dmat3 y(std::cos(b), 0, -std::sin(b), 0, 1, 0, std::sin(b), 0, std::cos(b));
-  const dmat3 z(std::cos(c), std::sin(c), 0, -std::sin(c), std::cos(c), 0, 0, 0, 1);
-  return z * x * y;
-}
-
-// --- scenes -------------------------------------------------------------------------------------------------------
-
-/// What a ray meets. `distance` counts in directions, whose z is -1: it is the view depth.
-struct Hit {
-  double distance = kInfinity;
-  dvec3 normal{0.0};
-  int object = -1, material = -1;
-};
-using Scene = std::function<Hit(const dvec3& origin, const dvec3& direction)>;
-
-/// The points for which dot(normal, p) < offset.
-struct HalfSpace {
-  dvec3 normal;
-  double offset;
-};
-
-/// The part that all half-spaces share. Seen from inside, its walls are what is hit.
-Scene convex_solid(std::vector<HalfSpace> sides, int object = 0, bool from_inside = false) {
-  return [=](const dvec3& origin, const dvec3& direction) {
-    Hit in{.distance = -kInfinity, .object = object, .material = object}, out = in;
-    out.distance = kInfinity;
-    for (const HalfSpace& side : sides) {
-      const double speed = glm::dot(side.normal, direction);
-      const double gap = side.offset - glm::dot(side.normal, origin);
-      if (speed == 0.0) {
-        if (gap < 0.0) return Hit{};
-        continue;
-      }
-      const double t = gap / speed;
-      if (speed < 0.0 && t > in.distance) in.distance = t, in.normal = side.normal;
-      if (speed > 0.0 && t < out.distance) out.distance = t, out.normal = -side.normal;
-    }
-    if (from_inside) return out;
-    return in.distance > 0.0 && in.distance < out.distance ? in : Hit{};
-  };
-}
-
-Scene sphere(dvec3 center, double radius, int object) {
-  return [=](const dvec3& origin, const dvec3& direction) {
-    const dvec3 from = origin - center;
-    const double a = glm::dot(direction, direction), b = glm::dot(from, direction),
-                 c = glm::dot(from, from) - radius * radius;
-    const double root = b * b - a * c;
-    if (root <= 0.0) return Hit{};
-    const double t = (-b - std::sqrt(root)) / a;
-    if (t <= 0.0) return Hit{};
-    return Hit{t, (from + direction * t) / radius, object, object};
-  };
-}
-
-/// The nearest of several.
-Scene together(std::vector<Scene> scenes) {
-  return [=](const dvec3& origin, const dvec3& direction) {
-    Hit nearest;
-    for (const Scene& scene : scenes)
-      if (const Hit hit = scene(origin, direction); hit.distance < nearest.distance) nearest = hit;
-    return nearest;
-  };
-}
-
-/// A box, and, where `bevel` is above 0, with its edges cut off so that the cuts are that wide.
-Scene box(dvec3 center, dmat3 turn, double half, double bevel = 0.0, int object = 0) {
-  std::vector<HalfSpace> sides;
-  const auto add = [&](const dvec3& n, double offset) {
-    const dvec3 normal = turn * n;
-    sides.push_back({normal, offset + glm::dot(normal, center)});
-  };
-  for (int axis = 0; axis < 3; ++axis)
-    for (int sign : {-1, 1}) {
-      dvec3 n(0.0);
-      n[axis] = sign;
-      add(n, half);
-    }
-  if (bevel > 0.0)
-    for (int axis = 0; axis < 3; ++axis)
-      for (int s : {-1, 1})
-        for (int t : {-1, 1}) {
-          dvec3 n(0.0);
-          n[(axis + 1) % 3] = s * std::sqrt(0.5);
-          n[(axis + 2) % 3] = t * std::sqrt(0.5);
-          add(n, std::sqrt(2.0) * half - 0.5 * bevel);
-        }
-  return convex_solid(sides, object);
-}
-
-/// A scene without perspective shows at depth kFocus what one with it does.
-constexpr double kFocus = 6.0;
-
-struct Lens {
-  int width = 256, height = 256;
-  bool orthographic = false;
-  double shift_x_px = 0.0, shift_y_px = 0.0;  // of the window, to the right and up
-
-  double pixel() const { return 2.0 * kTanHalfView * (orthographic ? kFocus : 1.0) / height; }
-  double left() const { return -0.5 * width * pixel() + shift_x_px * pixel(); }
-  double top() const { return 0.5 * height * pixel() + shift_y_px * pixel(); }
-};
-
-GBuffer seen(const Lens& lens, const Scene& scene) {
-  GBuffer g = test::empty_gbuffer(lens.width, lens.height);
-  g.info.camera.projection = lens.orthographic ? Projection::kOrthographic : Projection::kPerspective;
-  g.info.camera.left = float(lens.left());
-  g.info.camera.right = float(lens.left() + lens.width * lens.pixel());
-  g.info.camera.top = float(lens.top());
-  g.info.camera.bottom = float(lens.top() - lens.height * lens.pixel());
-  Image& image = g.layers[0];
-  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"}) image.add(name);
-  for (int y = 0; y < lens.height; ++y)
-    for (int x = 0; x < lens.width; ++x) {
-      const double wx = lens.left() + (x + 0.5) * lens.pixel(), wy = lens.top() - (y + 0.5) * lens.pixel();
-      const Hit hit = lens.orthographic ? scene({wx, wy, 0.0}, {0, 0, -1}) : scene(dvec3(0.0), {wx, wy, -1.0});
-      image.planes[0].at(x, y) = float(hit.distance);
-      for (int c = 0; c < 3; ++c) image.planes[1 + c].at(x, y) = float(hit.normal[c]);
-      image.planes[4].at(x, y) = float(hit.object);
-      image.planes[5].at(x, y) = float(hit.material);
-    }
-  return g;
-}
+constexpr double kLine = 0.02;  // cover from which on a pixel counts as one of a line
 
 Plane lines_of(const GBuffer& g, const Settings& settings = {}) {
   return test::run_effect(*find_effect("outline"), g, settings, {}).plane("outline");
@@ -163,23 +18,6 @@ long count(
   for (int y = 0; y < lines.height; ++y)
     for (int x = 0; x < lines.width; ++x) n += lines.at(x, y) > kLine && where(x, y);
   return n;
-}
-
-// --- what must have no line ----------------------------------------------------------------------------------------
-
-/// A plane seen at so many degrees in the middle of the picture, there at a depth, with smooth errors of its normals.
-Scene ground(double elevation_deg, double error_deg, double depth = kFocus, int object = 0) {
-  const dvec3 normal(0.0, std::cos(radians(elevation_deg)), std::sin(radians(elevation_deg)));
-  const Scene plane = convex_solid({{normal, glm::dot(normal, dvec3(0, 0, -depth))}}, object);
-  return [=](const dvec3& origin, const dvec3& direction) {
-    Hit hit = plane(origin, direction);
-    if (error_deg > 0.0 && hit.distance < kInfinity) {
-      const dvec3 p = origin + direction * hit.distance;
-      const double angle = 5.0 * p.x + 1.7 * p.z, most = std::tan(radians(error_deg));
-      hit.normal = glm::normalize(hit.normal + most * dvec3(std::cos(angle), 0.0, std::sin(angle)));
-    }
-    return hit;
-  };
 }
 
 TEST(Outline, BackgroundAloneHasNoLine) {
