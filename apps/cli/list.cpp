@@ -70,6 +70,7 @@ nlohmann::json list_formats() {
   for (const ImageFormat& format : image_formats())
     records.push_back(
         {{"name", fmt::format(".{}", format.extension)}, {"summary", fmt::format("{}, written", format.summary)}});
+  records.push_back({{"name", ".svg"}, {"summary", "lines as curves, written by render"}});
   return records;
 }
 

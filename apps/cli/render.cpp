@@ -12,6 +12,7 @@
 #include "apps/cli/commands.h"
 #include "apps/cli/frame_names.h"
 #include "apps/cli/hints.h"
+#include "apps/cli/line_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/render_options.h"
 #include "apps/cli/standard_input.h"
@@ -31,6 +32,14 @@ namespace {
 
 constexpr std::string_view kStandardOutput = "-";  // as --output
 
+/// Of a file that can be written. Errors: kUsage.
+Result<std::string> extension_of(const std::string& file) {
+  if (is_svg(file)) return std::string("svg");
+  const auto format = format_of(file);
+  if (!format) return format.error();
+  return std::string((*format)->extension);
+}
+
 /// Bytes of "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text) {
   constexpr std::string_view kUnits = "KMGT";
@@ -49,9 +58,7 @@ struct Place {
   std::string file;        ///< or kStandardOutput
   Video* video = nullptr;  ///< a frame of it, in place of a file
   PictureInfo first;       ///< of the first of several frames
-  std::string_view extension() const {
-    return video || file == kStandardOutput ? "png" : (*format_of(file))->extension;
-  }
+  std::string extension() const { return video || file == kStandardOutput ? "png" : *extension_of(file); }
 };
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
@@ -163,11 +170,14 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
 }
 
 /// Draws the picture in bands, into its file. Progress is shown meanwhile, on `line`.
-Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device& device, Scene& scene,
-                            const DrawSettings& draw_with, BandPlan plan, ProgressLine& line, StageTimes& times) {
+Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, const LineFile& lines, Device& device,
+                            Scene& scene, const DrawSettings& draw_with, BandPlan plan, ProgressLine& line,
+                            StageTimes& times) {
   const Place place{o.output, nullptr, {}};
-  auto names = kColor;
-  if (o.no_background) names.push_back("color.a");
+  Lines traced;
+  if (lines) plan.lines = &traced;
+  auto names = lines.alone ? std::vector<std::string>() : kColor;
+  if (o.no_background && !lines.alone) names.push_back("color.a");
   if (o.passes) {
     auto planes = pass_planes(o, device, scene, draw_with);
     if (!planes) return planes.error();
@@ -199,7 +209,9 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, Device
         },
         [&] { return draw_bands(device, scene, draw_with, plan, take_rows, times); });
   };
-  auto written = put_rows(place, shape, settings, make);
+  auto written =
+      lines.alone ? make([](const Image&) { return Result<void>(); }) : put_rows(place, shape, settings, make);
+  if (written && lines) written = write_lines(lines, traced);
   line.wipe();
   if (written) print_hints(o, recipe, seen, scene);
   return written;
@@ -259,7 +271,7 @@ Result<Output> output_of(const RenderOptions& o) {
       return usage_error("'{}' is a video, of several frames: --turntable 120 makes it", o.output);
     if (piped) return output;
     if (auto writable = check_writable(o.output); !writable) return writable.error();
-    if (const auto format = format_of(o.output); !format) return format.error();
+    if (const auto known = extension_of(o.output); !known) return known.error();
     return output;
   }
   constexpr int kMostTurns = 100000;
@@ -277,7 +289,7 @@ Result<Output> output_of(const RenderOptions& o) {
   output.names = *names;
   for (const int frame : {0, output.frames - 1})
     if (auto writable = check_writable(names->of(frame)); !writable) return writable.error();
-  if (const auto format = format_of(names->of(0)); !format) return format.error();
+  if (const auto known = extension_of(names->of(0)); !known) return known.error();
   return output;
 }
 
@@ -289,8 +301,9 @@ VideoSettings video_settings(const RenderOptions& o, const Output& output, const
 }
 
 /// Draws and writes all frames.
-Result<void> draw_frames(const RenderOptions& o, const Output& output, const Recipe& recipe, Device& device,
-                         Scene& scene, DrawSettings draw_with, const BandPlan& plan, StageTimes& times) {
+Result<void> draw_frames(const RenderOptions& o, const Output& output, const Recipe& recipe, const LineFile& lines,
+                         Device& device, Scene& scene, DrawSettings draw_with, const BandPlan& plan,
+                         StageTimes& times) {
   ProgressLine line;
   int frame_number = 0;
   draw_with.progress = [&](double done) {
@@ -298,7 +311,7 @@ Result<void> draw_frames(const RenderOptions& o, const Output& output, const Rec
               (frame_number + done) / output.frames);
     return true;
   };
-  if (plan.rows > 0) return draw_into_file(o, recipe, device, scene, draw_with, plan, line, times);
+  if (plan.rows > 0) return draw_into_file(o, recipe, lines, device, scene, draw_with, plan, line, times);
   const KeptPlanes kept;
   std::unique_ptr<Video> video;
   Place place{o.output, nullptr, {}};
@@ -324,8 +337,12 @@ Result<void> draw_frames(const RenderOptions& o, const Output& output, const Rec
       place.first = frame->info;
     }
     if (output.turns && !video) place.file = output.names.of(frame_number);
-    if (auto written = write_output(o, place, recipe.settings, device, *frame); !written) return written;
+    if (!lines.alone)
+      if (auto written = write_output(o, place, recipe.settings, device, *frame); !written) return written;
     times.done("write");
+    if (!lines) continue;
+    if (auto written = write_lines(lines, frame_number, device, *frame); !written) return written;
+    times.done("lines");
   }
   if (!video) return {};
   line.show("finishing " + o.output);
@@ -339,6 +356,8 @@ Result<void> render(const RenderOptions& o) {
   // Everything that can be wrong without a model is found before it is read.
   const auto output = output_of(o);
   if (!output) return output.error();
+  auto lines = line_file_of(o, output->turns ? output->frames : 0);
+  if (!lines) return lines.error();
   if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   auto draw_with = draw_settings(o, kMostBandPixels);
   if (!draw_with) return draw_with.error();
@@ -351,11 +370,14 @@ Result<void> render(const RenderOptions& o) {
     if (auto fine = check_passes(split(*o.passes), *draw_with); !fine) return fine;
   const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
-                                                              : std::string((*format_of(o.output))->extension);
+                                                              : *extension_of(o.output);
   if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
     return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", *o.passes);
   if (o.bits != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
+  if (*lines)
+    if (auto taken = take_recipe(o, *recipe, *lines); !taken) return taken;
+  if (lines->alone) draw_lines_alone(o, *draw_with);
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o, *output, *draw_with)); !fine) return fine;
   const auto import_with = import_settings(o);
@@ -408,7 +430,8 @@ Result<void> render(const RenderOptions& o) {
   if (plan->rows > 0 && o.verbose)
     fmt::print(stderr, "drawn in bands of {} rows, by about {:.1f} GB; whole it would take more than --memory {}\n",
                plan->rows, plan->bytes * 1e-9, o.memory);
-  if (auto drawn = draw_frames(o, *output, *recipe, **device, *scene, *draw_with, *plan, times); !drawn) return drawn;
+  if (auto drawn = draw_frames(o, *output, *recipe, *lines, **device, *scene, *draw_with, *plan, times); !drawn)
+    return drawn;
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, (*device)->description());
   if (o.verbose || o.json) print_times(times, added_up((*device)->take_pass_times()), o.json);
   return {};
@@ -425,11 +448,13 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   add_light_options(*command, *options);
   const auto output = "Output";
   command
-      ->add_option("-o,--output", options->output,
-                   "file to write: .png, .exr or .pfm; - for a PNG on standard output; of --turntable also .mp4, .webm "
-                   "or .gif")
+      ->add_option(
+          "-o,--output", options->output,
+          "file to write: .png, .exr or .pfm; .svg for the lines alone, of the look cartoon unless --look says "
+          "another; - for a PNG on standard output; of --turntable also .mp4, .webm or .gif")
       ->required()
       ->group(output);
+  command->add_option("--svg", options->svg, "write the look's lines as curves, too, to this .svg file")->group(output);
   command
       ->add_option("--passes", options->passes,
                    "planes to write instead of the picture: all, or names such as depth,normal,ao")
@@ -447,7 +472,11 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(output);
   command->add_flag("--json", options->json, "print the time of each stage as JSON")->group(output);
   add_device_options(*command, *options);
-  command->callback([options, &run] { run = [options] { return render(*options); }; });
+  command->callback([options, command, &run] {
+    options->look_given = command->count("--look") > 0;
+    choose_line_look(*options);
+    run = [options] { return render(*options); };
+  });
 }
 
 }  // namespace umbrage::cli

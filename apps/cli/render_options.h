@@ -8,10 +8,11 @@
 namespace umbrage::cli {
 
 struct RenderOptions : CommonOptions {
-  std::string output, turntable, frame_rate = "30", memory = "6G";
+  std::string output, svg, turntable, frame_rate = "30", memory = "6G";
   std::optional<std::string> passes;
   int bits = 8;
   bool half = false, json = false;
+  bool look_given = false;
 };
 
 }  // namespace umbrage::cli

@@ -6,7 +6,9 @@
 #include <set>
 
 #include "apps/job/drawing.h"
+#include "apps/job/lines.h"
 #include "core/check.h"
+#include "devices/shared/neutral.h"
 #include "effects/effects.h"
 #include "looks/metering.h"
 
@@ -78,9 +80,10 @@ class BandDrawer {
   /// What is finished of a band, its inner rows, the first of them `first`.
   using Finish = std::function<Result<void>(const Frame& frame, const Image& rows, int first)>;
 
-  /// Draws all bands, as often as it takes; `planes` of what is finished go to `finish`.
+  /// Draws all bands, as often as it takes; `planes` of what is finished go to `finish`. `lines`, if not null, gets the
+  /// frame's lines.
   Result<void> draw_frame(const Camera& camera, int rows, const std::vector<std::string>& planes, const Finish& finish,
-                          BandProgress& progress) {
+                          BandProgress& progress, Lines* lines) {
     const auto wholes = std::make_shared<WholePlanes>();
     bool metered = false;
     sweep_ = 0;
@@ -104,10 +107,25 @@ class BandDrawer {
       progress.sweep_done();
     }
     progress.frame_done(metered);
+    if (lines) *lines = lines_of(*wholes);
     return {};
   }
 
  private:
+  /// From the planes that the bands have gathered for the host step.
+  Lines lines_of(WholePlanes& wholes) const {
+    Image planes(info_.width, info_.height);
+    for (const std::string_view name : edge_planes()) {
+      Plane& plane = planes.add(name);
+      for (auto& [key, entry] : wholes.planes)
+        if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) plane = std::move(entry.plane);
+      if (!plane.data()) plane = Plane(info_.width, info_.height, *neutral_value(name));
+    }
+    const ParameterBytes& params =
+        drawing_.lines.empty() ? drawing_.recipe.settings.find("outline")->second : drawing_.lines;
+    return traced_lines(info_, planes, params, device_.threads());
+  }
+
   /// Draws a band, with more margin as long as that lacks. Errors: kUnfinished where it waits for others.
   Result<void> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
                          const Finish& finish) {
@@ -143,6 +161,7 @@ class BandDrawer {
     if (auto added = add_sky(device_, scene_, drawing_, settings_, *frame); !added) return added;
     if (settings_.hdri.shown()) times_.done("sky");
     if (auto known = know_picture(drawing_, frame->info, settings_); !known) return known;
+    info_ = frame->info;
     const auto stops = run_look(run_, device_, *frame);
     if (!stops) return stops.error();
     if (auto done = draw_lines(device_, drawing_, *frame, times_); !done) return done;
@@ -170,6 +189,7 @@ class BandDrawer {
   Metering seen_;
   float usual_ = 0.0f;     // stops
   bool metering_ = false;  // in this sweep
+  PictureInfo info_;
   int height_ = 0;
   std::size_t sweep_ = 0;     // of the frame
   std::vector<int> margins_;  // of the bands of each sweep: the same in all frames
@@ -302,7 +322,9 @@ Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settin
     const bool last = k == 0;
     BandDrawer::Finish each = add;
     if (last) each = finish;
-    if (auto done = drawer.draw_frame(camera, plan.rows, last ? wanted : averaged, each, progress); !done) return done;
+    Lines* const lines = last ? plan.lines : nullptr;
+    if (auto done = drawer.draw_frame(camera, plan.rows, last ? wanted : averaged, each, progress, lines); !done)
+      return done;
   }
   return progress.end();
 }

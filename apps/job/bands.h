@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "apps/job/job.h"
+#include "core/lines.h"
 
 namespace umbrage {
 
@@ -13,6 +14,7 @@ struct BandPlan {
   int rows = 0;                     ///< of a band, a multiple of 4 (of 64, as planned); 0: the picture is drawn whole
   std::vector<std::string> planes;  ///< that are wanted of it
   double bytes = 0.0;               ///< that drawing takes, about
+  Lines* lines = nullptr;           ///< gets the lines of a look that line_parameters takes, if there is one
 };
 
 /// How to draw such a picture with about so many bytes: whole where they suffice and it has no more than kMostPixels,

@@ -1,0 +1,70 @@
+#include "apps/cli/line_file.h"
+
+#include "apps/job/lines.h"
+#include "effects/output/output.h"
+#include "io/image_file.h"
+#include "looks/looks.h"
+
+namespace umbrage::cli {
+
+void choose_line_look(RenderOptions& o) {
+  constexpr const char* kLineLook = "cartoon";
+  if (is_svg(o.output) && !o.look_given) o.look = kLineLook;
+}
+
+Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
+  LineFile lines;
+  lines.alone = is_svg(o.output);
+  if (lines.alone && !o.svg.empty())
+    return usage_error("--svg {} is for lines beside a picture, and --output {} has no picture: give one of them",
+                       o.svg, o.output);
+  if (lines.alone && o.passes)
+    return usage_error("--passes {} needs a file that holds planes, such as .exr, and '{}' holds lines alone",
+                       *o.passes, o.output);
+  if (!o.svg.empty() && !is_svg(o.svg))
+    return usage_error("--svg cannot be '{}': it takes a file whose name ends in .svg", o.svg);
+  lines.file = lines.alone ? o.output : o.svg;
+  if (!lines) return lines;
+  if (frames == 0) {
+    if (auto writable = check_writable(lines.file); !writable) return writable.error();
+    return lines;
+  }
+  auto names = frame_names(lines.file);
+  if (!names) return names.error();
+  lines.names = std::move(*names);
+  for (const int frame : {0, frames - 1})
+    if (auto writable = check_writable(lines.names.of(frame)); !writable) return writable.error();
+  return lines;
+}
+
+Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile& lines) {
+  auto params = line_parameters(recipe);
+  if (!params) return params.error();
+  lines.params = std::move(*params);
+  lines.style.color = line_color(lines.params);
+  lines.style.opacity = line_opacity(lines.params);
+  if (o.background.empty() || o.no_background) return {};
+  const auto& output = as<OutputParams>(recipe.settings.find("output")->second);
+  lines.style.background = {output.background_r, output.background_g, output.background_b};
+  return {};
+}
+
+void draw_lines_alone(const RenderOptions& o, DrawSettings& draw) {
+  draw.frames = 1;
+  if (!o.radius.empty()) return;  // of which a hint may have something to say
+  draw.occlusion = kNoOcclusion;
+  draw.occlusion_scale.clear();
+}
+
+Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame) {
+  const auto traced = traced_lines(device, frame, lines.params);
+  if (!traced) return traced.error();
+  const bool numbered = !lines.names.after.empty();
+  return write_svg(numbered ? lines.names.of(frame_number) : lines.file, *traced, lines.style);
+}
+
+Result<void> write_lines(const LineFile& lines, const Lines& traced) {
+  return write_svg(lines.file, traced, lines.style);
+}
+
+}  // namespace umbrage::cli

@@ -1,0 +1,188 @@
+#include "io/svg.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <utility>
+
+#include "io/image_file.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kTolerance = 0.05f;    // pixels that a path's width may leave the line's by,
+constexpr float kMaxShare = 0.02f;     // or this share of it; but
+constexpr float kMinRun = 2.0f;        // pixels that a path is long at least
+constexpr float kMaxOverlap = 0.25f;   // pixels that it goes on into the next: so no slit is seen between them
+constexpr float kOverlapShare = 0.1f;  // of the width, of thin lines: less is darkened twice
+constexpr int kMaxParts = 64;          // of one segment whose width changes
+constexpr float kMinWidth = 0.005f;    // pixels: narrower would be written as 0
+
+constexpr float kFarthest = 1e9f;  // pixels
+
+float tolerance_of(float width) { return std::max(kTolerance, kMaxShare * width); }
+
+std::string_view name_of(LineKind kind) {
+  switch (kind) {
+    case LineKind::kOutline:
+      return "outline";
+    case LineKind::kFold:
+      return "fold";
+    case LineKind::kCrease:
+      break;
+  }
+  return "crease";
+}
+
+/// From 0 to 1; 0 for NaN.
+float share(float v) { return std::fmin(std::fmax(v, 0.0f), 1.0f); }
+
+/// "#rrggbb".
+std::string hex_of(const std::array<float, 3>& color) {
+  std::string text = "#";
+  for (const float v : color) text += fmt::format("{:02x}", int(std::lround(255.0f * share(v))));
+  return text;
+}
+
+/// A number without a minus before 0.
+double rounded(float v) { return std::round(double(v) * 100.0) / 100.0 + 0.0; }
+
+/// A point of a line, or one between two of them.
+struct Knot {
+  LinePoint at;
+  bool corner;  ///< the line may turn here
+};
+
+/// The line's points, and at least one between any two, more where the width changes.
+std::vector<Knot> knots_of(const Line& line) {
+  std::vector<Knot> knots = {{line.points[0], true}};
+  for (std::size_t k = 1; k < line.points.size(); ++k) {
+    const LinePoint &a = line.points[k - 1], &b = line.points[k];
+    const float step = tolerance_of(std::min(a.width, b.width));
+    const int parts = int(std::clamp(std::ceil(std::abs(b.width - a.width) / step), 2.0f, float(kMaxParts)));
+    for (int i = 1; i < parts; ++i) {
+      const float f = float(i) / float(parts);
+      knots.push_back({{a.x + f * (b.x - a.x), a.y + f * (b.y - a.y), a.width + f * (b.width - a.width)}, false});
+    }
+    knots.push_back({b, true});
+  }
+  return knots;
+}
+
+float distance(const LinePoint& a, const LinePoint& b) { return std::hypot(b.x - a.x, b.y - a.y); }
+
+/// Part of a line that is about as wide everywhere: knots [first, last].
+struct Run {
+  std::size_t first, last;
+  float width;
+};
+
+/// As few as hold the line's width. They meet between its points, where it does not turn.
+std::vector<Run> runs_of(const std::vector<Knot>& knots) {
+  std::vector<Run> runs;
+  for (std::size_t first = 0;;) {
+    Run run{first, first, knots[first].at.width};
+    float least = run.width, most = least, length = 0.0f;
+    for (std::size_t k = first + 1; k < knots.size(); ++k) {
+      const float width = knots[k].at.width;
+      length += distance(knots[k - 1].at, knots[k].at);
+      least = std::min(least, width), most = std::max(most, width);
+      if (run.last > first && length > kMinRun && most - least > 2.0f * tolerance_of(0.5f * (least + most))) break;
+      if (!knots[k].corner || k + 1 == knots.size()) run.last = k, run.width = 0.5f * (least + most);
+    }
+    runs.push_back(run);
+    if (run.last + 1 >= knots.size()) return runs;
+    first = run.last;
+  }
+}
+
+/// A knot between two points of the line, moved along it.
+LinePoint moved(const std::vector<Knot>& knots, std::size_t k, float along) {
+  const LinePoint &a = knots[k - 1].at, &b = knots[k + 1].at;
+  const float length = distance(a, b), f = length > 0.0f ? along / length : 0.0f;
+  return {knots[k].at.x + f * (b.x - a.x), knots[k].at.y + f * (b.y - a.y), knots[k].at.width};
+}
+
+void add_path(const std::vector<LinePoint>& points, float width, bool round, bool closed, std::string& out) {
+  if (width < kMinWidth) return;
+  auto to = std::back_inserter(out);
+  fmt::format_to(to, "<path {}stroke-width=\"{:.2f}\" d=\"M{:.2f} {:.2f}", round ? "" : "stroke-linecap=\"butt\" ",
+                 width, rounded(points[0].x), rounded(points[0].y));
+  // A single point is a dot.
+  const std::size_t begin = std::min<std::size_t>(1, points.size() - 1), end = points.size() - (closed ? 1 : 0);
+  for (std::size_t k = begin; k < end; ++k)
+    fmt::format_to(to, "{}{:.2f} {:.2f}", k == begin ? 'L' : ' ', rounded(points[k].x), rounded(points[k].y));
+  out += closed ? "Z\"/>\n" : "\"/>\n";
+}
+
+/// The paths of a line. Where two of them meet they overlap as little as hides it: edges that are smoothed twice are
+/// darker. So those within the line have flat ends; the others have the line's round ones.
+void add_line(const Line& line, std::string& out) {
+  if (line.points.empty()) return;
+  const std::vector<Knot> knots = knots_of(line);
+  const std::vector<Run> runs = runs_of(knots);
+  for (const Run& run : runs) {
+    const bool starts = run.first == 0, ends = run.last + 1 == knots.size();
+    const float overlap = std::min(kMaxOverlap, kOverlapShare * run.width);
+    std::vector<LinePoint> points = {starts ? knots[0].at : moved(knots, run.first, -overlap)};
+    for (std::size_t k = run.first + 1; k < run.last; ++k)
+      if (knots[k].corner) points.push_back(knots[k].at);
+    if (run.last > run.first) points.push_back(ends ? knots[run.last].at : moved(knots, run.last, overlap));
+    const bool round = starts || (ends && !line.closed);
+    add_path(points, run.width, round, line.closed && starts && ends && points.size() > 2, out);
+  }
+}
+
+/// Errors: kUsage where no file can say what they are.
+Result<void> check_lines(const Lines& lines) {
+  for (std::size_t k = 0; k < lines.lines.size(); ++k)
+    for (const LinePoint& p : lines.lines[k].points)
+      if (!(std::abs(p.x) <= kFarthest && std::abs(p.y) <= kFarthest && p.width >= 0.0f && p.width <= kFarthest))
+        return usage_error(
+            "stroke {} has a point at {}, {} of width {}: it takes numbers up to {:g}, and no width below 0", k, p.x,
+            p.y, p.width, kFarthest);
+  return {};
+}
+
+}  // namespace
+
+bool is_svg(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
+  return ending == ".svg";
+}
+
+Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
+  if (auto fine = check_lines(lines); !fine) return fine.error();
+  std::map<std::pair<LineKind, int>, std::string> groups;
+  for (const Line& line : lines.lines) add_line(line, groups[{line.kind, line.object}]);
+  std::string text = fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}px\" height=\"{1}px\" viewBox=\"0 0 {0} {1}\">\n",
+      lines.width, lines.height);
+  if (style.background)
+    text += fmt::format("<rect width=\"{}\" height=\"{}\" fill=\"{}\"/>\n", lines.width, lines.height,
+                        hex_of(*style.background));
+  text += fmt::format(
+      "<g id=\"lines\" fill=\"none\" stroke=\"{}\" stroke-linecap=\"round\" stroke-linejoin=\"round\" "
+      "opacity=\"{:.3g}\">\n",
+      hex_of(style.color), share(style.opacity));
+  for (const auto& [key, paths] : groups) {
+    if (paths.empty()) continue;
+    const auto& [kind, object] = key;
+    text +=
+        fmt::format("<g id=\"{0}-{1}\" class=\"{0}\" data-object=\"{1}\">\n{2}</g>\n", name_of(kind), object, paths);
+  }
+  return text + "</g>\n</svg>\n";
+}
+
+Result<void> write_svg(const std::filesystem::path& file, const Lines& lines, const SvgStyle& style) {
+  const auto text = svg_text(lines, style);
+  return text ? write_text(file, *text) : text.error();
+}
+
+}  // namespace umbrage
