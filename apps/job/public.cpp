@@ -7,12 +7,15 @@
 #include "apps/job/arrays.h"
 #include "apps/job/callers_progress.h"
 #include "apps/job/job.h"
+#include "apps/job/lines.h"
 #include "apps/job/passes.h"
+#include "apps/job/strokes.h"
 #include "core/guarded.h"
 #include "core/image.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
+#include "io/svg.h"
 #include "looks/frames.h"
 #include "umbrage/umbrage.h"
 
@@ -164,8 +167,9 @@ std::vector<float> interleaved(const Image& image) {
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b", "color.a"};
 
-/// What a frame holds of what was asked for.
-Result<Picture> downloaded(Device& device, const Frame& frame, bool color, const std::vector<std::string>& passes) {
+/// What a frame holds of what was asked for; strokes where there are parameters of lines.
+Result<Picture> downloaded(Device& device, const Frame& frame, bool color, const std::vector<std::string>& passes,
+                           const ParameterBytes& lines) {
   Picture picture;
   picture.width = frame.info.inner_width();
   picture.height = frame.info.inner_height();
@@ -174,6 +178,8 @@ Result<Picture> downloaded(Device& device, const Frame& frame, bool color, const
     if (!image) return image.error();
     picture.rgba = interleaved(*image);
   }
+  if (!lines.empty())
+    if (auto done = add_strokes(device, frame, lines, picture); !done) return done.error();
   if (passes.empty()) return picture;
   const auto all = device.download(frame, {});
   if (!all) return all.error();
@@ -193,6 +199,7 @@ struct Opened {
   std::unique_ptr<Scene> scene;  // devices point to it
   DrawSettings settings;
   std::vector<std::string> passes;
+  ParameterBytes lines;  // where strokes are wanted
 };
 
 Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
@@ -202,6 +209,8 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
   if (!settings) return settings.error();
   const auto import_with = import_settings(request);
   if (!import_with) return import_with.error();
+  auto lines = wanted_lines(request.strokes, *settings, {});
+  if (!lines) return lines.error();
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
   if (!settings->progress(0.0)) return interrupted();
@@ -215,7 +224,8 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
   if (!settings->progress(0.0)) return interrupted();
   furnish(*scene, *settings);
-  Opened opened{std::move(*device), std::make_unique<Scene>(std::move(*scene)), std::move(*settings), request.passes};
+  Opened opened{std::move(*device), std::make_unique<Scene>(std::move(*scene)), std::move(*settings), request.passes,
+                std::move(*lines)};
   if (const auto ready = opened.device->prepare(*opened.scene); !ready) return ready.error();
   return opened;
 }
@@ -224,7 +234,7 @@ Result<Picture> draw_frame(Opened& opened) {
   StageTimes times;
   const auto frame = draw(*opened.device, *opened.scene, opened.settings, times);
   if (!frame) return frame.error();
-  return downloaded(*opened.device, *frame, true, opened.passes);
+  return downloaded(*opened.device, *frame, true, opened.passes, opened.lines);
 }
 
 Result<Picture> draw_picture(const RenderRequest& request, std::vector<std::string>& warnings) {
@@ -252,6 +262,8 @@ Result<Picture> shade_picture(const ShadeRequest& request) {
   if (auto done = store_picture(request, settings); !done) return done.error();
   auto gbuffer = gbuffer_of(request);
   if (!gbuffer) return gbuffer.error();
+  const auto lines = wanted_lines(request.strokes, settings, request.effects);
+  if (!lines) return lines.error();
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
   StageTimes times;
@@ -265,7 +277,7 @@ Result<Picture> shade_picture(const ShadeRequest& request) {
     if (!all) return all.error();
     passes = passes_made(effects.back(), all->find(effects.back())->second);
   }
-  return downloaded(**device, *frame, color, passes);
+  return downloaded(**device, *frame, color, passes, *lines);
 }
 
 /// One pass or the colour as planes of a file. Errors: kUsage where it is not of the picture's size.
@@ -299,6 +311,7 @@ std::vector<std::string> channels_to_write(const Pixels& pass) {
 Result<void> write_picture(const Picture& picture, const std::string& file, const SaveRequest& request) {
   if (request.bits != 8 && request.bits != 16)
     return usage_error("--bits cannot be {}: it takes 8 or 16", request.bits);
+  if (is_svg(file)) return write_strokes(picture, file);
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
   const bool holds_passes = (*format)->extension == "exr";

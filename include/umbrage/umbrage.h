@@ -55,11 +55,33 @@ struct Pixels {
   std::vector<float> values{};  ///< width * height * channels
 };
 
+/// A point of a stroke. Pixels from the picture's upper left corner, where the first pixel's centre is at (0.5, 0.5).
+struct StrokePoint {
+  float x = 0.0f, y = 0.0f, width = 0.0f;
+};
+
+enum class StrokeKind {
+  kOutline,  ///< an object ends: before another one, another material or the background
+  kFold,     ///< an object hides a part of itself
+  kCrease,   ///< two faces meet
+};
+
+/// A line of the picture: a polyline with round ends and joins, whose width changes linearly from point to point.
+struct Stroke {
+  StrokeKind kind = StrokeKind::kOutline;
+  int object = 0;       ///< object_id of the nearer surface
+  bool closed = false;  ///< the last point is the first one again
+  std::vector<StrokePoint> points{};
+};
+
 /// A picture as it would be written to an 8-bit file: red, green, blue, alpha from 0 to 1, alpha not multiplied in.
 struct Picture {
   int width = 0, height = 0;
-  std::vector<float> rgba{};     ///< width * height * 4; empty where no colour was asked for
-  std::vector<Pixels> passes{};  ///< those asked for, in that order
+  std::vector<float> rgba{};            ///< width * height * 4; empty where no colour was asked for
+  std::vector<Pixels> passes{};         ///< those asked for, in that order
+  std::vector<Stroke> strokes{};        ///< where they were asked for
+  std::array<float, 3> stroke_color{};  ///< red, green, blue, as in `rgba`
+  float stroke_opacity = 0.0f;          ///< of all strokes together; 0: none were asked for
 };
 
 /// Where the camera stands. What is not said is chosen: the model's own view, or else the whole model from slightly
@@ -113,6 +135,7 @@ struct RenderRequest {
   std::optional<int> extra_views{};       ///< further cameras, 0 to 4; as the look wants
   float guard_band = 0.0f;                ///< drawn beyond each side, in percent of the longer one; 0 to 100
   std::vector<std::string> passes{};      ///< to hand out besides the picture: "depth", "normal", "ao", ...
+  bool strokes = false;                   ///< hand out the look's lines as curves: `cartoon` has some
   Progress progress{};
 };
 
@@ -203,6 +226,7 @@ struct ShadeRequest {
   bool transparent = false;
   /// To hand out: names as of RenderRequest. With `effects` and no name at all: what the last one of them makes.
   std::vector<std::string> passes{};
+  bool strokes = false;  ///< hand out the lines of the look, or of the effect `outline`, as curves
   std::string device = "auto";
   int threads = 0;
   Progress progress{};
@@ -220,9 +244,10 @@ struct SaveRequest {
   bool half = false;  ///< .exr: half instead of float where that suffices
 };
 
-/// Writes a picture, whole or not at all, in the format that the file's ending names: .png, .pfm (no alpha) or .exr,
-/// which holds the passes too. Colours are written as they are; alpha where any pixel is not opaque. Errors: code 2 for
-/// a picture of the wrong size or an ending that there is not, 3 for a file that cannot be written.
+/// Writes a picture, whole or not at all, in the format that the file's ending names: .png, .pfm (no alpha), .exr,
+/// which holds the passes too, or .svg, which holds the strokes alone. Colours are written as they are; alpha where any
+/// pixel is not opaque. Errors: code 2 for a picture of the wrong size or an ending that there is not, 3 for a file
+/// that cannot be written.
 Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {});
 
 /// "0.1.0"

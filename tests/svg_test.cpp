@@ -1,0 +1,223 @@
+// Lines as .svg files and as strokes: what librsvg draws of them is what the picture has.
+#include "io/svg.h"
+
+#include <sys/stat.h>
+
+#include "run_program.h"
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+using test::text_of;
+
+class SvgTest : public test::ProgramTest {
+ protected:
+  /// The cover of the lines as librsvg draws them in black. Fails where the file is no SVG.
+  Plane drawn(const std::string& svg) {
+    const std::string png = svg + ".png";
+    const std::string line = fmt::format("cd {} && rsvg-convert --background-color=white {} -o {}",
+                                         test::quoted(folder_.string()), test::quoted(svg), test::quoted(png));
+    EXPECT_EQ(std::system(line.c_str()), 0) << line;
+    Plane plane = image(png).plane("color.g");
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) plane.at(x, y) = 1.0f - plane.at(x, y);
+    return plane;
+  }
+
+  void write_cube() {
+    write("cube.obj",
+          "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv -1 2 -1\nv 1 2 -1\nv 1 2 1\nv -1 2 1\n"
+          "f 4 3 7 8\nf 3 2 6 7\nf 1 4 8 5\nf 2 1 5 6\nf 8 7 6 5\nf 1 2 3 4\n");
+  }
+};
+
+double rmse(const Plane& a, const Plane& b) {
+  if (a.width != b.width || a.height != b.height) return INFINITY;
+  double sum = 0.0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) sum += std::pow(double(a.at(x, y)) - double(b.at(x, y)), 2.0);
+  return std::sqrt(sum / (double(a.width) * a.height));
+}
+
+/// How often a text holds another one.
+long count_of(const std::string& text, const std::string& part) {
+  long count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+const std::string kSmall = "scene:solids?detail=2000 --device cpu --look cartoon --ao none --resolution 128x96 ";
+
+TEST_F(SvgTest, IsDrawnAsThePictureHasIt) {
+  write_cube();
+  for (const std::string model : {"scene:solids", "cube.obj"})
+    for (const int size : {256, 512})
+      for (const int width : {1, 2, 8}) {
+        const std::string line = fmt::format(
+            "{} --device cpu --look cartoon --ao none --anti-aliasing 1 --resolution {},{} --set outline.width={} ",
+            model, size, size, width);
+        good(line + "--passes outline -o lines.pfm --svg lines.svg");
+        // Lines of a thirtieth of the picture's height lie on each other, and soft edges are mixed twice there.
+        const bool crowded = model == "scene:solids" && size == 256 && width == 8;
+        EXPECT_LE(rmse(drawn("lines.svg"), image("lines.pfm").planes[0]), crowded ? 0.03 : 0.02) << line;
+      }
+}
+
+TEST_F(SvgTest, IsTheSameHoweverItIsMade) {
+  good(kSmall + "-o picture.png --svg beside.svg");
+  good("scene:solids?detail=2000 --device cpu --resolution 128x96 -o alone.svg");
+  good(kSmall + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");
+  good(kSmall + "--memory 1K -o bands.svg");
+  good(kSmall + "--memory 1K --anti-aliasing 2 -o bands.png --svg bands_beside.svg");
+  good(kSmall + "-o turn.svg --turntable 2");
+  const std::string lines = text_of(folder_ / "alone.svg");
+  for (const char* kind : {"outline", "fold", "crease"})
+    EXPECT_GE(count_of(lines, fmt::format("class=\"{}\" data-object=", kind)), 1) << kind;
+  for (const char* name : {"beside.svg", "averaged.svg", "bands.svg", "bands_beside.svg", "turn_0000.svg"})
+    EXPECT_EQ(text_of(folder_ / name), lines) << name;
+  EXPECT_NE(text_of(folder_ / "turn_0001.svg"), lines);
+  // What lies in the guard band is seen, but not written.
+  good(kSmall + "--guard-band 10% -o guard.svg");
+  good(kSmall + "--guard-band 10% --memory 1K -o guard_bands.svg");
+  EXPECT_EQ(text_of(folder_ / "guard_bands.svg"), text_of(folder_ / "guard.svg"));
+  EXPECT_LE(rmse(drawn("guard.svg"), drawn("alone.svg")), 0.1);
+}
+
+TEST_F(SvgTest, IsTheSameOnVulkan) {
+  if (run("list devices").out.find("vulkan") == std::string::npos) GTEST_SKIP() << "no Vulkan device";
+  const std::string line = "scene:solids?detail=2000 --resolution 128x128 -o ";
+  good(line + "cpu.svg --device cpu");
+  good(line + "gpu.svg --device vulkan");
+  EXPECT_EQ(text_of(folder_ / "gpu.svg"), text_of(folder_ / "cpu.svg"));
+}
+
+TEST_F(SvgTest, HasColorsAndNothingWhereNothingIsSeen) {
+  write_cube();
+  good(
+      "cube.obj --device cpu --resolution 64x48 --background-color 1,0.5,0 --set outline.r=0.5 --set "
+      "outline.opacity=0.25 -o cube.svg");
+  const std::string cube = text_of(folder_ / "cube.svg");
+  for (const char* part : {"width=\"64px\" height=\"48px\" viewBox=\"0 0 64 48\"", "<rect width=\"64\" height=\"48\" ",
+                           "fill=\"#ff8000\"", "stroke=\"#bc0000\"", "opacity=\"0.25\"", "stroke-linecap=\"round\""})
+    EXPECT_NE(cube.find(part), std::string::npos) << part;
+  const auto nothing =
+      run("cube.obj --device cpu --resolution 64x48 --camera-position 0,0,9 --camera-direction 0,0,1 "
+          "-o nothing.svg");
+  EXPECT_EQ(nothing.code, 0) << nothing.err;
+  EXPECT_NE(nothing.err.find("nothing of cube.obj is in view"), std::string::npos) << nothing.err;
+  EXPECT_EQ(count_of(text_of(folder_ / "nothing.svg"), "<path"), 0);
+  EXPECT_EQ(rmse(drawn("nothing.svg"), Plane(64, 48, 0.0f)), 0.0);
+}
+
+TEST_F(SvgTest, RefusesWhatCannotBe) {
+  // Found before the model is read.
+  const std::string lines = "nothere.obj -o lines.svg ";
+  bad(lines + "--bits 16", 2, {"--bits", ".svg"});
+  bad(lines + "--half", 2, {"--half", ".svg"});
+  bad(lines + "--passes depth", 2, {"--passes depth", "'lines.svg'", ".exr"});
+  bad(lines + "--look studio", 2, {"'studio' draws no lines", "cartoon"});
+  bad(lines + "--look cartoon-paper", 2, {"outline.mode=paper", "robust"});
+  bad(lines + "--set outline.opacity=0", 2, {"outline.opacity=0"});
+  bad(lines + "--look cartoonn", 2, {"'cartoonn'", "did you mean"});
+  bad(lines + "--svg more.svg", 2, {"--svg more.svg", "--output lines.svg"});
+  bad("nothere.obj -o out.png --svg lines.svg", 2, {"'studio' draws no lines"});
+  bad("nothere.obj -o out.png --look cartoon --svg lines.png", 2, {"--svg", "'lines.png'", ".svg"});
+  bad("nothere.obj -o - --look cartoon --svg -", 2, {"--svg", "'-'", ".svg"});
+  bad("nothere.obj -o nothere/lines.svg", 3, {"'nothere/lines.svg'", "does not exist"});
+  bad("nothere.obj -o out.png --look cartoon --svg nothere/lines.svg", 3, {"'nothere/lines.svg'"});
+  ::symlink("/dev/full", (folder_ / "full.svg").c_str());
+  bad("tri.obj --device cpu --resolution 32x32 -o full.svg", 3, {"'full.svg'", "No space left"});
+}
+
+TEST_F(SvgTest, StrokesOfTheLibraryAreThoseOfTheFile) {
+  RenderRequest request = {.model = "scene:solids?detail=2000",
+                           .look = "cartoon",
+                           .occlusion = "none",
+                           .width = 128,
+                           .height = 96,
+                           .device = "cpu",
+                           .strokes = true};
+  Picture picture;
+  ASSERT_EQ(render(request, picture).code, 0);
+  EXPECT_EQ(picture.stroke_opacity, 1.0f);
+  ASSERT_EQ(save(picture, (folder_ / "library.svg").string()).code, 0);
+  good(kSmall + "-o program.svg");
+  EXPECT_EQ(text_of(folder_ / "library.svg"), text_of(folder_ / "program.svg"));
+  FrameRenderer renderer;
+  Picture frame;
+  ASSERT_EQ(renderer.open(request).code, 0);
+  for (int k = 0; k < 2; ++k) {
+    ASSERT_EQ(renderer.draw({}, frame).code, 0);
+    ASSERT_EQ(frame.strokes.size(), picture.strokes.size());
+    for (std::size_t s = 0; s < frame.strokes.size(); ++s)
+      ASSERT_EQ(frame.strokes[s].points.size(), picture.strokes[s].points.size());
+  }
+  // Without strokes there are none to write, nor can a look without lines have some.
+  request.strokes = false;
+  ASSERT_EQ(render(request, frame).code, 0);
+  EXPECT_TRUE(frame.strokes.empty());
+  EXPECT_EQ(save(frame, (folder_ / "none.svg").string()).code, 2);
+  EXPECT_EQ(render({.model = "nothere.obj", .strokes = true}, frame).code, 2);
+  picture.strokes[0].points[0].x = NAN;
+  EXPECT_EQ(save(picture, (folder_ / "none.svg").string()).code, 2);
+  picture.strokes[0].points[0] = {3e38f, 0.0f, 1.0f};
+  EXPECT_EQ(save(picture, (folder_ / "none.svg").string()).code, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "none.svg"));
+}
+
+TEST_F(SvgTest, ArraysHaveStrokesByEffectsAndByLooks) {
+  // A square before the background, whose outline is 64 pixels long.
+  constexpr int kSize = 32;
+  std::vector<float> depth(kSize * kSize, INFINITY);
+  for (int y = 8; y < 24; ++y)
+    for (int x = 8; x < 24; ++x) depth[std::size_t(y * kSize + x)] = 2.0f;
+  ShadeRequest request;
+  request.width = request.height = kSize;
+  request.arrays = {{"depth", depth.data()}};
+  request.device = "cpu";
+  request.strokes = true;
+  for (const bool effects : {true, false}) {
+    request.look = effects ? "studio" : "cartoon";
+    request.effects = effects ? std::vector<std::string>{"outline"} : std::vector<std::string>();
+    Picture picture;
+    const auto outcome = shade(request, picture);
+    ASSERT_EQ(outcome.code, 0) << outcome.message;
+    double length = 0.0;
+    for (const Stroke& stroke : picture.strokes) {
+      EXPECT_EQ(stroke.kind, StrokeKind::kOutline);
+      for (std::size_t k = 1; k < stroke.points.size(); ++k)
+        length += std::hypot(stroke.points[k].x - stroke.points[k - 1].x, stroke.points[k].y - stroke.points[k - 1].y);
+    }
+    EXPECT_NEAR(length, 64.0, 3.0) << effects;
+  }
+  request.effects = {"bitmask"};
+  Picture picture;
+  EXPECT_EQ(shade(request, picture).code, 2);
+}
+
+TEST(Svg, SplitsWhereWidthChanges) {
+  Lines lines{40,
+              20,
+              {{LineKind::kFold, 7, false, {{2, 5, 1}, {20, 5, 1.01f}, {38, 5, 1}}},
+               {LineKind::kOutline, 3, true, {{5, 5, 2}, {15, 5, 2}, {15, 15, 2}, {5, 5, 2}}},
+               {LineKind::kFold, 7, false, {{2, 10, 0}, {38, 10, 3}}},
+               {LineKind::kCrease, -1, false, {{4, 4, 1}}},
+               {LineKind::kCrease, -1, false, {}}}};
+  const std::string text = *svg_text(lines, {});
+  EXPECT_NE(text.find("<g id=\"outline-3\" class=\"outline\" data-object=\"3\">\n"
+                      "<path stroke-width=\"2.00\" d=\"M5.00 5.00L15.00 5.00 15.00 15.00Z\"/>\n</g>\n"
+                      "<g id=\"fold-7\" class=\"fold\" data-object=\"7\">\n"
+                      "<path stroke-width=\"1.00\" d=\"M2.00 5.00L20.00 5.00 38.00 5.00\"/>\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("d=\"M4.00 4.00L4.00 4.00\"/>"), std::string::npos) << "a dot";
+  EXPECT_GE(count_of(text, "stroke-linecap=\"butt\""), 8);
+  EXPECT_EQ(count_of(text, "nan"), 0);
+  lines.lines[0].points[1].width = -1.0f;
+  EXPECT_FALSE(svg_text(lines, {}));
+}
+
+}  // namespace
+}  // namespace umbrage
