@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "run_program.h"
+#include "support.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {
@@ -19,7 +20,7 @@ class SvgTest : public test::ProgramTest {
     const std::string png = svg + ".png";
     const std::string line = fmt::format("cd {} && rsvg-convert --background-color=white {} -o {}",
                                          test::quoted(folder_.string()), test::quoted(svg), test::quoted(png));
-    EXPECT_EQ(std::system(line.c_str()), 0) << line;
+    EXPECT_EQ(std::system(line.c_str()), 0) << line << ": scripts/setup installs librsvg2-bin";
     Plane plane = image(png).plane("color.g");
     for (int y = 0; y < plane.height; ++y)
       for (int x = 0; x < plane.width; ++x) plane.at(x, y) = 1.0f - plane.at(x, y);
@@ -195,6 +196,32 @@ TEST_F(SvgTest, ArraysHaveStrokesByEffectsAndByLooks) {
   request.effects = {"bitmask"};
   Picture picture;
   EXPECT_EQ(shade(request, picture).code, 2);
+}
+
+TEST_F(SvgTest, HostileArraysGiveAFileOrAnError) {
+  constexpr float kOdd[] = {NAN, INFINITY, -INFINITY, -1.0f, 0.0f, 1e-30f, 1e30f, 2.0f, 3.0f, 3.0f};
+  for (const auto& [width, height] : {std::pair(1, 1), {1, 40}, {57, 31}}) {
+    const auto pixels = std::size_t(width) * std::size_t(height);
+    std::vector<float> depth(pixels), normal(3 * pixels), id(pixels);
+    for (std::size_t k = 0; k < pixels; ++k) {
+      depth[k] = kOdd[test::hash(unsigned(k)) % std::size(kOdd)];
+      id[k] = kOdd[test::hash(unsigned(k + 1000000)) % std::size(kOdd)];
+      for (int c = 0; c < 3; ++c) normal[3 * k + c] = kOdd[test::hash(unsigned(3 * k + c + 2000000)) % std::size(kOdd)];
+    }
+    ShadeRequest request;
+    request.width = width, request.height = height;
+    request.arrays = {{"depth", depth.data()}, {"normal", normal.data()}, {"object_id", id.data()}};
+    request.effects = {"outline"};
+    request.settings = {"outline.width=16", "outline.ids=both"};
+    request.device = "cpu";
+    request.strokes = true;
+    Picture picture;
+    const auto outcome = shade(request, picture);
+    ASSERT_EQ(outcome.code, 0) << outcome.message;
+    const auto saved = save(picture, (folder_ / "hostile.svg").string());
+    ASSERT_EQ(saved.code, 0) << saved.message;
+    drawn("hostile.svg");
+  }
 }
 
 TEST(Svg, SplitsWhereWidthChanges) {
