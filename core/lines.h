@@ -18,10 +18,13 @@ struct LinePoint {
 /// A polyline with round ends and joins, whose width changes linearly from point to point.
 struct Line {
   LineKind kind = LineKind::kOutline;  ///< of most of it
-  int object = 0;                      ///< object_id of the nearer surface, along most of it
+  int object = 0;                      ///< object_id of the nearer surface in its middle
   bool closed = false;                 ///< the last point is the first one again
   std::vector<LinePoint> points;
 };
+
+/// The points of a polyline without those that it hardly leaves when they go: by less than a twentieth of a pixel.
+std::vector<LinePoint> simplified(const std::vector<LinePoint>& points);
 
 struct Lines {
   int width = 0, height = 0;  ///< of the picture, pixels

@@ -15,7 +15,6 @@ namespace umbrage {
 UMBRAGE_DECLARE_KERNEL(outline_breaks)
 UMBRAGE_DECLARE_KERNEL(outline_turns)
 UMBRAGE_DECLARE_KERNEL(outline_edges)
-UMBRAGE_DECLARE_KERNEL(outline_window)
 UMBRAGE_DECLARE_KERNEL(outline_paper)
 UMBRAGE_DECLARE_KERNEL(outline_color)
 
@@ -29,9 +28,6 @@ constexpr std::uint32_t kTurnsSpirv[] = {
 };
 constexpr std::uint32_t kEdgesSpirv[] = {
 #include "spirv/outline_edges.inc"
-};
-constexpr std::uint32_t kWindowSpirv[] = {
-#include "spirv/outline_window.inc"
 };
 constexpr std::uint32_t kPaperSpirv[] = {
 #include "spirv/outline_paper.inc"
@@ -218,16 +214,8 @@ const Effect& effect_outline() {
                   .outputs = {"outline"},
                   .host = run_host_outline,
                   .needed = is_robust},
-                 {.name = "outline_window",
-                  .inputs = {"depth"},
-                  .outputs = {"outline_window"},
-                  .scalar = run_scalar_outline_window,
-                  .lanes = run_lanes_outline_window,
-                  .spirv = kWindowSpirv,
-                  .needed = is_paper,
-                  .reach = own_row},
                  {.name = "outline_paper",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_window"},
+                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"outline"},
                   .scalar = run_scalar_outline_paper,
                   .lanes = run_lanes_outline_paper,

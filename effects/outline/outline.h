@@ -2,7 +2,6 @@
 #ifndef UMBRAGE_EFFECTS_OUTLINE_H
 #define UMBRAGE_EFFECTS_OUTLINE_H
 #include "core/length.h"
-#include "effects/outline/outline_code.h"
 
 // One row of the table in outline.cpp per field.
 struct OutlineParams {
@@ -25,6 +24,16 @@ struct OutlineParams {
 const int kOutlineRobust = 0, kOutlinePaper = 1;
 const int kOutlineObjects = 1, kOutlineMaterials = 2;
 const float kOutlineWidest = 16.0f;  // pixels
+
+// Edges between neighbouring pixels are whole numbers below 2^21, as outline_edges stores them:
+//   bits 0-1    kind, or 0 where there is none
+//   bits 2-8    strength, in units of its threshold, times 31
+//   bits 9-15   place, from the one pixel's centre to the other's, times 127
+//   bits 16-20  how many pairs from this one to the one that it lies in, plus kOutlineMaxWindow
+const int kOutlineCrease = 1, kOutlineDepth = 2, kOutlineId = 3;
+const float kOutlineMinStrength = 0.5f;  // what is less is no edge
+const float kOutlineMaxStrength = 4.0f;
+const int kOutlineMaxWindow = 14;  // pixels, half a crease's widest window
 
 struct OutlineConstants {
   float width_px;

@@ -20,6 +20,7 @@ OUT_REAL(outline_break_below)
 
 CONST float kMinFacing = 0.01f;     // cosine to the eye below which a normal tells no slope
 CONST float kUnknownSlope = 1e30f;  // that of such a normal
+CONST float kSure = 0.9f;           // share of a threshold that is not reached, however it is rounded
 CONST float kMaxSteepening = 4.0f;  // of a predicted slope, times the measured one
 
 // Inverse depth, or -depth in orthographic views; least of all where there is no surface.
@@ -78,33 +79,22 @@ FN Real discontinuity(Int px, Int py, int i, int j) {
   Real of_second =
       unpredicted(step, after, plane_slope(px, py, i, j, i), plane_slope(px, py, 2 * i, 2 * j, i), step2, pixel);
   Real gap = agreed(of_first, of_second);
-  Bool both = before && after;
-  Bool on = both && near_inside(3 * i, 3 * j) && same_object(2 * i, 2 * j, 3 * i, 3 * j) && step * step2 > 0.0f &&
-            abs(step) >= abs(step2);
-  Real down = step + step2;
-  Real ramp = agreed(down - step0 * 2.0f, down - (inverse_depth(3 * i, 3 * j) - c3) * 2.0f) * 0.5f;
-  gap = select(on && abs(ramp) > abs(gap), ramp, gap);
-  on = both && near_inside(-2 * i, -2 * j) && same_object(-i, -j, -2 * i, -2 * j) && step * step0 > 0.0f &&
-       abs(step) > abs(step0);
-  down = step + step0;
-  ramp = agreed(down - (c0 - inverse_depth(-2 * i, -2 * j)) * 2.0f, down - step2 * 2.0f) * 0.5f;
-  gap = select(on && abs(ramp) > abs(gap), ramp, gap);
   return gap / (max(pixel, Real(1e-30f)) * C.depth);
 }
 
-// Whether there may be a discontinuity: a pair whose step is that of either side is none.
-FN Bool may_be_discontinuous(int i, int j) {
-  Real c1 = inverse_depth(0, 0);
-  Real c2 = inverse_depth(i, j);
-  Real step = c2 - c1;
-  Real step0 = c1 - inverse_depth(-i, -j);
-  Real step2 = inverse_depth(2 * i, 2 * j) - c2;
-  Real least = Real(F.ray_scale_x * C.depth * kOutlineMinStrength);
-  if (F.orthographic == 0) least = least * min(c1, c2);
-  Real off = min(abs(step - step0), abs(step - step2));
-  Real ramp = min(max(abs(step + step0), abs(step + step2)) * 0.5f, abs(step2 - step0));
-  Bool ends = !(near_object_id(-i, -j) == near_object_id(0, 0) && near_object_id(2 * i, 2 * j) == near_object_id(i, j));
-  return max(off, ramp) >= least || ends;
+// Whether inverse depth bends at a pixel along (k, l) by as much as a discontinuity must. Depths are compared after
+// multiplication by all three, to spare divisions; one that is none makes it true.
+FN Bool bends(int i, int j, int k, int l) {
+  Real d0 = near_depth(i - k, j - l);
+  Real d1 = near_depth(i, j);
+  Real d2 = near_depth(i + k, j + l);
+  Real bend = d0 - (d1 + d1) + d2;
+  Real bound = Real(F.ray_scale_x * C.depth * kOutlineMinStrength * kSure);
+  if (F.orthographic == 0) {
+    bend = mad(d0, d1 - d2 - d2, d1 * d2) * max(d0, max(d1, d2));
+    bound = bound * (d0 * d1 * d2);
+  }
+  return !(abs(bend) < bound);
 }
 
 FN Real break_at(Int px, Int py, int i, int j) {
@@ -117,14 +107,17 @@ FN Real break_at(Int px, Int py, int i, int j) {
   if (C.materials != 0) differs = differs || !(near_material_id(0, 0) == near_material_id(i, j));
   differs = differs && (surface1 || surface2) && inside;
   Real found = select(differs, Real(2.0f * kOutlineMaxStrength), Real(0.0f));
-  Bool maybe = both && !differs && may_be_discontinuous(i, j);
+  Bool ends = !(near_object_id(-i, -j) == near_object_id(0, 0) && near_object_id(2 * i, 2 * j) == near_object_id(i, j));
+  Bool maybe = both && !differs && (bends(0, 0, i, j) || bends(i, j, i, j) || ends);
   Real gap = Real(0.0f);
   if (some(maybe)) {
     gap = select(maybe, discontinuity(px, py, i, j), gap);
     Bool clear = abs(gap) > kOutlineMinStrength;
     found = select(clear, min(abs(gap), Real(kOutlineMaxStrength)), found);
   }
-  return select(inverse_depth(0, 0) < inverse_depth(i, j), -found, found);
+  // Below 0 behind: what is no surface lies behind all others.
+  Bool behind = surface2 && (!surface1 || near_depth(0, 0) > near_depth(i, j));
+  return select(behind, -found, found);
 }
 
 FN void outline_breaks_pixel(Int px, Int py) {

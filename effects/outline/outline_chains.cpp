@@ -34,48 +34,13 @@ void describe(const Tracing& t, ChainPoint& p) {
   p.drop = within ? std::abs(z1 - z2) / std::max(t.pixel(p.depth), 1e-30f) : std::numeric_limits<float>::infinity();
 }
 
-/// Collects edges from a node on until one where chains end. `nodes` are the picture's here, not yet numbered.
-struct Walker {
-  Tracing& t;
-  std::vector<std::uint8_t> seen;
-  std::vector<std::array<EdgeGraph::Node, 2>> nodes;  // of each chain
-
-  void walk(EdgeGraph::Node node, int edge, bool closed) {
-    Chain chain;
-    chain.closed = closed;
-    const EdgeGraph::Node start = node;
-    for (;;) {
-      seen[std::size_t(edge)] = 1;
-      chain.points.push_back({.edge = edge});
-      node = t.graph.other_node(edge, node);
-      if ((closed && node == start) || t.graph.degree(node) != 2) break;
-      edge = t.graph.onward(edge, node);
-      if (seen[std::size_t(edge)]) break;
-    }
-    t.chains.push_back(std::move(chain));
-    nodes.push_back({start, node});
-  }
-};
-
-/// Numbers the nodes at which chains end.
-void number_nodes(Tracing& t, const std::vector<std::array<EdgeGraph::Node, 2>>& ends) {
-  std::vector<EdgeGraph::Node>& all = t.nodes;
-  for (std::size_t k = 0; k < t.chains.size(); ++k)
-    if (!t.chains[k].closed) all.insert(all.end(), ends[k].begin(), ends[k].end());
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  for (std::size_t k = 0; k < t.chains.size(); ++k)
-    for (std::size_t last = 0; last < 2 && !t.chains[k].closed; ++last)
-      t.chains[k].node[last] = int(std::lower_bound(all.begin(), all.end(), ends[k][last]) - all.begin());
-}
-
 /// Where a chain leads at its end in a node, outwards. Of one of few points that is the way from its other node.
 Ray lead_at_node(const Tracing& t, int end) {
   constexpr int kFew = 3;
-  const Chain& chain = t.chains[std::size_t(end / 2)];
+  const Chain& chain = t.chains[end / 2];
   if (int(chain.points.size()) >= kFew) return lead(chain, end % 2);
-  const auto here = EdgeGraph::place(t.nodes[std::size_t(chain.node[std::size_t(end % 2)])]);
-  const auto there = EdgeGraph::place(t.nodes[std::size_t(chain.node[std::size_t(1 - end % 2)])]);
+  const auto here = EdgeGraph::place(t.graph.node(chain.node[end % 2]));
+  const auto there = EdgeGraph::place(t.graph.node(chain.node[1 - end % 2]));
   const float dx = here[0] - there[0], dy = here[1] - there[1], length = std::max(length_of(dx, dy), 1.0f);
   return {here[0], here[1], dx / length, dy / length};
 }
@@ -83,7 +48,7 @@ Ray lead_at_node(const Tracing& t, int end) {
 /// Which ends at one node go on in each other: the straightest first, but two that alone are surest always.
 void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<float>& strength,
                std::vector<int>& mate) {
-  const auto kind = [&](std::size_t k) { return t.chains[std::size_t(ends[k] / 2)].end(ends[k] % 2).kind; };
+  const auto kind = [&](std::size_t k) { return t.chains[ends[k] / 2].end(ends[k] % 2).kind; };
   int best = 0, count = 0;
   std::vector<Ray> leads;
   for (std::size_t k = 0; k < ends.size(); ++k) {
@@ -100,35 +65,34 @@ void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<fl
       const float cosine = -(leads[a].dx * leads[b].dx + leads[a].dy * leads[b].dy);
       const bool surest = count == 2 && kind(a) == best && kind(b) == best;
       if (cosine < kStraightOn && !surest) continue;
-      const float sa = strength[std::size_t(chain_a)], sb = strength[std::size_t(chain_b)];
+      const float sa = strength[chain_a], sb = strength[chain_b];
       const float likeness = (kind(a) == kind(b) ? 1.0f : 0.9f) * std::sqrt(2.0f * std::min(sa, sb) / (sa + sb));
       pairs.emplace_back(surest ? -2.0f : -cosine * likeness, ends[a], ends[b]);
     }
   std::sort(pairs.begin(), pairs.end());
   for (const auto& [cost, a, b] : pairs)
-    if (mate[std::size_t(a)] < 0 && mate[std::size_t(b)] < 0) {
-      mate[std::size_t(a)] = b;
-      mate[std::size_t(b)] = a;
+    if (mate[a] < 0 && mate[b] < 0) {
+      mate[a] = b;
+      mate[b] = a;
     }
 }
 
 /// Makes one chain of those that go on in each other at nodes.
 void pair_at_nodes(Tracing& t) {
-  std::vector<int> first(t.nodes.size() + 1, 0), ends;  // of each node; ends by node
+  std::vector<int> first(2 * std::size_t(t.graph.size()) + 1, 0), ends;  // of each node; ends by node
   const auto for_ends = [&](const auto& work) {
     for (int end = 0; end < 2 * int(t.chains.size()); ++end)
-      if (const int node = t.chains[std::size_t(end / 2)].node[std::size_t(end % 2)]; node >= 0)
-        work(end, std::size_t(node));
+      if (const int node = t.chains[end / 2].node[end % 2]; node >= 0) work(end, std::size_t(node));
   };
   for_ends([&](int, std::size_t node) { ++first[node + 1]; });
   for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
   ends.resize(std::size_t(first.back()));
   std::vector<int> next = first;
-  for_ends([&](int end, std::size_t node) { ends[std::size_t(next[node]++)] = end; });
-  std::vector<float> strength;
-  for (const Chain& chain : t.chains) strength.push_back(mean_strength(chain));
+  for_ends([&](int end, std::size_t node) { ends[next[node]++] = end; });
+  std::vector<float> strength(t.chains.size());
+  tbb::parallel_for(std::size_t(0), strength.size(), [&](std::size_t k) { strength[k] = mean_strength(t.chains[k]); });
   std::vector<int> mate(2 * t.chains.size(), -1);
-  tbb::parallel_for(std::size_t(0), t.nodes.size(), [&](std::size_t node) {
+  tbb::parallel_for(std::size_t(0), first.size() - 1, [&](std::size_t node) {
     const std::span<const int> at(ends.data() + first[node], ends.data() + first[node + 1]);
     if (at.size() > 1) pair_node(t, at, strength, mate);
   });
@@ -138,15 +102,27 @@ void pair_at_nodes(Tracing& t) {
 }  // namespace
 
 void find_chains(Tracing& t) {
-  Walker walker{t, std::vector<std::uint8_t>(std::size_t(t.graph.size()), 0), {}};
+  std::vector<std::uint8_t> seen(std::size_t(t.graph.size()), 0);
+  const auto walk = [&](EdgeGraph::Node node, int edge, bool closed) {
+    Chain& chain = t.chains.emplace_back();
+    chain.closed = closed;
+    if (!closed) chain.node[0] = t.graph.number_of(node);
+    for (;; edge = t.graph.onward(edge, node)) {
+      if (seen[edge]) return;  // once around
+      seen[edge] = 1;
+      chain.points.push_back({.edge = edge});
+      node = t.graph.other_node(edge, node);
+      if (t.graph.degree(node) != 2) break;
+    }
+    chain.node[1] = t.graph.number_of(node);
+  };
   for (const bool closed : {false, true})  // what has no node is closed
     for (int edge = 0; edge < t.graph.size(); ++edge)
       for (const EdgeGraph::Node node : {t.graph.first_node(edge), t.graph.last_node(edge)})
-        if (!walker.seen[std::size_t(edge)] && (closed || t.graph.degree(node) != 2)) walker.walk(node, edge, closed);
+        if (!seen[edge] && (closed || t.graph.degree(node) != 2)) walk(node, edge, closed);
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
     for (ChainPoint& p : t.chains[k].points) describe(t, p);
   });
-  number_nodes(t, walker.nodes);
   pair_at_nodes(t);
 }
 
@@ -160,7 +136,7 @@ void keep_clear_parts(Tracing& t) {
     for (const ChainPoint& p : chain.points) sum.push_back(sum.back() + std::min(p.strength, 2.0f * kClear));
     const auto mean = [&](int k) {
       const int first = std::max(0, k - around), end = std::min(count, k + around + 1);
-      return (sum[std::size_t(end)] - sum[std::size_t(first)]) / float(end - first);
+      return (sum[end] - sum[first]) / float(end - first);
     };
     for (int first = 0, end; first < count; first = end) {
       float most = 0.0f;

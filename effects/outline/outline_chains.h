@@ -51,7 +51,6 @@ struct Tracing {
   const HostPlane &depth, &object;
   EdgeGraph graph;
   std::vector<Chain> chains;
-  std::vector<EdgeGraph::Node> nodes;  // at which chains ended when they were found
 
   /// Size of a pixel at a depth, in units of depth.
   float pixel(float depth) const {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "effects/outline/outline_chains.h"
 #include "effects/outline/outline_grid.h"
@@ -12,12 +11,10 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTaper = 12.0f;      // pixels of a free end that become narrower; grows
-constexpr float kEven = 6.0f;        // points to either side whose mean width counts; grows
-constexpr float kTolerance = 0.05f;  // pixels that a line may leave its points by
-constexpr float kMaxCrowd = 75.0f;   // points within 16 x 16 pixels, from which on they are crowded
-constexpr float kShare = 0.6f;       // of the distance to the line beside it, that a line may cover
-constexpr int kMaxSkip = 8;          // points that one segment stands for
+constexpr float kTaper = 12.0f;     // pixels of a free end that become narrower; grows
+constexpr float kEven = 6.0f;       // points to either side whose mean width counts; grows
+constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels, from which on they are crowded
+constexpr float kShare = 0.6f;      // of the distance to the line beside it, that a line may cover
 
 /// The share of its width that a line has at a point.
 float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographic) {
@@ -34,11 +31,11 @@ void even_out(const Chain& chain, const Tracing& t, std::array<bool, 2> is_free,
   for (const float w : width) sum.push_back(sum.back() + w);
   for (int k = 0; k < count; ++k) {
     const int r = std::min({around, k, count - 1 - k});
-    width[std::size_t(k)] = float((sum[std::size_t(k + r + 1)] - sum[std::size_t(k - r)]) / (2 * r + 1));
+    width[k] = float((sum[k + r + 1] - sum[k - r]) / (2 * r + 1));
   }
   const float taper = kTaper * t.c.scale;
   for (int last = 0; last < 2 && t.c.inner > 0.0f; ++last) {
-    if (!is_free[std::size_t(last)]) continue;
+    if (!is_free[last]) continue;
     float along = 0.0f;
     for (int k = 0; k < count && along < taper; ++k) {
       const auto at = std::size_t(last ? count - 1 - k : k), before = last ? at + 1 : at - 1;
@@ -49,25 +46,25 @@ void even_out(const Chain& chain, const Tracing& t, std::array<bool, 2> is_free,
   }
 }
 
-/// Makes lines narrower where they have little room. Of two side by side each covers no more than a share of the
-/// distance between them, though at least half of its own width: what lies between keeps some of its colour. Where
+/// Makes lines narrower where they have little room. Of two side by side each
+/// covers no more than a share of the distance between them, though at least
+/// half of its own width: what lies between keeps some of its colour. Where
 /// lines are crowded all become thinner, so that the tone stays.
 void give_way(const Tracing& t, std::vector<std::vector<float>>& widths) {
   const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t c) {
     const Chain& chain = t.chains[c];
     for (std::size_t k = 0; k < chain.points.size(); ++k) {
-      const ChainPoint& p = chain.points[k];
       float& width = widths[c][k];
+      const ChainPoint& p = chain.points[k];
       const float reach = width / kShare;
       const auto way = way_at(chain, int(k));
       float nearest = reach;
       grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
+        if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
         if (std::abs(way[0] * e.dx + way[1] * e.dy) < kParallel) return;
         const float across = std::abs((e.x - p.x) * way[1] - (e.y - p.y) * way[0]);
-        if (across * across < 0.5f * d2) return;  // before or behind it on its way
-        if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
-        nearest = std::min(nearest, across);
+        if (across * across > 0.5f * d2) nearest = std::min(nearest, across);  // not before or behind it on its way
       });
       width = std::max(std::min(width, kShare * nearest), 0.5f * width);
       width *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
@@ -75,42 +72,12 @@ void give_way(const Tracing& t, std::vector<std::vector<float>>& widths) {
   });
 }
 
-/// Whether points between two can go without the line leaving them.
-bool can_skip(const std::vector<LinePoint>& p, std::size_t first, std::size_t last) {
-  const LinePoint &a = p[first], &b = p[last];
-  const float dx = b.x - a.x, dy = b.y - a.y, length = length_of(dx, dy);
-  if (length < 0.1f) return false;
-  for (std::size_t k = first + 1; k < last; ++k) {
-    const float f = float(k - first) / float(last - first);
-    if (std::abs((p[k].y - a.y) * dx - (p[k].x - a.x) * dy) >= kTolerance * length) return false;
-    if (std::abs(a.width + f * (b.width - a.width) - p[k].width) >= 2.0f * kTolerance) return false;
-  }
-  return true;
-}
-
-std::vector<LinePoint> simplified(const std::vector<LinePoint>& p) {
-  std::vector<LinePoint> kept;
-  for (std::size_t k = 0; k < p.size();) {
-    kept.push_back(p[k]);
-    std::size_t next = k + 1;
-    while (next + 1 < p.size() && next < k + kMaxSkip && can_skip(p, k, next + 1)) ++next;
-    k = next;
-  }
-  return kept;
-}
-
-/// Kind and object of most of a chain's points.
-void classify(const Chain& chain, Line& line) {
-  std::array<int, 4> kinds{};
-  std::map<int, int> objects;
-  for (const ChainPoint& p : chain.points) {
-    ++kinds[p.kind];
-    ++objects[p.object];
-  }
-  const auto most = [](const auto& a, const auto& b) { return a.second < b.second; };
-  line.object = std::max_element(objects.begin(), objects.end(), most)->first;
-  const int kind = int(std::max_element(kinds.begin() + 1, kinds.end()) - kinds.begin());
-  line.kind = kind == kOutlineCrease ? LineKind::kCrease : kind == kOutlineDepth ? LineKind::kFold : LineKind::kOutline;
+/// The kind of most of a chain's points.
+LineKind kind_of(const Chain& chain) {
+  std::array<int, 4> count{};
+  for (const ChainPoint& p : chain.points) ++count[p.kind];
+  const auto kind = std::max_element(count.begin() + 1, count.end()) - count.begin();
+  return kind == kOutlineCrease ? LineKind::kCrease : kind == kOutlineDepth ? LineKind::kFold : LineKind::kOutline;
 }
 
 Lines lines_of(const Tracing& t, const std::vector<std::array<bool, 2>>& is_free) {
@@ -124,7 +91,8 @@ Lines lines_of(const Tracing& t, const std::vector<std::array<bool, 2>>& is_free
     const Chain& chain = t.chains[k];
     Line& line = all.lines[k];
     line.closed = chain.closed;
-    classify(chain, line);
+    line.kind = kind_of(chain);
+    line.object = chain.points[chain.points.size() / 2].object;
     std::vector<float>& width = widths[k];
     even_out(chain, t, is_free[k], width);
     std::vector<LinePoint> points;
@@ -157,7 +125,8 @@ void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const H
 }  // namespace
 
 Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants) {
-  constexpr float kMinLoose = 32.0f, kMinBranch = 8.0f;  // what ends free on both sides, and on one; grows
+  constexpr float kMinLoose = 32.0f,
+                  kMinBranch = 8.0f;  // what ends free on both sides, and on one; grows
   Tracing t(frame, constants);
   find_chains(t);
   keep_clear_parts(t);
@@ -185,7 +154,7 @@ void draw_lines(const Lines& lines, float opacity, const HostPlane& cover) {
       const float reach = 0.5f * std::max({a->width, b->width, 1.0f}) + 1.0f;
       const int top = int(std::min(a->y, b->y) - reach) / kRows, bottom = int(std::max(a->y, b->y) + reach) / kRows;
       for (int block = std::max(top, 0); block <= std::min(bottom, int(parts.size()) - 1); ++block)
-        parts[std::size_t(block)].push_back({a, b});
+        parts[block].push_back({a, b});
     }
   tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t block) {
     const int first = int(block) * kRows, end = std::min(first + kRows, lines.height);

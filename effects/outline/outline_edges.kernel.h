@@ -1,7 +1,7 @@
 // The edges that lines are traced along, between each pixel and its right and its lower neighbour: breaks, of several
 // that fall the same way in a row the largest; and creases, where normals turn more than at all neighbours within their
 // window. A crease lies where the normal is halfway between those at its window's ends. An edge is stored as a whole
-// number (outline_code.h).
+// number (outline.h).
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(outline_break_right)

@@ -47,41 +47,41 @@ EdgeGraph::EdgeGraph(const HostPlane& right, const HostPlane& below, int width, 
             if (const auto e = decoded(row[x], x, y, is_below, width, height)) edges.push_back(*e);
       }
     std::vector<int> count(std::size_t(width / kBlock + 1), 0);
-    for (const Edge& e : edges) ++count[std::size_t(e.x / kBlock)];
-    std::erase_if(edges, [&](const Edge& e) { return count[std::size_t(e.x / kBlock)] > kMost; });
+    for (const Edge& e : edges) ++count[e.x / kBlock];
+    std::erase_if(edges, [&](const Edge& e) { return count[e.x / kBlock] > kMost; });
   });
   std::vector<Edge> all;
   for (const std::vector<Edge>& block : found) all.insert(all.end(), block.begin(), block.end());
-  set_edges(all);
-  fill_steps();
-}
-
-void EdgeGraph::set_edges(const std::vector<Edge>& all) {
   bits_.assign(row_bits_ / 64 * std::size_t(height_ + 2), 0);
   for (const Edge& e : all) bits_[bit(e) / 64] |= std::uint64_t(1) << (bit(e) % 64);
+  fill_steps(all);
+  number_edges(all);
+}
+
+void EdgeGraph::number_edges(const std::vector<Edge>& all) {
   before_.resize(bits_.size());
   int count = 0;
   for (std::size_t k = 0; k < bits_.size(); ++k) {
     before_[k] = count;
     count += std::popcount(bits_[k]);
   }
-  std::vector<Edge> numbered(std::size_t(count), Edge{});
+  edges_.resize(std::size_t(count));
   for (const Edge& e : all)
-    if (Edge& there = numbered[std::size_t(number(e))]; is_surer(e, there)) there = e;
-  edges_ = std::move(numbered);
+    if (Edge& there = edges_[number(e)]; is_surer(e, there)) there = e;
 }
 
-// Where a soft crease moves on by a pixel from one row to the next no pair of pixels lies across the step: closes it.
-void EdgeGraph::fill_steps() {
+// Where a soft crease moves on by a pixel from one row to the next no pair of
+// pixels lies across the step: closes it.
+void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
   const std::array<Node, kWays> step = {-node_at(0, 1), 1, node_at(0, 1), -1};
-  std::vector<Edge> all = edges_;
-  for (int k = 0; k < size(); ++k)
-    for (const Node node : {first_node(k), last_node(k)}) {
+  const std::size_t count = edges.size();
+  for (std::size_t k = 0; k < count; ++k)
+    for (const Node node : {first_node(edges[k]), last_node(edges[k])}) {
       if (at_border(node) || degree(node) != 1) continue;
       const int from = std::countr_zero(ways(node));
       int best = -1, least = 2 * kWays + 1;
       for (int turn = 1; turn < kWays; ++turn) {
-        const int way = (from + turn) % kWays, met = degree(node + step[std::size_t(way)]);
+        const int way = (from + turn) % kWays, met = degree(node + step[way]);
         const int cost = met + (turn == 2 ? 0 : 1);  // straight on before aside
         if (met == 0 || cost >= least) continue;
         least = cost;
@@ -89,12 +89,11 @@ void EdgeGraph::fill_steps() {
       }
       if (best < 0) continue;
       Edge e = side(node, best);
-      e.kind = edges_[std::size_t(k)].kind == kOutlineId ? kOutlineCrease : edges_[std::size_t(k)].kind;
-      e.strength = edges_[std::size_t(k)].strength;
+      e.kind = edges[k].kind == kOutlineId ? kOutlineCrease : edges[k].kind;
+      e.strength = edges[k].strength;
       bits_[bit(e) / 64] |= std::uint64_t(1) << (bit(e) % 64);
-      all.push_back(e);
+      edges.push_back(e);
     }
-  set_edges(all);
 }
 
 Edge EdgeGraph::side(Node node, int way) {
@@ -126,14 +125,11 @@ bool EdgeGraph::at_border(Node node) const {
   return x == 0 || y == 0 || x == width_ || y == height_;
 }
 
-EdgeGraph::Node EdgeGraph::first_node(int edge) const {
-  const Edge& e = edges_[std::size_t(edge)];
-  return e.below ? node_at(e.x, e.y + 1) : node_at(e.x + 1, e.y);
-}
+EdgeGraph::Node EdgeGraph::first_node(const Edge& e) { return e.below ? node_at(e.x, e.y + 1) : node_at(e.x + 1, e.y); }
 
-EdgeGraph::Node EdgeGraph::last_node(int edge) const {
-  const Edge& e = edges_[std::size_t(edge)];
-  return node_at(e.x + 1, e.y + 1);
+int EdgeGraph::number_of(Node node) const {
+  const int edge = number(side(node, std::countr_zero(ways(node))));
+  return 2 * edge + (node == last_node(edge));
 }
 
 }  // namespace umbrage

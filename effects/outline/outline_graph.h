@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "effects/outline/outline_code.h"
+#include "effects/outline/outline.h"
 #include "machine/host_frame.h"
 
 namespace umbrage {
@@ -30,9 +30,9 @@ class EdgeGraph {
   EdgeGraph(const HostPlane& right, const HostPlane& below, int width, int height);
 
   int size() const { return int(edges_.size()); }
-  const Edge& operator[](int edge) const { return edges_[std::size_t(edge)]; }
-  Node first_node(int edge) const;
-  Node last_node(int edge) const;
+  const Edge& operator[](int edge) const { return edges_[edge]; }
+  Node first_node(int edge) const { return first_node(edges_[edge]); }
+  Node last_node(int edge) const { return last_node(edges_[edge]); }
   Node other_node(int edge, Node node) const { return node == first_node(edge) ? last_node(edge) : first_node(edge); }
 
   /// In which ways edges leave a node: a bit for each.
@@ -41,11 +41,16 @@ class EdgeGraph {
   /// The edge that leaves a node of degree 2 besides this one.
   int onward(int edge, Node node) const;
   bool at_border(Node node) const;
+  /// A number of a node that an edge leaves, below 2 size().
+  int number_of(Node node) const;
+  Node node(int number) const { return number % 2 ? last_node(number / 2) : first_node(number / 2); }
   /// In pixels from the picture's upper left corner.
   static std::array<float, 2> place(Node node) { return {float(column(node)), float(row(node))}; }
 
  private:
   static Node node_at(int x, int y) { return Node(y) << 32 | x; }
+  static Node first_node(const Edge& e);
+  static Node last_node(const Edge& e) { return node_at(e.x + 1, e.y + 1); }
   static int column(Node node) { return int(node & 0xffffffff); }
   static int row(Node node) { return int(node >> 32); }
   /// The side of pixels along which one goes from a node that way.
@@ -53,8 +58,8 @@ class EdgeGraph {
   // A row above the picture and some bits before and behind each of its rows are never set.
   std::size_t bit(const Edge& e) const { return std::size_t(e.y + 1) * row_bits_ + std::size_t(2 * e.x + e.below + 2); }
   int number(const Edge& side) const;
-  void set_edges(const std::vector<Edge>& all);
-  void fill_steps();
+  void number_edges(const std::vector<Edge>& all);
+  void fill_steps(std::vector<Edge>& edges);
 
   int width_, height_;
   std::size_t row_bits_;

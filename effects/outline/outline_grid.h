@@ -1,5 +1,7 @@
 // Points of chains by their place, to find those near one.
 #pragma once
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -18,18 +20,21 @@ class PointGrid {
       : columns_(width / kCell + 1),
         rows_(height / kCell + 1),
         first_(std::size_t(columns_) * std::size_t(rows_) + 1, 0) {
-    std::vector<Entry> all;
-    for (int c = 0; c < int(chains.size()); ++c)
-      for (int k = 0; k < int(chains[std::size_t(c)].points.size()); ++k) {
-        const auto& p = chains[std::size_t(c)].points[std::size_t(k)];
-        const auto [dx, dy] = way_at(chains[std::size_t(c)], k);
-        all.push_back({p.x, p.y, dx, dy, c, k, p.edge});
+    std::vector<std::size_t> begin(chains.size() + 1, 0);
+    for (std::size_t c = 0; c < chains.size(); ++c) begin[c + 1] = begin[c] + chains[c].points.size();
+    std::vector<Entry> all(begin.back());
+    tbb::parallel_for(std::size_t(0), chains.size(), [&](std::size_t c) {
+      for (std::size_t k = 0; k < chains[c].points.size(); ++k) {
+        const ChainPoint& p = chains[c].points[k];
+        const auto [dx, dy] = way_at(chains[c], int(k));
+        all[begin[c] + k] = {p.x, p.y, dx, dy, int(c), int(k), p.edge};
       }
+    });
     for (const Entry& e : all) ++first_[cell(e.x, e.y) + 1];
     for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
     entries_.resize(all.size());
     std::vector<int> next(first_.begin(), first_.end() - 1);
-    for (const Entry& e : all) entries_[std::size_t(next[cell(e.x, e.y)]++)] = e;
+    for (const Entry& e : all) entries_[next[cell(e.x, e.y)]++] = e;
   }
 
   /// Calls visit(entry, squared distance) for all points nearer than `reach`.
@@ -39,7 +44,7 @@ class PointGrid {
     for (int j = y0; j <= y1; ++j) {
       const std::size_t cells = std::size_t(j) * std::size_t(columns_);
       for (int k = first_[cells + std::size_t(x0)]; k < first_[cells + std::size_t(x1) + 1]; ++k) {
-        const Entry& e = entries_[std::size_t(k)];
+        const Entry& e = entries_[k];
         const float d2 = (e.x - x) * (e.x - x) + (e.y - y) * (e.y - y);
         if (d2 < reach * reach) visit(e, d2);
       }

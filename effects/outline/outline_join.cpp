@@ -13,7 +13,7 @@ namespace umbrage {
 namespace {
 
 // Doubled lines. All lengths grow.
-constexpr float kBeside = 3.0f;    // pixels beside a chain, within which a fainter one of about its way is its double
+constexpr float kBeside = 3.0f;    // pixels beside a chain, within which a fainter one of its way is its double
 constexpr float kMaxRest = 12.0f;  // pixels in a row of a double that may lie alone
 // Gaps.
 constexpr float kGap = 16.0f;           // pixels over which ends are joined
@@ -43,27 +43,27 @@ std::vector<int> by_rank(const std::vector<Chain>& chains) {
   }
   std::vector<int> order(chains.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return rank[std::size_t(a)] > rank[std::size_t(b)]; });
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank[a] > rank[b]; });
   return order;
 }
 
-/// What lies beside a point of a chain: an edge of a surer one.
+/// What lies beside a point of a chain: a surer one.
 struct Beside {
-  int point, edge;
+  int point, chain;
 };
 
 std::vector<Beside> find_beside(const Tracing& t, const PointGrid& grid, const std::vector<int>& rank, int of) {
-  const Chain& chain = t.chains[std::size_t(of)];
+  const Chain& chain = t.chains[of];
   const float reach = kBeside * std::max(t.c.scale, 1.0f);  // no less than the pixels' grid has room for
   std::vector<Beside> found;
   for (int k = 0; k < int(chain.points.size()); ++k) {
-    const ChainPoint& p = chain.points[std::size_t(k)];
+    const ChainPoint& p = chain.points[k];
     if (p.kind == kOutlineId) continue;
     const auto way = way_at(chain, k);
     grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float) {
-      const bool surer = e.edge >= 0 && rank[std::size_t(e.chain)] < rank[std::size_t(of)];
-      if (surer && std::abs(way[0] * e.dx + way[1] * e.dy) > kParallel) found.push_back({k, e.edge});
+      if (rank[e.chain] >= rank[of]) return;
+      if (!found.empty() && found.back().point == k && found.back().chain == e.chain) return;
+      if (std::abs(way[0] * e.dx + way[1] * e.dy) > kParallel) found.push_back({k, e.chain});
     });
   }
   return found;
@@ -73,7 +73,7 @@ std::vector<Beside> find_beside(const Tracing& t, const PointGrid& grid, const s
 bool is_double(const std::vector<Beside>& beside, std::size_t points, const std::vector<std::uint8_t>& stays,
                float rest) {
   std::vector<std::uint8_t> doubled(points, 0);
-  for (const Beside& b : beside) doubled[std::size_t(b.point)] |= stays[std::size_t(b.edge)];
+  for (const Beside& b : beside) doubled[b.point] |= stays[b.chain];
   int count = 0, alone = 0, longest = 0;
   for (const bool d : doubled) {
     count += d;
@@ -83,113 +83,57 @@ bool is_double(const std::vector<Beside>& beside, std::size_t points, const std:
   return float(longest) < rest && longest < count;
 }
 
-/// A way to go on from a free end: to another one, or to another chain's side.
+/// A way to go on from a free end, 2 * chain + last: to another one, or to the side of another chain at an edge.
 struct Link {
   float cost;
-  int end, other, edge;  // ends: 2 * chain + last; other -1: to the side at an edge
+  int end, other, edge;  // other, edge: -1 where it is the other kind
 };
 
-class Bridger {
- public:
-  explicit Bridger(Tracing& t) : t_(t), grid_(t.chains, t.frame.frame.width, t.frame.frame.height) {
-    const std::vector<int> meetings = t.meetings();
-    lead_.resize(2 * t.chains.size());
-    free_.resize(2 * t.chains.size());
-    for (std::size_t end = 0; end < free_.size(); ++end) {
-      const Chain& chain = t.chains[end / 2];
-      free_[end] = t.is_free(chain, int(end % 2), meetings);
-      if (free_[end]) lead_[end] = lead(chain, int(end % 2));
-    }
-  }
-
-  void run() {
-    std::vector<Link> links;
-    for (int end = 0; end < int(free_.size()); ++end)
-      if (free_[std::size_t(end)]) find(end, links);
-    std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) {
-      return std::tie(a.cost, a.end, a.other, a.edge) < std::tie(b.cost, b.end, b.other, b.edge);
-    });
-    std::vector<int> mate(free_.size(), -1);
-    for (const Link& link : links) {
-      if (!free_[std::size_t(link.end)] || (link.other >= 0 && !free_[std::size_t(link.other)])) continue;
-      free_[std::size_t(link.end)] = false;
-      if (link.other < 0) {
-        t_.chains[std::size_t(link.end / 2)].joined[std::size_t(link.end % 2)] = link.edge;
-        continue;
-      }
-      free_[std::size_t(link.other)] = false;
-      mate[std::size_t(link.end)] = link.other;
-      mate[std::size_t(link.other)] = link.end;
-    }
-    concatenate(t_, mate, true);
-  }
-
- private:
-  void find(int end, std::vector<Link>& links) const {
-    const Chain& own = t_.chains[std::size_t(end / 2)];
-    const ChainPoint& from = own.end(end % 2);
-    const Ray& ray = lead_[std::size_t(end)];
-    const float reach = kGap * t_.c.scale, to_side = 0.5f * std::min(reach, length(own));
-    const int own_point = end % 2 ? int(own.points.size()) - 1 : 0;
-    grid_.near(from.x, from.y, reach, [&](const PointGrid::Entry& e, float d2) {
-      const float d = std::sqrt(d2), dx = e.x - from.x, dy = e.y - from.y;
-      if (e.chain == end / 2 && float(std::abs(e.point - own_point)) < 3.0f * d + 6.0f) return;
-      const float cosine = d > 0.1f ? (ray.dx * dx + ray.dy * dy) / d : 1.0f;
-      if (cosine < kStraightOn) return;
-      const Chain& other = t_.chains[std::size_t(e.chain)];
-      const float behind =
-          (other.points[std::size_t(e.point)].depth - from.depth) / (t_.pixel(from.depth) * (d + 1.0f));
-      const float turn = std::acos(std::min(cosine, 1.0f));
-      const bool at_first = e.point == 0, at_last = e.point + 1 == int(other.points.size());
-      const int other_end = 2 * e.chain + (at_first ? 0 : 1);
-      if ((at_first || at_last) && free_[std::size_t(other_end)] && other_end != end) {
-        if (other_end < end) return;  // found from there
-        const Ray& back = lead_[std::size_t(other_end)];
-        const float other_cosine = d > 0.1f ? -(back.dx * dx + back.dy * dy) / d : 1.0f;
-        if (other_cosine < kStraightOn || std::abs(behind) > kMaxSteepness) return;
-        const float other_turn = std::acos(std::min(other_cosine, 1.0f));
-        const float cost =
-            d * (1.0f + kTurning * (turn * turn + other_turn * other_turn)) + std::abs(behind) / kMaxSteepness;
-        if (cost < reach) links.push_back({cost, end, other_end, -1});
-      } else if (d <= to_side && behind < kMaxSteepness && e.edge >= 0) {
-        links.push_back({(d + 0.5f) * (1.0f + kTurning * turn * turn), end, -1, e.edge});
-      }
-    });
-  }
-
-  Tracing& t_;
-  PointGrid grid_;
-  std::vector<Ray> lead_;           // by end
-  std::vector<std::uint8_t> free_;  // by end
+/// What is known of ends.
+struct Ends {
+  std::vector<std::uint8_t> free;
+  std::vector<Ray> lead;  // of those that are free
 };
 
-/// Which chains hang together: a number for each.
-std::vector<int> groups(const Tracing& t) {
-  std::vector<int> group(t.chains.size()), of_node(t.nodes.size(), -1), of_edge(std::size_t(t.graph.size()), -1);
-  std::iota(group.begin(), group.end(), 0);
-  const auto root = [&](int k) {
-    while (group[std::size_t(k)] != k) k = group[std::size_t(k)] = group[std::size_t(group[std::size_t(k)])];
-    return k;
-  };
-  const auto meet = [&](int chain, int node) {
-    if (node < 0) return;
-    int& other = of_node[std::size_t(node)];
-    if (other >= 0) group[std::size_t(root(chain))] = root(other);
-    other = chain;
-  };
-  for (int k = 0; k < int(t.chains.size()); ++k) {
-    for (const int node : t.chains[std::size_t(k)].node) meet(k, node);
-    for (const ChainPoint& p : t.chains[std::size_t(k)].points) {
-      meet(k, p.node);
-      if (p.edge >= 0) of_edge[std::size_t(p.edge)] = k;
-    }
+Ends ends_of(const Tracing& t) {
+  const std::vector<int> meetings = t.meetings();
+  Ends ends{std::vector<std::uint8_t>(2 * t.chains.size()), std::vector<Ray>(2 * t.chains.size())};
+  for (std::size_t end = 0; end < ends.free.size(); ++end) {
+    ends.free[end] = t.is_free(t.chains[end / 2], int(end % 2), meetings);
+    if (ends.free[end]) ends.lead[end] = lead(t.chains[end / 2], int(end % 2));
   }
-  for (int k = 0; k < int(t.chains.size()); ++k)
-    for (const int joined : t.chains[std::size_t(k)].joined)
-      if (joined >= 0 && of_edge[std::size_t(joined)] >= 0)
-        group[std::size_t(root(k))] = root(of_edge[std::size_t(joined)]);
-  for (int k = 0; k < int(group.size()); ++k) group[std::size_t(k)] = root(k);
-  return group;
+  return ends;
+}
+
+/// Finds links of a free end. Each turn is the cosine between where an end leads and where the link does.
+void find_links(const Tracing& t, const PointGrid& grid, const Ends& ends, int end, std::vector<Link>& links) {
+  const Chain& own = t.chains[end / 2];
+  const ChainPoint& from = own.end(end % 2);
+  const float reach = kGap * t.c.scale, to_side = 0.5f * std::min(reach, length(own));
+  const int own_point = end % 2 ? int(own.points.size()) - 1 : 0;
+  grid.near(from.x, from.y, reach, [&](const PointGrid::Entry& e, float d2) {
+    const float d = std::sqrt(d2), dx = e.x - from.x, dy = e.y - from.y;
+    if (e.chain == end / 2 && float(std::abs(e.point - own_point)) < 3.0f * d + 6.0f) return;
+    const auto turn_of = [&](const Ray& ray, float sign) {
+      return d > 0.1f ? sign * (ray.dx * dx + ray.dy * dy) / d : 1.0f;
+    };
+    const auto squared_angle = [](float cosine) { return 2.0f - 2.0f * cosine; };  // about
+    const float turn = turn_of(ends.lead[end], 1.0f);
+    if (turn < kStraightOn) return;
+    const Chain& other = t.chains[e.chain];
+    const float behind = (other.points[e.point].depth - from.depth) / (t.pixel(from.depth) * (d + 1.0f));
+    const bool at_first = e.point == 0, at_last = e.point + 1 == int(other.points.size());
+    const int other_end = 2 * e.chain + (at_first ? 0 : 1);
+    if ((at_first || at_last) && ends.free[other_end] && other_end != end) {
+      const float other_turn = turn_of(ends.lead[other_end], -1.0f);
+      if (other_end < end || other_turn < kStraightOn || std::abs(behind) > kMaxSteepness) return;
+      const float bend = squared_angle(turn) + squared_angle(other_turn);
+      const float cost = d * (1.0f + kTurning * bend) + std::abs(behind) / kMaxSteepness;
+      if (cost < reach) links.push_back({cost, end, other_end, -1});
+    } else if (d <= to_side && behind < kMaxSteepness && e.edge >= 0) {
+      links.push_back({(d + 0.5f) * (1.0f + kTurning * squared_angle(turn)), end, -1, e.edge});
+    }
+  });
 }
 
 }  // namespace
@@ -197,47 +141,59 @@ std::vector<int> groups(const Tracing& t) {
 void drop_doubles(Tracing& t) {
   const std::vector<int> order = by_rank(t.chains);
   std::vector<int> rank(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) rank[std::size_t(order[k])] = int(k);
+  for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = int(k);
   const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
   std::vector<std::vector<Beside>> beside(t.chains.size());
   tbb::parallel_for(std::size_t(0), t.chains.size(),
                     [&](std::size_t k) { beside[k] = find_beside(t, grid, rank, int(k)); });
-  std::vector<std::uint8_t> stays(std::size_t(t.graph.size()), 0);  // by edge
+  std::vector<std::uint8_t> stays(order.size(), 0);  // by chain
   for (const int k : order) {
-    std::vector<ChainPoint>& points = t.chains[std::size_t(k)].points;
-    if (is_double(beside[std::size_t(k)], points.size(), stays, kMaxRest * t.c.scale)) points.clear();
-    for (const ChainPoint& p : points)
-      if (p.edge >= 0) stays[std::size_t(p.edge)] = 1;
+    std::vector<ChainPoint>& points = t.chains[k].points;
+    if (is_double(beside[k], points.size(), stays, kMaxRest * t.c.scale))
+      points.clear();
+    else
+      stays[k] = 1;
   }
   t.drop_empty();
 }
 
-void bridge_gaps(Tracing& t) { Bridger(t).run(); }
+void bridge_gaps(Tracing& t) {
+  const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
+  Ends ends = ends_of(t);
+  std::vector<Link> links;
+  for (int end = 0; end < int(ends.free.size()); ++end)
+    if (ends.free[end]) find_links(t, grid, ends, end, links);
+  std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) {
+    return std::tie(a.cost, a.end, a.other, a.edge) < std::tie(b.cost, b.end, b.other, b.edge);
+  });
+  std::vector<int> mate(ends.free.size(), -1);
+  for (const Link& link : links) {
+    if (!ends.free[link.end] || (link.other >= 0 && !ends.free[link.other])) continue;
+    ends.free[link.end] = false;
+    if (link.other < 0) {
+      t.chains[link.end / 2].joined[link.end % 2] = link.edge;
+      continue;
+    }
+    ends.free[link.other] = false;
+    mate[link.end] = link.other;
+    mate[link.other] = link.end;
+  }
+  concatenate(t, mate, true);
+}
 
 void drop_short(Tracing& t, float free_px, float branch_px) {
   constexpr int kRounds = 3;  // what went can leave others free
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<int> meetings = t.meetings(), group = groups(t);
-    std::vector<float> total(t.chains.size(), 0.0f), own(t.chains.size());
-    std::vector<std::uint8_t> is_object(t.chains.size(), 0);
-    for (std::size_t k = 0; k < t.chains.size(); ++k) {
-      own[k] = length(t.chains[k]);
-      total[std::size_t(group[k])] += own[k];
-      is_object[std::size_t(group[k])] |= has_id(t.chains[k]);
+    const std::vector<int> meetings = t.meetings();
+    const std::size_t before = t.chains.size();
+    for (Chain& chain : t.chains) {
+      const int free = t.is_free(chain, 0, meetings) + t.is_free(chain, 1, meetings);
+      float least = free == 2 || chain.closed ? free_px : free == 1 ? branch_px : 0.5f * branch_px;
+      if (has_id(chain)) least = free == 2 || chain.closed ? 2.0f * branch_px : 0.0f;
+      if (length(chain) < least * t.c.scale) chain.points.clear();
     }
-    bool changed = false;
-    for (std::size_t k = 0; k < t.chains.size(); ++k) {
-      Chain& chain = t.chains[k];
-      const bool free0 = t.is_free(chain, 0, meetings), free1 = t.is_free(chain, 1, meetings);
-      float least = free0 && free1 ? free_px : free0 || free1 ? branch_px : 0.5f * branch_px;
-      if (chain.closed || has_id(chain)) least = 0.0f;
-      const float least_total = is_object[std::size_t(group[k])] ? 2.0f * branch_px : free_px;
-      if (own[k] >= least * t.c.scale && total[std::size_t(group[k])] >= least_total * t.c.scale) continue;
-      chain.points.clear();
-      changed = true;
-    }
-    if (!changed) break;
     t.drop_empty();
+    if (t.chains.size() == before) break;
   }
 }
 

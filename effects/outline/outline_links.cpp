@@ -44,20 +44,20 @@ Tracing::Tracing(const HostFrame& of_frame, const OutlineConstants& constants)
             of_frame.frame.height) {}
 
 std::vector<int> Tracing::meetings() const {
-  std::vector<int> count(nodes.size(), 0);
+  std::vector<int> count(2 * std::size_t(graph.size()), 0);
   for (const Chain& chain : chains) {
     for (const int node : chain.node)
-      if (node >= 0 && !chain.closed) ++count[std::size_t(node)];
+      if (node >= 0 && !chain.closed) ++count[node];
     for (const ChainPoint& p : chain.points)
-      if (p.node >= 0) count[std::size_t(p.node)] += 2;
+      if (p.node >= 0) count[p.node] += 2;
   }
   return count;
 }
 
 bool Tracing::is_free(const Chain& chain, int last, const std::vector<int>& meetings) const {
-  const int node = chain.node[std::size_t(last)];
-  if (chain.closed || chain.joined[std::size_t(last)] >= 0) return false;
-  return node < 0 || (!graph.at_border(nodes[std::size_t(node)]) && meetings[std::size_t(node)] < 2);
+  const int node = chain.node[last];
+  if (chain.closed || chain.joined[last] >= 0) return false;
+  return node < 0 || (!graph.at_border(graph.node(node)) && meetings[node] < 2);
 }
 
 void Tracing::drop_empty() {
@@ -65,10 +65,10 @@ void Tracing::drop_empty() {
   std::vector<std::uint8_t> alive(std::size_t(graph.size()), 0);
   for (const Chain& chain : chains)
     for (const ChainPoint& p : chain.points)
-      if (p.edge >= 0) alive[std::size_t(p.edge)] = 1;
+      if (p.edge >= 0) alive[p.edge] = 1;
   for (Chain& chain : chains)
     for (int& joined : chain.joined)
-      if (joined >= 0 && !alive[std::size_t(joined)]) joined = -1;
+      if (joined >= 0 && !alive[joined]) joined = -1;
 }
 
 bool has_id(const Chain& chain) {
@@ -84,7 +84,7 @@ float mean_strength(const Chain& chain) {
 
 std::array<float, 2> way_at(const Chain& chain, int point) {
   constexpr int kAround = 4;
-  const auto& first = chain.points[std::size_t(std::max(0, point - kAround))];
+  const auto& first = chain.points[std::max(0, point - kAround)];
   const auto& last = chain.points[std::size_t(std::min(int(chain.points.size()) - 1, point + kAround))];
   const float dx = last.x - first.x, dy = last.y - first.y, length = std::max(length_of(dx, dy), 1e-6f);
   return {dx / length, dy / length};
@@ -121,27 +121,25 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
   std::vector<std::uint8_t> used(t.chains.size(), 0);
   for (const bool closed : {false, true})
     for (int start = 0; start < 2 * int(t.chains.size()); ++start) {
-      const Chain& first = t.chains[std::size_t(start / 2)];
-      if (used[std::size_t(start / 2)] || first.points.empty() ||
-          (!closed && mate[std::size_t(start)] >= 0 && !first.closed))
-        continue;
+      const Chain& first = t.chains[start / 2];
+      if (used[start / 2] || first.points.empty() || (!closed && mate[start] >= 0 && !first.closed)) continue;
       if (!closed && first.closed) continue;
       Chain chain;
       chain.closed = closed;
-      chain.node[0] = first.node[std::size_t(start % 2)];
-      chain.joined[0] = first.joined[std::size_t(start % 2)];
+      chain.node[0] = first.node[start % 2];
+      chain.joined[0] = first.joined[start % 2];
       for (int at = start;;) {
-        const Chain& next = t.chains[std::size_t(at / 2)];
-        used[std::size_t(at / 2)] = 1;
+        const Chain& next = t.chains[at / 2];
+        used[at / 2] = 1;
         if (over_gaps && !chain.points.empty()) bridge(chain.points, next.end(at % 2));
         append(chain, next, at % 2 == 1);
         const std::size_t far = std::size_t(1 - at % 2);
         chain.node[1] = next.node[far];
         chain.joined[1] = next.joined[far];
-        at = mate[std::size_t(at ^ 1)];
+        at = mate[at ^ 1];
         if (at < 0) break;
         chain.points.back().node = over_gaps ? -1 : chain.node[1];
-        if (used[std::size_t(at / 2)]) break;
+        if (used[at / 2]) break;
       }
       if (closed && over_gaps && !first.closed) bridge(chain.points, ChainPoint(chain.points.front()));
       linked.push_back(std::move(chain));

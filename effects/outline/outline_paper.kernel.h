@@ -5,11 +5,19 @@
 // Differs: background has the normal 0 and the depth 1, as a cleared buffer.
 IN_REAL(depth)
 IN_VECTOR(normal)
-IN_REAL(outline_window)
 OUT_REAL(outline)
 
+// Window depth in [0, 1], as the paper's depth buffer held it.
+FN Real window_depth(int i, int j) {
+  Real depth = near_depth(i, j);
+  Real z = clamp(depth, Real(C.near_depth), Real(C.far_depth));
+  Real window = (z - C.near_depth) / Real(C.far_depth - C.near_depth);
+  if (F.orthographic == 0) window = window * Real(C.far_depth) / z;
+  return select(depth > 0.0f && is_finite(depth), window, Real(1.0f));
+}
+
 FN void outline_paper_pixel(Int px, Int py) {
-  Real base = near_outline_window(0, 0);
+  Real base = window_depth(0, 0);
   Vec3 base_normal = near_normal(0, 0);
   Real threshold = Real(C.paper_depth) * (Real(1.0f) - base);
   Bool surface = is_surface(near_depth(0, 0));
@@ -18,7 +26,7 @@ FN void outline_paper_pixel(Int px, Int py) {
     for (int i = -1; i <= 1; ++i) {
       if (i == 0 && j == 0) continue;
       Bool either = surface || is_surface(near_depth(i, j));
-      dark = dark || abs(near_outline_window(i, j) - base) > threshold;
+      dark = dark || abs(window_depth(i, j) - base) > threshold;
       dark = dark || (dot(near_normal(i, j), base_normal) < C.paper_normal && either);
     }
   store_outline(select(dark, Real(C.opacity), Real(0.0f)));

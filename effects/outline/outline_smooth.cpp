@@ -1,5 +1,5 @@
-// Where chains lie exactly: straight where they are straight, round where they are round, and ended where they meet
-// others.
+// Where chains lie exactly: straight where they are straight, round where they
+// are round, and ended where they meet others.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -15,7 +15,8 @@ constexpr float kMaxBend = 0.4f;  // of such a parabola, its bend against its le
 constexpr int kMaxRun = 256;      // points of one
 constexpr int kRunsOver = 16;     // runs that hold a point, at least
 
-/// A parabola over u in [-1, 1], by polynomials that are orthogonal on evenly spaced points.
+/// A parabola over u in [-1, 1], by polynomials that are orthogonal on evenly
+/// spaced points.
 struct Curve {
   float x0 = 0, x1 = 0, x2 = 0, y0 = 0, y1 = 0, y2 = 0;
   float step = 0, mean_u2 = 0;
@@ -33,10 +34,10 @@ Curve fitted(const Places& p, int first, int last) {
   const int count = last - first + 1;
   Curve c{.step = 2.0f / float(count - 1), .mean_u2 = float(count + 1) / (3.0f * float(count - 1))};
   float u2 = 0.0f, q2 = 0.0f;
-  const auto [ox, oy] = p[std::size_t(first)];
+  const auto [ox, oy] = p[first];
   for (int k = 0; k < count; ++k) {
     const float u = c.u_of(k), q = u * u - c.mean_u2;
-    const float x = p[std::size_t(first + k)][0] - ox, y = p[std::size_t(first + k)][1] - oy;
+    const float x = p[first + k][0] - ox, y = p[first + k][1] - oy;
     c.x0 += x, c.x1 += u * x, c.x2 += q * x;
     c.y0 += y, c.y1 += u * y, c.y2 += q * y;
     u2 += u * u, q2 += q * q;
@@ -59,28 +60,15 @@ bool fits(const Places& p, int first, int last) {
     const float u = c.u_of(k - first);
     const auto [x, y] = c.at(u);
     const float dx = c.x1 + 2.0f * c.x2 * u, dy = c.y1 + 2.0f * c.y2 * u;
-    const float off = (p[std::size_t(k)][0] - x) * dy - (p[std::size_t(k)][1] - y) * dx;
+    const float off = (p[k][0] - x) * dy - (p[k][1] - y) * dx;
     if (off * off > kTube * kTube * (dx * dx + dy * dy)) return false;
   }
   return true;
 }
 
-/// The curve's point nearest to a place, from the k-th on.
-std::array<float, 2> foot(const Curve& c, int k, std::array<float, 2> place) {
-  float u = c.u_of(k);
-  std::array<float, 2> p{};
-  for (const bool again : {true, false}) {
-    p = c.at(u);
-    const float dx = c.x1 + 2.0f * c.x2 * u, dy = c.y1 + 2.0f * c.y2 * u;
-    const float along = ((place[0] - p[0]) * dx + (place[1] - p[1]) * dy) / std::max(dx * dx + dy * dy, 1e-6f);
-    p[0] += along * dx, p[1] += along * dy;
-    if (again) u += along;
-  }
-  return p;
-}
-
-/// Moves places to the curves through their neighbours: of all longest runs that fit a parabola each moves the places
-/// that it holds, the more the longer it is and the nearer they are to its middle.
+/// Moves places to the curves through their neighbours: of all longest runs
+/// that fit a parabola each moves the places that it holds, the more the longer
+/// it is and the nearer they are to its middle.
 void smooth_places(Places& p) {
   const int count = int(p.size());
   if (count < 3) return;
@@ -99,8 +87,8 @@ void smooth_places(Places& p) {
     const auto run = float(last - first + 1);
     for (int k = first; k <= last; ++k) {
       const float f = (float(k - first) + 0.5f) / run, weight = f * (1.0f - f) * run * run;
-      const auto [x, y] = foot(c, k - first, p[std::size_t(k)]);
-      auto& s = sum[std::size_t(k)];
+      const auto [x, y] = c.at(c.u_of(k - first));
+      auto& s = sum[k];
       s[0] += weight * x, s[1] += weight * y, s[2] += weight;
     }
   }
@@ -112,13 +100,13 @@ void smooth(Chain& chain) {
   const int count = int(chain.points.size()), around = chain.closed ? std::min(count, 100) : 0;
   Places p;
   for (int k = -around; k < count + around; ++k) {
-    const ChainPoint& of = chain.points[std::size_t((k + count) % count)];
+    const ChainPoint& of = chain.points[(k + count) % count];
     p.push_back({of.x, of.y});
   }
   smooth_places(p);
   for (int k = 0; k < count; ++k) {
-    chain.points[std::size_t(k)].x = p[std::size_t(k + around)][0];
-    chain.points[std::size_t(k)].y = p[std::size_t(k + around)][1];
+    chain.points[k].x = p[k + around][0];
+    chain.points[k].y = p[k + around][1];
   }
 }
 
@@ -131,20 +119,20 @@ struct Meeting {
 std::vector<Meeting> all_meetings(const Tracing& t) {
   std::vector<Meeting> all;
   for (int c = 0; c < int(t.chains.size()); ++c) {
-    const Chain& chain = t.chains[std::size_t(c)];
+    const Chain& chain = t.chains[c];
     for (std::size_t k = 0; k < chain.points.size(); ++k) {
       const ChainPoint &p = chain.points[k], &q = chain.points[(k + 1) % chain.points.size()];
       if (p.node >= 0) all.push_back({p.node, c, -1, 0.5f * (p.x + q.x), 0.5f * (p.y + q.y)});
     }
     for (int last = 0; last < 2 && !chain.closed; ++last)
-      if (chain.node[std::size_t(last)] >= 0)
-        all.push_back({chain.node[std::size_t(last)], c, last, chain.end(last).x, chain.end(last).y});
+      if (chain.node[last] >= 0) all.push_back({chain.node[last], c, last, chain.end(last).x, chain.end(last).y});
   }
   std::stable_sort(all.begin(), all.end(), [](const Meeting& a, const Meeting& b) { return a.node < b.node; });
   return all;
 }
 
-/// Where the lines along which chains lead to a node meet, near the mean of their ends.
+/// Where the lines along which chains lead to a node meet, near the mean of
+/// their ends.
 std::array<float, 2> meeting_place(const Tracing& t, std::span<const Meeting> at) {
   constexpr float kMaxMove = 1.5f;  // pixels
   float x = 0.0f, y = 0.0f, passing = 0.0f;
@@ -152,9 +140,10 @@ std::array<float, 2> meeting_place(const Tracing& t, std::span<const Meeting> at
     if (m.last < 0) x += m.x, y += m.y, passing += 1.0f;
   if (passing > 0.0f) return {x / passing, y / passing};
   for (const Meeting& m : at) x += m.x / float(at.size()), y += m.y / float(at.size());
-  double a = 1e-2, b = 0.0, c = 1e-2, u = 0.0, v = 0.0;  // least squares, drawn to the mean a little
+  double a = 1e-2, b = 0.0, c = 1e-2, u = 0.0,
+         v = 0.0;  // least squares, drawn to the mean a little
   for (const Meeting& m : at) {
-    const Ray ray = lead(t.chains[std::size_t(m.chain)], m.last);
+    const Ray ray = lead(t.chains[m.chain], m.last);
     const double nx = -ray.dy, ny = ray.dx, d = nx * (ray.x - x) + ny * (ray.y - y);
     a += nx * nx, b += nx * ny, c += ny * ny, u += nx * d, v += ny * d;
   }
@@ -165,13 +154,13 @@ std::array<float, 2> meeting_place(const Tracing& t, std::span<const Meeting> at
 
 void lead_to(Chain& chain, int last, std::array<float, 2> place) {
   constexpr float kSame = 0.75f;  // pixels
-  ChainPoint p = chain.end(last);
-  const float d = length_of(p.x - place[0], p.y - place[1]);
+  ChainPoint& end = last ? chain.points.back() : chain.points.front();
+  ChainPoint p = end;
   p.x = place[0], p.y = place[1];
-  if (d < kSame)
-    (last ? chain.points.back() : chain.points.front()) = p;
-  else
+  if (length_of(end.x - p.x, end.y - p.y) >= kSame)
     chain.points.insert(last ? chain.points.end() : chain.points.begin(), p);
+  else
+    end = p;
 }
 
 }  // namespace
@@ -185,12 +174,7 @@ void meet(Tracing& t) {
   std::vector<std::array<float, 2>> of_edge(std::size_t(t.graph.size()));
   for (const Chain& chain : t.chains)
     for (const ChainPoint& p : chain.points)
-      if (p.edge >= 0) of_edge[std::size_t(p.edge)] = {p.x, p.y};
-  struct Move {
-    int chain, last;
-    std::array<float, 2> place;
-  };
-  std::vector<Move> moves;
+      if (p.edge >= 0) of_edge[p.edge] = {p.x, p.y};
   const std::vector<Meeting> all = all_meetings(t);
   for (std::size_t k = 0, next; k < all.size(); k = next) {
     for (next = k; next < all.size() && all[next].node == all[k].node; ++next) {
@@ -198,17 +182,15 @@ void meet(Tracing& t) {
     if (next - k > 1) {
       const auto place = meeting_place(t, std::span(all).subspan(k, next - k));
       for (std::size_t m = k; m < next; ++m)
-        if (all[m].last >= 0) moves.push_back({all[m].chain, all[m].last, place});
-    } else if (all[k].last >= 0 && t.graph.at_border(t.nodes[std::size_t(all[k].node)])) {
-      const Ray ray = lead(t.chains[std::size_t(all[k].chain)], all[k].last);
-      moves.push_back({all[k].chain, all[k].last, {all[k].x + kBeyond * ray.dx, all[k].y + kBeyond * ray.dy}});
+        if (all[m].last >= 0) lead_to(t.chains[all[m].chain], all[m].last, place);
+    } else if (all[k].last >= 0 && t.graph.at_border(t.graph.node(all[k].node))) {
+      const Ray ray = lead(t.chains[all[k].chain], all[k].last);
+      lead_to(t.chains[all[k].chain], all[k].last, {all[k].x + kBeyond * ray.dx, all[k].y + kBeyond * ray.dy});
     }
   }
-  for (int c = 0; c < int(t.chains.size()); ++c)
+  for (Chain& chain : t.chains)
     for (int last = 0; last < 2; ++last)
-      if (const int joined = t.chains[std::size_t(c)].joined[std::size_t(last)]; joined >= 0)
-        moves.push_back({c, last, of_edge[std::size_t(joined)]});
-  for (const Move& move : moves) lead_to(t.chains[std::size_t(move.chain)], move.last, move.place);
+      if (chain.joined[last] >= 0) lead_to(chain, last, of_edge[chain.joined[last]]);
   for (Chain& chain : t.chains)
     if (chain.closed) chain.points.push_back(ChainPoint(chain.points.front()));
 }

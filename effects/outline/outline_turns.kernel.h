@@ -16,35 +16,35 @@ CONST float kMaxStraying = 0.17f;   // of a window's turn, that normals in its m
 CONST float kRoundness = 0.5f;      // times the turn beside a window on either side, that does not count,
 CONST float kSoftRoundness = 2.0f;  // and of a window wider than C.narrow
 
-FN Real length_of(Vec3 v) { return sqrt(dot(v, v)); }
+FN Real square(Vec3 v) { return dot(v, v); }
 
-// How far n lies off the way from a to b.
-FN Real off_the_way(Vec3 a, Vec3 n, Vec3 b) {
+// Whether n lies on the way from a to b, which turns by so much, squared.
+FN Bool on_the_way(Vec3 a, Vec3 n, Vec3 b, Real turn2) {
   Vec3 c = cross(a, b);
-  return abs(dot(c, n)) / max(length_of(c), Real(1e-6f));
+  Real off = dot(c, n);
+  return off * off < turn2 * square(c) * (kMaxStraying * kMaxStraying);
 }
 
-// How much a side turns per pixel, from its pixel with normal v on: over all of its pixels, the last of which has the
-// normal `far`, or over half of them, whichever is less, since another crease may be there.
-FN Real milder_turn(Vec3 v, Vec3 far, Real count, Vec3 near, Real few) {
-  return min(length_of(v - far) / max(count, Real(1.0f)), length_of(v - near) / max(few, Real(1.0f)));
+// How much a side turns per pixel, squared: from its pixel with normal v to the last of `count`, whose normal is `far`,
+// or to the middle one of `few`, whichever is less, since another crease may be there. Takes one over their squares.
+FN Real milder_turn(Vec3 v, Vec3 far, Real per_count, Vec3 near, Real per_few) {
+  return min(square(v - far) * per_count, square(v - near) * per_few);
 }
 
 // That of the side that begins s steps of (i, j) from this pixel, where so many pixels are left of it.
 FN Real side_turn(Int px, Int py, Vec3 v, int s, int i, int j, Int count) {
   Int few = to_signed(to_uint(count + Int(1)) >> 1);
-  Int far_x = px + Int(i) * (count + Int(s));
-  Int far_y = py + Int(j) * (count + Int(s));
-  Int near_x = px + Int(i) * (few + Int(s));
-  Int near_y = py + Int(j) * (few + Int(s));
-  return milder_turn(v, load_normal(far_x, far_y), to_real(count), load_normal(near_x, near_y), to_real(few));
+  Vec3 far = load_normal(px + Int(i) * (count + Int(s)), py + Int(j) * (count + Int(s)));
+  Vec3 near = load_normal(px + Int(i) * (few + Int(s)), py + Int(j) * (few + Int(s)));
+  Real per_count = Real(1.0f) / max(to_real(count * count), Real(1.0f));
+  return milder_turn(v, far, per_count, near, Real(1.0f) / max(to_real(few * few), Real(1.0f)));
 }
 
 // The same where as many are left as are asked.
 FN Real whole_side_turn(Vec3 v, int s, int i, int j, int count) {
   int few = (count + 1) / 2;
-  return milder_turn(v, near_normal((s + count) * i, (s + count) * j), Real(float(count)),
-                     near_normal((s + few) * i, (s + few) * j), Real(float(few)));
+  return milder_turn(v, near_normal((s + count) * i, (s + count) * j), Real(1.0f / float(count * count)),
+                     near_normal((s + few) * i, (s + few) * j), Real(1.0f / float(few * few)));
 }
 
 FN Real turn_at(Int px, Int py, int i, int j) {
@@ -85,13 +85,14 @@ FN Real turn_at(Int px, Int py, int i, int j) {
   for (int h = 0; h <= C.max_window; h = wider(h)) {
     Vec3 a = near_normal(-h * i, -h * j);
     Vec3 b = near_normal((1 + h) * i, (1 + h) * j);
-    Real turn = length_of(b - a);
+    Real turn2 = square(b - a);
+    Real bound = least * max(best, Real(kOutlineMinStrength));
     Int left = min(before - Int(h), Int(h + 1));
     Int right = min(after - Int(h), Int(h + 1));
     Int rim_room = Int(h < 4 ? 1 : h / 2);
     Int room = Int(h > 0 ? 1 : 0);
-    Bool on = maybe && turn >= least * max(best, Real(kOutlineMinStrength)) && left + right > Int(0) &&
-              left >= select(rim_before, rim_room, room) && right >= select(rim_after, rim_room, room);
+    Bool on = maybe && turn2 >= bound * bound && left + right > Int(0) && left >= select(rim_before, rim_room, room) &&
+              right >= select(rim_after, rim_room, room);
     if (!some(on)) continue;
     Real of_left = whole_side_turn(a, h, -i, -j, h + 1);
     Real of_right = whole_side_turn(b, h + 1, i, j, h + 1);
@@ -99,12 +100,12 @@ FN Real turn_at(Int px, Int py, int i, int j) {
       of_left = side_turn(px, py, a, h, -i, -j, max(left, Int(0)));
       of_right = side_turn(px, py, b, h + 1, i, j, max(right, Int(0)));
     }
-    Real sides = select(left > Int(0), of_left, of_right) + select(right > Int(0), of_right, of_left);
+    Real sides = sqrt(select(left > Int(0), of_left, of_right)) + sqrt(select(right > Int(0), of_right, of_left));
     float width = float(2 * h + 1);
-    Real strength = turn - sides * (width * (width <= C.narrow ? kRoundness : kSoftRoundness));
+    Real strength = sqrt(turn2) - sides * (width * (width <= C.narrow ? kRoundness : kSoftRoundness));
     strength = strength * Real((1.0f - C.coarser * float(h)) / C.crease_chord);
     on = on && strength > best;
-    if (h > 0) on = on && max(off_the_way(a, n1, b), off_the_way(a, n2, b)) < turn * kMaxStraying;
+    if (h > 0) on = on && on_the_way(a, n1, b, turn2) && on_the_way(a, n2, b, turn2);
     best = select(on, strength, best);
     coded = select(on, Real(float(h) * kWindowUnit), coded);
   }

@@ -1,0 +1,37 @@
+#include "core/lines.h"
+
+#include <cmath>
+
+namespace umbrage {
+namespace {
+
+constexpr float kTolerance = 0.05f;  // pixels that a line may leave its points by
+constexpr int kMaxSkip = 8;          // points that one segment stands for
+
+/// Whether points between two can go without the line leaving them.
+bool can_skip(const std::vector<LinePoint>& p, std::size_t first, std::size_t last) {
+  const LinePoint &a = p[first], &b = p[last];
+  const float dx = b.x - a.x, dy = b.y - a.y, length = std::hypot(dx, dy);
+  if (length < 0.1f) return false;
+  for (std::size_t k = first + 1; k < last; ++k) {
+    const float f = float(k - first) / float(last - first);
+    if (std::abs((p[k].y - a.y) * dx - (p[k].x - a.x) * dy) >= kTolerance * length) return false;
+    if (std::abs(a.width + f * (b.width - a.width) - p[k].width) >= 2.0f * kTolerance) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<LinePoint> simplified(const std::vector<LinePoint>& p) {
+  std::vector<LinePoint> kept;
+  for (std::size_t k = 0; k < p.size();) {
+    kept.push_back(p[k]);
+    std::size_t next = k + 1;
+    while (next + 1 < p.size() && next < k + kMaxSkip && can_skip(p, k, next + 1)) ++next;
+    k = next;
+  }
+  return kept;
+}
+
+}  // namespace umbrage

@@ -1,9 +1,0 @@
-// Names the kernel text outline_window.kernel.h for the CPU.
-#define UMBRAGE_KERNEL outline_window
-#define UMBRAGE_KERNEL_TEXT "effects/outline/outline_window.kernel.h"
-#define UMBRAGE_KERNEL_CONSTANTS OutlineConstants
-#include "effects/outline/outline.h"
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "effects/outline/outline_window.cpu.cpp"
-#include "hwy/foreach_target.h"
-#include "machine/cpu_kernel.h"
