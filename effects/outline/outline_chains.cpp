@@ -49,32 +49,35 @@ Ray lead_at_node(const Tracing& t, int end) {
 void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<float>& strength,
                std::vector<int>& mate) {
   const auto kind = [&](std::size_t k) { return t.chains[ends[k] / 2].end(ends[k] % 2).kind; };
-  int best = 0, count = 0;
-  std::vector<Ray> leads;
+  int surest_kind = 0, count = 0;
+  std::array<Ray, EdgeGraph::kWays> leads;
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    if (kind(k) > best) count = 0;
-    best = std::max(best, int(kind(k)));
-    count += kind(k) == best;
-    leads.push_back(lead_at_node(t, ends[k]));
+    if (kind(k) > surest_kind) count = 0;
+    surest_kind = std::max(surest_kind, int(kind(k)));
+    count += kind(k) == surest_kind;
+    leads[k] = lead_at_node(t, ends[k]);
   }
-  std::vector<std::tuple<float, int, int>> pairs;
+  std::array<std::tuple<float, int, int>, EdgeGraph::kWays*(EdgeGraph::kWays - 1) / 2> pairs;
+  std::size_t found = 0;
   for (std::size_t a = 0; a < ends.size(); ++a)
     for (std::size_t b = a + 1; b < ends.size(); ++b) {
       const int chain_a = ends[a] / 2, chain_b = ends[b] / 2;
       if (chain_a == chain_b) continue;
       const float cosine = -(leads[a].dx * leads[b].dx + leads[a].dy * leads[b].dy);
-      const bool surest = count == 2 && kind(a) == best && kind(b) == best;
+      const bool surest = count == 2 && kind(a) == surest_kind && kind(b) == surest_kind;
       if (cosine < kStraightOn && !surest) continue;
       const float sa = strength[chain_a], sb = strength[chain_b];
       const float likeness = (kind(a) == kind(b) ? 1.0f : 0.9f) * std::sqrt(2.0f * std::min(sa, sb) / (sa + sb));
-      pairs.emplace_back(surest ? -2.0f : -cosine * likeness, ends[a], ends[b]);
+      pairs[found++] = {surest ? -2.0f : -cosine * likeness, ends[a], ends[b]};
     }
-  std::sort(pairs.begin(), pairs.end());
-  for (const auto& [cost, a, b] : pairs)
-    if (mate[a] < 0 && mate[b] < 0) {
-      mate[a] = b;
-      mate[b] = a;
-    }
+  for (int pair = 0; pair < EdgeGraph::kWays / 2; ++pair) {
+    const std::tuple<float, int, int>* best = nullptr;
+    for (const auto& each : std::span(pairs).first(found))
+      if (mate[std::get<1>(each)] < 0 && mate[std::get<2>(each)] < 0 && (!best || each < *best)) best = &each;
+    if (!best) return;
+    mate[std::get<1>(*best)] = std::get<2>(*best);
+    mate[std::get<2>(*best)] = std::get<1>(*best);
+  }
 }
 
 /// Makes one chain of those that go on in each other at nodes.
@@ -102,24 +105,33 @@ void pair_at_nodes(Tracing& t) {
 }  // namespace
 
 void find_chains(Tracing& t) {
-  std::vector<std::uint8_t> seen(std::size_t(t.graph.size()), 0);
-  const auto walk = [&](EdgeGraph::Node node, int edge, bool closed) {
+  const EdgeGraph& graph = t.graph;
+  std::vector<std::uint8_t> seen(std::size_t(graph.size()), 0);
+  const auto walk = [&](EdgeGraph::Node node, int way, bool closed) {
     Chain& chain = t.chains.emplace_back();
     chain.closed = closed;
-    if (!closed) chain.node[0] = t.graph.number_of(node);
-    for (;; edge = t.graph.onward(edge, node)) {
+    if (!closed) chain.node[0] = graph.number_of(node);
+    for (;;) {
+      const int edge = graph.edge(node, way);
       if (seen[edge]) return;  // once around
       seen[edge] = 1;
       chain.points.push_back({.edge = edge});
-      node = t.graph.other_node(edge, node);
-      if (t.graph.degree(node) != 2) break;
+      node = EdgeGraph::next(node, way);
+      const unsigned onward = graph.ways(node) & ~(1u << EdgeGraph::back(way));
+      if (!std::has_single_bit(onward)) break;
+      way = std::countr_zero(onward);
     }
-    chain.node[1] = t.graph.number_of(node);
+    chain.node[1] = graph.number_of(node);
   };
   for (const bool closed : {false, true})  // what has no node is closed
-    for (int edge = 0; edge < t.graph.size(); ++edge)
-      for (const EdgeGraph::Node node : {t.graph.first_node(edge), t.graph.last_node(edge)})
-        if (!seen[edge] && (closed || t.graph.degree(node) != 2)) walk(node, edge, closed);
+    for (int edge = 0; edge < graph.size(); ++edge) {
+      if (seen[edge]) continue;
+      const int way = graph[edge].below ? 1 : 2;  // from its first node to its last
+      if (closed || graph.degree(graph.first_node(edge)) != 2)
+        walk(graph.first_node(edge), way, closed);
+      else if (graph.degree(graph.last_node(edge)) != 2)
+        walk(graph.last_node(edge), EdgeGraph::back(way), closed);
+    }
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
     for (ChainPoint& p : t.chains[k].points) describe(t, p);
   });
@@ -141,9 +153,10 @@ void keep_clear_parts(Tracing& t) {
     for (int first = 0, end; first < count; first = end) {
       float most = 0.0f;
       for (end = first; end < count && mean(end) >= kFaint; ++end) most = std::max(most, mean(end));
-      if (most >= kClear) {
+      if (most >= kClear && first == 0 && end == count) {
+        kept.push_back(std::move(chain));
+      } else if (most >= kClear) {
         Chain part;
-        part.closed = chain.closed && first == 0 && end == count;
         part.points.assign(chain.points.begin() + first, chain.points.begin() + end);
         if (first == 0) part.node[0] = chain.node[0];
         if (end == count) part.node[1] = chain.node[1];

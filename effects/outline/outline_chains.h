@@ -42,6 +42,8 @@ struct Ray {
   float x, y, dx, dy;
 };
 
+class PointGrid;  // outline_grid.h
+
 /// What is known of a picture's chains.
 struct Tracing {
   Tracing(const HostFrame& frame, const OutlineConstants& constants);
@@ -75,8 +77,11 @@ Ray lead(const Chain& chain, int last);
 /// The steps of tracing, in their order.
 void find_chains(Tracing& t);       ///< from the graph's edges; those that go on in each other are one
 void keep_clear_parts(Tracing& t);  ///< hysteresis: whole parts stay or go
-void drop_doubles(Tracing& t);      ///< of chains side by side that have no room the surer one stays
-void bridge_gaps(Tracing& t);       ///< joins ends that face each other, or that face a side
+/// Of chains side by side that have no room the surer one stays; the others have no points. `grid`: of all chains'
+/// points.
+void drop_doubles(Tracing& t, const PointGrid& grid);
+/// Joins ends that face each other, or that face a side. `grid`: the same.
+void bridge_gaps(Tracing& t, const PointGrid& grid);
 void drop_short(Tracing& t, float free_px, float branch_px);  ///< what is shorter, and free at both ends or at one
 void smooth_chains(Tracing& t);
 void meet(Tracing& t);  ///< leads ends to what they meet, and closes what is closed

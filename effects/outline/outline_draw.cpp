@@ -130,8 +130,11 @@ Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants) {
   Tracing t(frame, constants);
   find_chains(t);
   keep_clear_parts(t);
-  drop_doubles(t);
-  bridge_gaps(t);
+  {
+    const PointGrid grid(t.chains, frame.frame.width, frame.frame.height);
+    drop_doubles(t, grid);
+    bridge_gaps(t, grid);
+  }
   drop_short(t, kMinLoose, kMinBranch);
   std::vector<std::array<bool, 2>> is_free;
   const std::vector<int> meetings = t.meetings();

@@ -73,7 +73,6 @@ void EdgeGraph::number_edges(const std::vector<Edge>& all) {
 // Where a soft crease moves on by a pixel from one row to the next no pair of
 // pixels lies across the step: closes it.
 void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
-  const std::array<Node, kWays> step = {-node_at(0, 1), 1, node_at(0, 1), -1};
   const std::size_t count = edges.size();
   for (std::size_t k = 0; k < count; ++k)
     for (const Node node : {first_node(edges[k]), last_node(edges[k])}) {
@@ -81,7 +80,7 @@ void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
       const int from = std::countr_zero(ways(node));
       int best = -1, least = 2 * kWays + 1;
       for (int turn = 1; turn < kWays; ++turn) {
-        const int way = (from + turn) % kWays, met = degree(node + step[way]);
+        const int way = (from + turn) % kWays, met = degree(next(node, way));
         const int cost = met + (turn == 2 ? 0 : 1);  // straight on before aside
         if (met == 0 || cost >= least) continue;
         least = cost;
@@ -114,10 +113,9 @@ unsigned EdgeGraph::ways(Node node) const {
   return at(above) | at(above + 3) << 1 | at(under) << 2 | at(above + 1) << 3;
 }
 
-int EdgeGraph::onward(int edge, Node node) const {
-  const unsigned all = ways(node);
-  const int first = number(side(node, std::countr_zero(all)));
-  return first != edge ? first : number(side(node, std::countr_zero(all & (all - 1))));
+EdgeGraph::Node EdgeGraph::next(Node node, int way) {
+  const std::array<Node, kWays> step = {-node_at(0, 1), 1, node_at(0, 1), -1};
+  return node + step[way];
 }
 
 bool EdgeGraph::at_border(Node node) const {

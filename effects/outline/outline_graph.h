@@ -33,13 +33,14 @@ class EdgeGraph {
   const Edge& operator[](int edge) const { return edges_[edge]; }
   Node first_node(int edge) const { return first_node(edges_[edge]); }
   Node last_node(int edge) const { return last_node(edges_[edge]); }
-  Node other_node(int edge, Node node) const { return node == first_node(edge) ? last_node(edge) : first_node(edge); }
 
   /// In which ways edges leave a node: a bit for each.
   unsigned ways(Node node) const;
   int degree(Node node) const { return std::popcount(ways(node)); }
-  /// The edge that leaves a node of degree 2 besides this one.
-  int onward(int edge, Node node) const;
+  /// The edge that leaves a node that way, in which there is one.
+  int edge(Node node, int way) const { return number(side(node, way)); }
+  static Node next(Node node, int way);
+  static int back(int way) { return (way + 2) % kWays; }
   bool at_border(Node node) const;
   /// A number of a node that an edge leaves, below 2 size().
   int number_of(Node node) const;

@@ -21,20 +21,23 @@ class PointGrid {
         rows_(height / kCell + 1),
         first_(std::size_t(columns_) * std::size_t(rows_) + 1, 0) {
     std::vector<std::size_t> begin(chains.size() + 1, 0);
-    for (std::size_t c = 0; c < chains.size(); ++c) begin[c + 1] = begin[c] + chains[c].points.size();
-    std::vector<Entry> all(begin.back());
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      begin[c + 1] = begin[c] + chains[c].points.size();
+      for (const ChainPoint& p : chains[c].points) ++first_[cell(p.x, p.y) + 1];
+    }
+    for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
+    std::vector<int> next(first_.begin(), first_.end() - 1), place;
+    place.reserve(begin.back());
+    for (const Chain& chain : chains)
+      for (const ChainPoint& p : chain.points) place.push_back(next[cell(p.x, p.y)]++);
+    entries_.resize(begin.back());
     tbb::parallel_for(std::size_t(0), chains.size(), [&](std::size_t c) {
       for (std::size_t k = 0; k < chains[c].points.size(); ++k) {
         const ChainPoint& p = chains[c].points[k];
         const auto [dx, dy] = way_at(chains[c], int(k));
-        all[begin[c] + k] = {p.x, p.y, dx, dy, int(c), int(k), p.edge};
+        entries_[place[begin[c] + k]] = {p.x, p.y, dx, dy, int(c), int(k), p.edge};
       }
     });
-    for (const Entry& e : all) ++first_[cell(e.x, e.y) + 1];
-    for (std::size_t k = 1; k < first_.size(); ++k) first_[k] += first_[k - 1];
-    entries_.resize(all.size());
-    std::vector<int> next(first_.begin(), first_.end() - 1);
-    for (const Entry& e : all) entries_[next[cell(e.x, e.y)]++] = e;
   }
 
   /// Calls visit(entry, squared distance) for all points nearer than `reach`.

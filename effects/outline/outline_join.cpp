@@ -99,7 +99,7 @@ Ends ends_of(const Tracing& t) {
   const std::vector<int> meetings = t.meetings();
   Ends ends{std::vector<std::uint8_t>(2 * t.chains.size()), std::vector<Ray>(2 * t.chains.size())};
   for (std::size_t end = 0; end < ends.free.size(); ++end) {
-    ends.free[end] = t.is_free(t.chains[end / 2], int(end % 2), meetings);
+    ends.free[end] = !t.chains[end / 2].points.empty() && t.is_free(t.chains[end / 2], int(end % 2), meetings);
     if (ends.free[end]) ends.lead[end] = lead(t.chains[end / 2], int(end % 2));
   }
   return ends;
@@ -114,6 +114,7 @@ void find_links(const Tracing& t, const PointGrid& grid, const Ends& ends, int e
   grid.near(from.x, from.y, reach, [&](const PointGrid::Entry& e, float d2) {
     const float d = std::sqrt(d2), dx = e.x - from.x, dy = e.y - from.y;
     if (e.chain == end / 2 && float(std::abs(e.point - own_point)) < 3.0f * d + 6.0f) return;
+    if (t.chains[e.chain].points.empty()) return;
     const auto turn_of = [&](const Ray& ray, float sign) {
       return d > 0.1f ? sign * (ray.dx * dx + ray.dy * dy) / d : 1.0f;
     };
@@ -138,11 +139,10 @@ void find_links(const Tracing& t, const PointGrid& grid, const Ends& ends, int e
 
 }  // namespace
 
-void drop_doubles(Tracing& t) {
+void drop_doubles(Tracing& t, const PointGrid& grid) {
   const std::vector<int> order = by_rank(t.chains);
   std::vector<int> rank(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = int(k);
-  const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
   std::vector<std::vector<Beside>> beside(t.chains.size());
   tbb::parallel_for(std::size_t(0), t.chains.size(),
                     [&](std::size_t k) { beside[k] = find_beside(t, grid, rank, int(k)); });
@@ -154,11 +154,9 @@ void drop_doubles(Tracing& t) {
     else
       stays[k] = 1;
   }
-  t.drop_empty();
 }
 
-void bridge_gaps(Tracing& t) {
-  const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
+void bridge_gaps(Tracing& t, const PointGrid& grid) {
   Ends ends = ends_of(t);
   std::vector<Link> links;
   for (int end = 0; end < int(ends.free.size()); ++end)

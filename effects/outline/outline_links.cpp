@@ -47,7 +47,7 @@ std::vector<int> Tracing::meetings() const {
   std::vector<int> count(2 * std::size_t(graph.size()), 0);
   for (const Chain& chain : chains) {
     for (const int node : chain.node)
-      if (node >= 0 && !chain.closed) ++count[node];
+      if (node >= 0 && !chain.closed && !chain.points.empty()) ++count[node];
     for (const ChainPoint& p : chain.points)
       if (p.node >= 0) count[p.node] += 2;
   }
@@ -121,9 +121,14 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
   std::vector<std::uint8_t> used(t.chains.size(), 0);
   for (const bool closed : {false, true})
     for (int start = 0; start < 2 * int(t.chains.size()); ++start) {
-      const Chain& first = t.chains[start / 2];
+      Chain& first = t.chains[start / 2];
       if (used[start / 2] || first.points.empty() || (!closed && mate[start] >= 0 && !first.closed)) continue;
       if (!closed && first.closed) continue;
+      if (mate[start] < 0 && mate[start ^ 1] < 0) {  // as it is
+        used[start / 2] = 1;
+        linked.push_back(std::move(first));
+        continue;
+      }
       Chain chain;
       chain.closed = closed;
       chain.node[0] = first.node[start % 2];

@@ -110,47 +110,22 @@ void smooth(Chain& chain) {
   }
 }
 
-/// Where chains meet a node: one that passes lies there between two points.
+/// The mean place of what meets at a node: of chains that pass, or else of ends.
 struct Meeting {
-  int node, chain, last;  // last: the end, or -1 for one that passes
-  float x, y;
+  float x = 0.0f, y = 0.0f;
+  int passing = 0, ends = 0;
+
+  void add(float px, float py, bool passes) {
+    if (passes && passing == 0) x = y = 0.0f;
+    if (passes || passing == 0) x += px, y += py;
+    passing += passes;
+    ends += !passes;
+  }
+  std::array<float, 2> place() const {
+    const auto count = float(passing > 0 ? passing : ends);
+    return {x / count, y / count};
+  }
 };
-
-std::vector<Meeting> all_meetings(const Tracing& t) {
-  std::vector<Meeting> all;
-  for (int c = 0; c < int(t.chains.size()); ++c) {
-    const Chain& chain = t.chains[c];
-    for (std::size_t k = 0; k < chain.points.size(); ++k) {
-      const ChainPoint &p = chain.points[k], &q = chain.points[(k + 1) % chain.points.size()];
-      if (p.node >= 0) all.push_back({p.node, c, -1, 0.5f * (p.x + q.x), 0.5f * (p.y + q.y)});
-    }
-    for (int last = 0; last < 2 && !chain.closed; ++last)
-      if (chain.node[last] >= 0) all.push_back({chain.node[last], c, last, chain.end(last).x, chain.end(last).y});
-  }
-  std::stable_sort(all.begin(), all.end(), [](const Meeting& a, const Meeting& b) { return a.node < b.node; });
-  return all;
-}
-
-/// Where the lines along which chains lead to a node meet, near the mean of
-/// their ends.
-std::array<float, 2> meeting_place(const Tracing& t, std::span<const Meeting> at) {
-  constexpr float kMaxMove = 1.5f;  // pixels
-  float x = 0.0f, y = 0.0f, passing = 0.0f;
-  for (const Meeting& m : at)
-    if (m.last < 0) x += m.x, y += m.y, passing += 1.0f;
-  if (passing > 0.0f) return {x / passing, y / passing};
-  for (const Meeting& m : at) x += m.x / float(at.size()), y += m.y / float(at.size());
-  double a = 1e-2, b = 0.0, c = 1e-2, u = 0.0,
-         v = 0.0;  // least squares, drawn to the mean a little
-  for (const Meeting& m : at) {
-    const Ray ray = lead(t.chains[m.chain], m.last);
-    const double nx = -ray.dy, ny = ray.dx, d = nx * (ray.x - x) + ny * (ray.y - y);
-    a += nx * nx, b += nx * ny, c += ny * ny, u += nx * d, v += ny * d;
-  }
-  const double det = a * c - b * b, dx = (u * c - v * b) / det, dy = (v * a - u * b) / det;
-  const double far = std::max(1.0, std::sqrt(dx * dx + dy * dy) / kMaxMove);
-  return {x + float(dx / far), y + float(dy / far)};
-}
 
 void lead_to(Chain& chain, int last, std::array<float, 2> place) {
   constexpr float kSame = 0.75f;  // pixels
@@ -172,27 +147,30 @@ void smooth_chains(Tracing& t) {
 void meet(Tracing& t) {
   constexpr float kBeyond = 2.0f;  // pixels that a line goes on at the picture's border
   std::vector<std::array<float, 2>> of_edge(std::size_t(t.graph.size()));
-  for (const Chain& chain : t.chains)
-    for (const ChainPoint& p : chain.points)
+  std::vector<Meeting> meetings(2 * std::size_t(t.graph.size()));
+  for (const Chain& chain : t.chains) {
+    for (std::size_t k = 0; k < chain.points.size(); ++k) {
+      const ChainPoint &p = chain.points[k], &q = chain.points[(k + 1) % chain.points.size()];
       if (p.edge >= 0) of_edge[p.edge] = {p.x, p.y};
-  const std::vector<Meeting> all = all_meetings(t);
-  for (std::size_t k = 0, next; k < all.size(); k = next) {
-    for (next = k; next < all.size() && all[next].node == all[k].node; ++next) {
+      if (p.node >= 0) meetings[p.node].add(0.5f * (p.x + q.x), 0.5f * (p.y + q.y), true);
     }
-    if (next - k > 1) {
-      const auto place = meeting_place(t, std::span(all).subspan(k, next - k));
-      for (std::size_t m = k; m < next; ++m)
-        if (all[m].last >= 0) lead_to(t.chains[all[m].chain], all[m].last, place);
-    } else if (all[k].last >= 0 && t.graph.at_border(t.graph.node(all[k].node))) {
-      const Ray ray = lead(t.chains[all[k].chain], all[k].last);
-      lead_to(t.chains[all[k].chain], all[k].last, {all[k].x + kBeyond * ray.dx, all[k].y + kBeyond * ray.dy});
-    }
+    for (int last = 0; last < 2 && !chain.closed; ++last)
+      if (chain.node[last] >= 0) meetings[chain.node[last]].add(chain.end(last).x, chain.end(last).y, false);
   }
-  for (Chain& chain : t.chains)
-    for (int last = 0; last < 2; ++last)
-      if (chain.joined[last] >= 0) lead_to(chain, last, of_edge[chain.joined[last]]);
-  for (Chain& chain : t.chains)
+  for (Chain& chain : t.chains) {
+    for (int last = 0; last < 2 && !chain.closed; ++last) {
+      const int node = chain.node[last];
+      if (chain.joined[last] >= 0) {
+        lead_to(chain, last, of_edge[chain.joined[last]]);
+      } else if (node >= 0 && meetings[node].passing + meetings[node].ends > 1) {
+        lead_to(chain, last, meetings[node].place());
+      } else if (node >= 0 && t.graph.at_border(t.graph.node(node))) {
+        const Ray ray = lead(chain, last);
+        lead_to(chain, last, {chain.end(last).x + kBeyond * ray.dx, chain.end(last).y + kBeyond * ray.dy});
+      }
+    }
     if (chain.closed) chain.points.push_back(ChainPoint(chain.points.front()));
+  }
 }
 
 }  // namespace umbrage

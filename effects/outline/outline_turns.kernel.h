@@ -47,6 +47,10 @@ FN Real whole_side_turn(Vec3 v, int s, int i, int j, int count) {
                      near_normal((s + few) * i, (s + few) * j), Real(1.0f / float(few * few)));
 }
 
+FN Real break_load(Int px, Int py, Int s, int i, int j) {
+  return i != 0 ? load_outline_break_right(px + s, py) : load_outline_break_below(px, py + s);
+}
+
 FN Real turn_at(Int px, Int py, int i, int j) {
   Bool maybe = break_beside(0, i, j) == 0.0f && near_inside(i, j) && is_surface(near_depth(0, 0));
   if (!some(maybe)) return Real(0.0f);
@@ -59,24 +63,22 @@ FN Real turn_at(Int px, Int py, int i, int j) {
   maybe = maybe && most >= least * least * (kOutlineMinStrength * kOutlineMinStrength);
   if (!some(maybe)) return Real(0.0f);
   // How many more pixels the surface has on either side, and whether it ends in a silhouette of its own there.
-  Int before = Int(0);
-  Int after = Int(0);
+  int reach = 2 * C.max_window + 1;
+  Real run_before = Real(float(reach));
+  Real run_after = run_before;
+  for (int s = reach; s > 0; --s) {
+    run_before = select(break_beside(-s, i, j) == 0.0f, run_before, Real(float(s - 1)));
+    run_after = select(break_beside(s, i, j) == 0.0f, run_after, Real(float(s - 1)));
+  }
+  Int place = i != 0 ? px : py;
+  Int before = min(to_int(run_before), place);
+  Int after = min(to_int(run_after), Int((i != 0 ? F.width : F.height) - 2) - place);
   Bool rim_before = maybe && !maybe;
   Bool rim_after = rim_before;
-  Bool on_before = maybe;
-  Bool on_after = maybe;
-  for (int s = 1; s <= 2 * C.max_window + 1; ++s) {
-    Real there = break_beside(-s, i, j);
-    Bool inside = near_inside(-s * i, -s * j);
-    rim_before = rim_before || (on_before && inside && there < 0.0f);
-    on_before = on_before && inside && there == 0.0f;
-    before = before + select(on_before, Int(1), Int(0));
-    there = break_beside(s, i, j);
-    inside = near_inside((s + 1) * i, (s + 1) * j);
-    rim_after = rim_after || (on_after && inside && there > 0.0f);
-    on_after = on_after && inside && there == 0.0f;
-    after = after + select(on_after, Int(1), Int(0));
-    if (!some(on_before || on_after)) break;
+  if (some(maybe && (before < Int(reach) || after < Int(reach)))) {
+    rim_before = before < place && before < Int(reach) && break_load(px, py, Int(0) - before - Int(1), i, j) < 0.0f;
+    rim_after = after < Int((i != 0 ? F.width : F.height) - 2) - place && after < Int(reach) &&
+                break_load(px, py, after + Int(1), i, j) > 0.0f;
   }
   Vec3 n1 = near_normal(0, 0);
   Vec3 n2 = near_normal(i, j);
