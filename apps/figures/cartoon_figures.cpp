@@ -167,13 +167,19 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
   const double least = is_paper(preset) ? 0.07 : 0.02;
   const double silhouette = is_paper(preset) ? 1.0 : 0.9;  // ours: less where fringes are thinner than the line
   constexpr double kDeep = 0.005;                          // where fringes occlude each other no light is left
+  // Our lines lie centred on an edge, on pixels of both sides.
   const auto lined = [&](const Image& image, const Mask& mask) {
     constexpr float kQuarter = 0.25f;
-    return is_paper(preset)
-               ? black_share(image, mask)
-               : mean(image, mask, [&](int x, int y) { return image.plane("outline").at(x, y) >= kQuarter; });
+    if (is_paper(preset)) return black_share(image, mask);
+    const Plane& lines = image.plane("outline");
+    const auto is_lined = [&](int x, int y) {
+      return lines.at(std::clamp(x, 0, lines.width - 1), std::clamp(y, 0, lines.height - 1)) >= kQuarter;
+    };
+    return mean(image, mask, [&](int x, int y) {
+      return is_lined(x, y) || is_lined(x - 1, y) || is_lined(x + 1, y) || is_lined(x, y - 1) || is_lined(x, y + 1);
+    });
   };
-  const char* line = is_paper(preset) ? "that is black" : "at least a quarter under a line";
+  const char* line = is_paper(preset) ? "that is black" : "at least a quarter under a line, or beside one";
   figure.numbers = {{"a to b: fall of the ground beside the body", fall(a, b, parts.beside), least, kAnything},
                     {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), least, kAnything},
                     {"a to b: share of the background that changes", changed_share(a, b, parts.background), 0.0, 0.0},
