@@ -1,16 +1,11 @@
-// Where one surface ends and another begins: for each pixel, between it and its right and its lower neighbour. A break
-// is
-//   an id                  another object or material, if these are asked for, or the background
-//   a depth discontinuity  inverse depth (-depth in orthographic views) is affine in the picture on every plane, so
-//   that a
-//                          plane seen at however low an angle predicts its neighbours exactly. A discontinuity is what
-//                          the planes of both sides agree that they do not predict, in sizes of a pixel. A side
-//                          predicts with the milder of its last two pixels' planes, since the last one before a
-//                          silhouette is so steep that it explains anything, and with the measured slope, since
-//                          interpolated normals of coarse meshes are not their surface's. One that falls on two pairs,
-//                          with a pixel halfway down, is at the larger of both steps.
-// A break is stored as its strength in units of the threshold, at most kOutlineMaxStrength, or twice that between ids.
-// It is below 0 where the pixel lies behind its neighbour. 0: one surface goes on.
+// Where one surface ends and another begins, between each pixel and its right and its lower neighbour: at another
+// object or material, if these are asked for, at the background, and at depth discontinuities. Inverse depth (-depth in
+// orthographic views) is affine in the picture on every plane, so that a plane seen at however low an angle predicts
+// its neighbours exactly; a discontinuity is what both sides agree that they do not predict, in sizes of a pixel. A
+// side predicts with the milder of its last two pixels' planes, since the last one before a silhouette is so steep that
+// it explains anything, and with the measured slope, since interpolated normals of coarse meshes are not their
+// surface's. Stored as strength in units of the threshold, at most kOutlineMaxStrength, or twice that between ids;
+// below 0 where the pixel lies behind its neighbour. 0: one surface goes on.
 IN_REAL(depth)
 IN_VECTOR(normal)
 IN_REAL(object_id)

@@ -35,14 +35,14 @@ void describe(const Tracing& t, ChainPoint& p) {
 }
 
 /// Where a chain leads at its end in a node, outwards. Of one of few points that is the way from its other node.
-Ray lead_at_node(const Tracing& t, int end) {
+Direction lead_at_node(const Tracing& t, int end) {
   constexpr int kFew = 3;
   const Chain& chain = t.chains[end / 2];
   if (int(chain.points.size()) >= kFew) return lead(chain, end % 2);
   const auto here = EdgeGraph::place(t.graph.node(chain.node[end % 2]));
   const auto there = EdgeGraph::place(t.graph.node(chain.node[1 - end % 2]));
   const float dx = here[0] - there[0], dy = here[1] - there[1], length = std::max(length_of(dx, dy), 1.0f);
-  return {here[0], here[1], dx / length, dy / length};
+  return {dx / length, dy / length};
 }
 
 /// Which ends at one node go on in each other: the straightest first, but two that alone are surest always.
@@ -50,7 +50,7 @@ void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<fl
                std::vector<int>& mate) {
   const auto kind = [&](std::size_t k) { return t.chains[ends[k] / 2].end(ends[k] % 2).kind; };
   int surest_kind = 0, count = 0;
-  std::array<Ray, EdgeGraph::kWays> leads;
+  std::array<Direction, EdgeGraph::kWays> leads;
   for (std::size_t k = 0; k < ends.size(); ++k) {
     if (kind(k) > surest_kind) count = 0;
     surest_kind = std::max(surest_kind, int(kind(k)));
@@ -63,7 +63,7 @@ void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<fl
     for (std::size_t b = a + 1; b < ends.size(); ++b) {
       const int chain_a = ends[a] / 2, chain_b = ends[b] / 2;
       if (chain_a == chain_b) continue;
-      const float cosine = -(leads[a].dx * leads[b].dx + leads[a].dy * leads[b].dy);
+      const float cosine = -(leads[a][0] * leads[b][0] + leads[a][1] * leads[b][1]);
       const bool surest = count == 2 && kind(a) == surest_kind && kind(b) == surest_kind;
       if (cosine < kStraightOn && !surest) continue;
       const float sa = strength[chain_a], sb = strength[chain_b];

@@ -1,4 +1,4 @@
-// Chains: lines of an outline while they are traced. Lengths in pixels are for a picture kOutlineHeight high and grow
+// Chains: lines of an outline while they are traced. Lengths in pixels are for a picture 1024 pixels high and grow
 // with it, but for those that are of the pixels' grid.
 #pragma once
 #include <array>
@@ -37,10 +37,7 @@ struct Chain {
   const ChainPoint& end(int last) const { return last ? points.back() : points.front(); }
 };
 
-/// A straight line through a mean of points.
-struct Ray {
-  float x, y, dx, dy;
-};
+using Direction = std::array<float, 2>;  // of length 1
 
 class PointGrid;  // outline_grid.h
 
@@ -69,10 +66,10 @@ struct Tracing {
 inline float length_of(float x, float y) { return std::sqrt(x * x + y * y); }
 bool has_id(const Chain& chain);
 float mean_strength(const Chain& chain);
-/// The way along a chain at a point, over a few points to either side; of length 1.
-std::array<float, 2> way_at(const Chain& chain, int point);
+/// The way along a chain at a point, over a few points to either side.
+Direction way_at(const Chain& chain, int point);
 /// Where a chain leads at an end, outwards.
-Ray lead(const Chain& chain, int last);
+Direction lead(const Chain& chain, int last);
 
 /// The steps of tracing, in their order.
 void find_chains(Tracing& t);       ///< from the graph's edges; those that go on in each other are one

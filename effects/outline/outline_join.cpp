@@ -13,7 +13,8 @@ namespace umbrage {
 namespace {
 
 // Doubled lines. All lengths grow.
-constexpr float kBeside = 3.0f;    // pixels beside a chain, within which a fainter one of its way is its double
+constexpr float kBeside = 4.5f;    // pixels beside a chain, within which a fainter one of its way may be its double,
+constexpr float kMaxMean = 0.67f;  // and share of them that it lies off in the mean
 constexpr float kMaxRest = 12.0f;  // pixels in a row of a double that may lie alone
 // Gaps.
 constexpr float kGap = 16.0f;           // pixels over which ends are joined
@@ -47,9 +48,10 @@ std::vector<int> by_rank(const std::vector<Chain>& chains) {
   return order;
 }
 
-/// What lies beside a point of a chain: a surer one.
+/// What lies beside a point of a chain: a surer one, and how far off.
 struct Beside {
   int point, chain;
+  float off;
 };
 
 std::vector<Beside> find_beside(const Tracing& t, const PointGrid& grid, const std::vector<int>& rank, int of) {
@@ -60,27 +62,31 @@ std::vector<Beside> find_beside(const Tracing& t, const PointGrid& grid, const s
     const ChainPoint& p = chain.points[k];
     if (p.kind == kOutlineId) continue;
     const auto way = way_at(chain, k);
-    grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float) {
-      if (rank[e.chain] >= rank[of]) return;
-      if (!found.empty() && found.back().point == k && found.back().chain == e.chain) return;
-      if (std::abs(way[0] * e.dx + way[1] * e.dy) > kParallel) found.push_back({k, e.chain});
+    grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
+      if (rank[e.chain] >= rank[of] || std::abs(way[0] * e.dx + way[1] * e.dy) <= kParallel) return;
+      found.push_back({k, e.chain, std::sqrt(d2) / reach});
     });
   }
   return found;
 }
 
-/// Whether all of a chain lies beside others that stay, but for little at its ends or in between.
+/// Whether all of a chain lies beside others that stay, but for little at its ends or in between, and near in the mean.
 bool is_double(const std::vector<Beside>& beside, std::size_t points, const std::vector<std::uint8_t>& stays,
                float rest) {
-  std::vector<std::uint8_t> doubled(points, 0);
-  for (const Beside& b : beside) doubled[b.point] |= stays[b.chain];
+  constexpr float kAlone = 2.0f;  // of the reach
+  std::vector<float> off(points, kAlone);
+  for (const Beside& b : beside)
+    if (stays[b.chain]) off[b.point] = std::min(off[b.point], b.off);
   int count = 0, alone = 0, longest = 0;
-  for (const bool d : doubled) {
-    count += d;
-    alone = d ? 0 : alone + 1;
+  float sum = 0.0f;
+  for (const float o : off) {
+    const bool doubled = o < kAlone;
+    count += doubled;
+    sum += doubled ? o : 0.0f;
+    alone = doubled ? 0 : alone + 1;
     longest = std::max(longest, alone);
   }
-  return float(longest) < rest && longest < count;
+  return float(longest) < rest && longest < count && sum < kMaxMean * float(count);
 }
 
 /// A way to go on from a free end, 2 * chain + last: to another one, or to the side of another chain at an edge.
@@ -92,12 +98,12 @@ struct Link {
 /// What is known of ends.
 struct Ends {
   std::vector<std::uint8_t> free;
-  std::vector<Ray> lead;  // of those that are free
+  std::vector<Direction> lead;  // of those that are free
 };
 
 Ends ends_of(const Tracing& t) {
   const std::vector<int> meetings = t.meetings();
-  Ends ends{std::vector<std::uint8_t>(2 * t.chains.size()), std::vector<Ray>(2 * t.chains.size())};
+  Ends ends{std::vector<std::uint8_t>(2 * t.chains.size()), std::vector<Direction>(2 * t.chains.size())};
   for (std::size_t end = 0; end < ends.free.size(); ++end) {
     ends.free[end] = !t.chains[end / 2].points.empty() && t.is_free(t.chains[end / 2], int(end % 2), meetings);
     if (ends.free[end]) ends.lead[end] = lead(t.chains[end / 2], int(end % 2));
@@ -115,8 +121,8 @@ void find_links(const Tracing& t, const PointGrid& grid, const Ends& ends, int e
     const float d = std::sqrt(d2), dx = e.x - from.x, dy = e.y - from.y;
     if (e.chain == end / 2 && float(std::abs(e.point - own_point)) < 3.0f * d + 6.0f) return;
     if (t.chains[e.chain].points.empty()) return;
-    const auto turn_of = [&](const Ray& ray, float sign) {
-      return d > 0.1f ? sign * (ray.dx * dx + ray.dy * dy) / d : 1.0f;
+    const auto turn_of = [&](const Direction& lead, float sign) {
+      return d > 0.1f ? sign * (lead[0] * dx + lead[1] * dy) / d : 1.0f;
     };
     const auto squared_angle = [](float cosine) { return 2.0f - 2.0f * cosine; };  // about
     const float turn = turn_of(ends.lead[end], 1.0f);

@@ -82,7 +82,7 @@ float mean_strength(const Chain& chain) {
   return sum / float(chain.points.size());
 }
 
-std::array<float, 2> way_at(const Chain& chain, int point) {
+Direction way_at(const Chain& chain, int point) {
   constexpr int kAround = 4;
   const auto& first = chain.points[std::max(0, point - kAround)];
   const auto& last = chain.points[std::size_t(std::min(int(chain.points.size()) - 1, point + kAround))];
@@ -90,7 +90,7 @@ std::array<float, 2> way_at(const Chain& chain, int point) {
   return {dx / length, dy / length};
 }
 
-Ray lead(const Chain& chain, int last) {
+Direction lead(const Chain& chain, int last) {
   const int count = std::min(kLead, int(chain.points.size()));
   const ChainPoint* end = &chain.end(last);
   const int step = last ? -1 : 1;
@@ -113,7 +113,7 @@ Ray lead(const Chain& chain, int last) {
   const ChainPoint& inner = end[(count - 1) * step];
   const float length = std::max(length_of(dx, dy), 1e-30f);
   const float sign = (end->x - inner.x) * dx + (end->y - inner.y) * dy < 0.0f ? -1.0f : 1.0f;
-  return {mx, my, sign * dx / length, sign * dy / length};
+  return {sign * dx / length, sign * dy / length};
 }
 
 void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {

@@ -165,8 +165,8 @@ void meet(Tracing& t) {
       } else if (node >= 0 && meetings[node].passing + meetings[node].ends > 1) {
         lead_to(chain, last, meetings[node].place());
       } else if (node >= 0 && t.graph.at_border(t.graph.node(node))) {
-        const Ray ray = lead(chain, last);
-        lead_to(chain, last, {chain.end(last).x + kBeyond * ray.dx, chain.end(last).y + kBeyond * ray.dy});
+        const auto [dx, dy] = lead(chain, last);
+        lead_to(chain, last, {chain.end(last).x + kBeyond * dx, chain.end(last).y + kBeyond * dy});
       }
     }
     if (chain.closed) chain.points.push_back(ChainPoint(chain.points.front()));
