@@ -11,9 +11,10 @@
 namespace umbrage {
 namespace {
 
-constexpr float kFaint = 0.6f;   // mean strength below which a line ends,
-constexpr float kClear = 0.97f;  // and which it has somewhere: one at the threshold, however it was rounded
-constexpr float kMean = 4.0f;    // pixels to either side, of that mean; grows
+constexpr float kFaint = 0.6f;  // mean strength below which a line ends,
+constexpr float kClear = 0.8f;  // and which it has somewhere; up to kFull it fades in
+constexpr float kFull = 0.97f;  // that of a line at the threshold, however it was rounded
+constexpr float kMean = 4.0f;   // pixels to either side, of that mean; grows
 
 float surface_depth(float depth) { return depth > 0.0f && depth <= 3.4e38f ? depth : 0.0f; }
 
@@ -153,10 +154,11 @@ void keep_clear_parts(Tracing& t) {
     for (int first = 0, end; first < count; first = end) {
       float most = 0.0f;
       for (end = first; end < count && mean(end) >= kFaint; ++end) most = std::max(most, mean(end));
-      if (most >= kClear && first == 0 && end == count) {
-        kept.push_back(std::move(chain));
-      } else if (most >= kClear) {
+      if (most >= kClear) {
         Chain part;
+        const bool whole = first == 0 && end == count;
+        part.closed = chain.closed && whole;
+        part.weight = std::min((most - kClear) / (kFull - kClear), 1.0f);
         part.points.assign(chain.points.begin() + first, chain.points.begin() + end);
         if (first == 0) part.node[0] = chain.node[0];
         if (end == count) part.node[1] = chain.node[1];

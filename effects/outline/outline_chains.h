@@ -33,13 +33,12 @@ struct Chain {
   std::array<int, 2> node = {-1, -1};    // that its ends lie at, or -1
   std::array<int, 2> joined = {-1, -1};  // edges of other chains, beside which its ends go on, or -1
   bool closed = false;
+  float weight = 1.0f;  // share of its width: less where it hardly stays
 
   const ChainPoint& end(int last) const { return last ? points.back() : points.front(); }
 };
 
 using Direction = std::array<float, 2>;  // of length 1
-
-class PointGrid;  // outline_grid.h
 
 /// What is known of a picture's chains.
 struct Tracing {
@@ -74,11 +73,7 @@ Direction lead(const Chain& chain, int last);
 /// The steps of tracing, in their order.
 void find_chains(Tracing& t);       ///< from the graph's edges; those that go on in each other are one
 void keep_clear_parts(Tracing& t);  ///< hysteresis: whole parts stay or go
-/// Of chains side by side that have no room the surer one stays; the others have no points. `grid`: of all chains'
-/// points.
-void drop_doubles(Tracing& t, const PointGrid& grid);
-/// Joins ends that face each other, or that face a side. `grid`: the same.
-void bridge_gaps(Tracing& t, const PointGrid& grid);
+void bridge_gaps(Tracing& t);       ///< joins ends that face each other, or that face a side
 void drop_short(Tracing& t, float free_px, float branch_px);  ///< what is shorter, and free at both ends or at one
 void smooth_chains(Tracing& t);
 void meet(Tracing& t);  ///< leads ends to what they meet, and closes what is closed

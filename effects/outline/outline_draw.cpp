@@ -14,6 +14,8 @@ namespace {
 constexpr float kTaper = 12.0f;     // pixels of a free end that become narrower; grows
 constexpr float kEven = 6.0f;       // points to either side whose mean width counts; grows
 constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels, from which on they are crowded
+constexpr float kBeside = 4.5f;     // pixels beside a surer line, within which one fades; grows
+constexpr float kMinShare = 0.05f;  // of its width, of a line that is seen
 constexpr float kShare = 0.6f;      // of the distance to the line beside it, that a line may cover
 
 /// The share of its width that a line has at a point.
@@ -46,28 +48,44 @@ void even_out(const Chain& chain, const Tracing& t, std::array<bool, 2> is_free,
   }
 }
 
-/// Makes lines narrower where they have little room. Of two side by side each
-/// covers no more than a share of the distance between them, though at least
-/// half of its own width: what lies between keeps some of its colour. Where
-/// lines are crowded all become thinner, so that the tone stays.
+/// How sure a chain is, in the mean: ids more than depth discontinuities, these more than creases; of equals the longer
+/// one.
+float sureness(const Chain& chain) {
+  float sum = 0.0f;
+  for (const ChainPoint& p : chain.points)
+    sum += p.kind == kOutlineId ? 5.0f * kOutlineMaxStrength : p.kind == kOutlineDepth ? 2.0f * p.strength : p.strength;
+  const auto count = float(chain.points.size());
+  return sum / count + 1e-3f * std::min(count, 500.0f);
+}
+
+/// Makes lines narrower where they have little room. Of two side by side each covers no more than a share of the
+/// distance between them, though at least half of its own width: what lies between keeps some of its colour. The less
+/// sure one fades the nearer it is, since it may be the other's double. Where lines are crowded all become thinner: a
+/// tone.
 void give_way(const Tracing& t, std::vector<std::vector<float>>& widths) {
   const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
+  const float beside = kBeside * std::max(t.c.scale, 1.0f);  // no less than the pixels' grid has room for
+  std::vector<float> sure(t.chains.size());
+  tbb::parallel_for(std::size_t(0), sure.size(), [&](std::size_t c) { sure[c] = sureness(t.chains[c]); });
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t c) {
     const Chain& chain = t.chains[c];
-    for (std::size_t k = 0; k < chain.points.size(); ++k) {
-      float& width = widths[c][k];
+    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next one has about as much room
       const ChainPoint& p = chain.points[k];
-      const float reach = width / kShare;
+      const float width = widths[c][k], reach = std::max(width / kShare, beside);
       const auto way = way_at(chain, int(k));
-      float nearest = reach;
+      float nearest = reach, nearest_surer = beside;
       grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
         if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
         if (std::abs(way[0] * e.dx + way[1] * e.dy) < kParallel) return;
         const float across = std::abs((e.x - p.x) * way[1] - (e.y - p.y) * way[0]);
-        if (across * across > 0.5f * d2) nearest = std::min(nearest, across);  // not before or behind it on its way
+        if (across * across < 0.5f * d2) return;  // before or behind it on its way
+        nearest = std::min(nearest, across);
+        if (sure[e.chain] > sure[c]) nearest_surer = std::min(nearest_surer, across);
       });
-      width = std::max(std::min(width, kShare * nearest), 0.5f * width);
-      width *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
+      float room = std::clamp(kShare * nearest / width, 0.5f, 1.0f);
+      if (p.kind != kOutlineId) room *= std::clamp(1.5f * nearest_surer / beside - 0.5f, 0.0f, 1.0f);
+      room *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
+      for (std::size_t of = k; of < std::min(k + 2, chain.points.size()); ++of) widths[c][of] *= room;
     }
   });
 }
@@ -85,7 +103,7 @@ Lines lines_of(const Tracing& t, const std::vector<std::array<bool, 2>>& is_free
   std::vector<std::vector<float>> widths(t.chains.size());
   for (std::size_t k = 0; k < t.chains.size(); ++k)
     for (const ChainPoint& p : t.chains[k].points)
-      widths[k].push_back(t.c.width_px * weight_of(p, t.c, t.frame.frame.orthographic != 0));
+      widths[k].push_back(t.c.width_px * t.chains[k].weight * weight_of(p, t.c, t.frame.frame.orthographic != 0));
   give_way(t, widths);
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
     const Chain& chain = t.chains[k];
@@ -95,10 +113,12 @@ Lines lines_of(const Tracing& t, const std::vector<std::array<bool, 2>>& is_free
     line.object = chain.points[chain.points.size() / 2].object;
     std::vector<float>& width = widths[k];
     even_out(chain, t, is_free[k], width);
+    if (*std::max_element(width.begin(), width.end()) < kMinShare * t.c.width_px) return;
     std::vector<LinePoint> points;
     for (std::size_t p = 0; p < width.size(); ++p) points.push_back({chain.points[p].x, chain.points[p].y, width[p]});
     line.points = simplified(points);
   });
+  std::erase_if(all.lines, [](const Line& line) { return line.points.empty(); });
   return all;
 }
 
@@ -125,16 +145,11 @@ void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const H
 }  // namespace
 
 Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants) {
-  constexpr float kMinLoose = 32.0f,
-                  kMinBranch = 8.0f;  // what ends free on both sides, and on one; grows
+  constexpr float kMinLoose = 24.0f, kMinBranch = 6.0f;  // pixels, of what ends free on both sides, and on one; grows
   Tracing t(frame, constants);
   find_chains(t);
   keep_clear_parts(t);
-  {
-    const PointGrid grid(t.chains, frame.frame.width, frame.frame.height);
-    drop_doubles(t, grid);
-    bridge_gaps(t, grid);
-  }
+  bridge_gaps(t);
   drop_short(t, kMinLoose, kMinBranch);
   std::vector<std::array<bool, 2>> is_free;
   const std::vector<int> meetings = t.meetings();

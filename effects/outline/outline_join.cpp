@@ -1,4 +1,4 @@
-// Which chains stay, and what joins them: doubled lines, gaps, and what is too short for what it leads to.
+// What joins chains over gaps, and which are too short for what they lead to.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -12,10 +12,8 @@
 namespace umbrage {
 namespace {
 
-// Doubled lines. All lengths grow.
-constexpr float kBeside = 4.5f;    // pixels beside a chain, within which a fainter one of its way may be its double,
-constexpr float kMaxMean = 0.67f;  // and share of them that it lies off in the mean
-constexpr float kMaxRest = 12.0f;  // pixels in a row of a double that may lie alone
+// All lengths grow.
+constexpr float kAllLong = 1.5f;  // times the length that a chain must have, at which it has all of its width
 // Gaps.
 constexpr float kGap = 16.0f;           // pixels over which ends are joined
 constexpr float kTurning = 2.0f;        // what a turn of a radian, squared, adds to a gap, times its length
@@ -26,67 +24,6 @@ float length(const Chain& chain) {
   for (std::size_t k = 1; k < chain.points.size(); ++k)
     sum += length_of(chain.points[k].x - chain.points[k - 1].x, chain.points[k].y - chain.points[k - 1].y);
   return sum;
-}
-
-/// By which chains stand for others: ids before depth discontinuities before creases.
-float sureness(const ChainPoint& p) {
-  return p.kind == kOutlineId ? 5.0f * kOutlineMaxStrength : p.kind == kOutlineDepth ? 2.0f * p.strength : p.strength;
-}
-
-/// Chains in the order in which they stand for others: surest first.
-std::vector<int> by_rank(const std::vector<Chain>& chains) {
-  std::vector<float> rank;
-  for (const Chain& chain : chains) {
-    float sum = 0.0f;
-    for (const ChainPoint& p : chain.points) sum += sureness(p);
-    const auto count = float(chain.points.size());
-    rank.push_back(sum / count + 1e-3f * std::min(count, 500.0f));  // of equals the longer one
-  }
-  std::vector<int> order(chains.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank[a] > rank[b]; });
-  return order;
-}
-
-/// What lies beside a point of a chain: a surer one, and how far off.
-struct Beside {
-  int point, chain;
-  float off;
-};
-
-std::vector<Beside> find_beside(const Tracing& t, const PointGrid& grid, const std::vector<int>& rank, int of) {
-  const Chain& chain = t.chains[of];
-  const float reach = kBeside * std::max(t.c.scale, 1.0f);  // no less than the pixels' grid has room for
-  std::vector<Beside> found;
-  for (int k = 0; k < int(chain.points.size()); ++k) {
-    const ChainPoint& p = chain.points[k];
-    if (p.kind == kOutlineId) continue;
-    const auto way = way_at(chain, k);
-    grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
-      if (rank[e.chain] >= rank[of] || std::abs(way[0] * e.dx + way[1] * e.dy) <= kParallel) return;
-      found.push_back({k, e.chain, std::sqrt(d2) / reach});
-    });
-  }
-  return found;
-}
-
-/// Whether all of a chain lies beside others that stay, but for little at its ends or in between, and near in the mean.
-bool is_double(const std::vector<Beside>& beside, std::size_t points, const std::vector<std::uint8_t>& stays,
-               float rest) {
-  constexpr float kAlone = 2.0f;  // of the reach
-  std::vector<float> off(points, kAlone);
-  for (const Beside& b : beside)
-    if (stays[b.chain]) off[b.point] = std::min(off[b.point], b.off);
-  int count = 0, alone = 0, longest = 0;
-  float sum = 0.0f;
-  for (const float o : off) {
-    const bool doubled = o < kAlone;
-    count += doubled;
-    sum += doubled ? o : 0.0f;
-    alone = doubled ? 0 : alone + 1;
-    longest = std::max(longest, alone);
-  }
-  return float(longest) < rest && longest < count && sum < kMaxMean * float(count);
 }
 
 /// A way to go on from a free end, 2 * chain + last: to another one, or to the side of another chain at an edge.
@@ -105,7 +42,7 @@ Ends ends_of(const Tracing& t) {
   const std::vector<int> meetings = t.meetings();
   Ends ends{std::vector<std::uint8_t>(2 * t.chains.size()), std::vector<Direction>(2 * t.chains.size())};
   for (std::size_t end = 0; end < ends.free.size(); ++end) {
-    ends.free[end] = !t.chains[end / 2].points.empty() && t.is_free(t.chains[end / 2], int(end % 2), meetings);
+    ends.free[end] = t.is_free(t.chains[end / 2], int(end % 2), meetings);
     if (ends.free[end]) ends.lead[end] = lead(t.chains[end / 2], int(end % 2));
   }
   return ends;
@@ -120,7 +57,6 @@ void find_links(const Tracing& t, const PointGrid& grid, const Ends& ends, int e
   grid.near(from.x, from.y, reach, [&](const PointGrid::Entry& e, float d2) {
     const float d = std::sqrt(d2), dx = e.x - from.x, dy = e.y - from.y;
     if (e.chain == end / 2 && float(std::abs(e.point - own_point)) < 3.0f * d + 6.0f) return;
-    if (t.chains[e.chain].points.empty()) return;
     const auto turn_of = [&](const Direction& lead, float sign) {
       return d > 0.1f ? sign * (lead[0] * dx + lead[1] * dy) / d : 1.0f;
     };
@@ -145,24 +81,8 @@ void find_links(const Tracing& t, const PointGrid& grid, const Ends& ends, int e
 
 }  // namespace
 
-void drop_doubles(Tracing& t, const PointGrid& grid) {
-  const std::vector<int> order = by_rank(t.chains);
-  std::vector<int> rank(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = int(k);
-  std::vector<std::vector<Beside>> beside(t.chains.size());
-  tbb::parallel_for(std::size_t(0), t.chains.size(),
-                    [&](std::size_t k) { beside[k] = find_beside(t, grid, rank, int(k)); });
-  std::vector<std::uint8_t> stays(order.size(), 0);  // by chain
-  for (const int k : order) {
-    std::vector<ChainPoint>& points = t.chains[k].points;
-    if (is_double(beside[k], points.size(), stays, kMaxRest * t.c.scale))
-      points.clear();
-    else
-      stays[k] = 1;
-  }
-}
-
-void bridge_gaps(Tracing& t, const PointGrid& grid) {
+void bridge_gaps(Tracing& t) {
+  const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
   Ends ends = ends_of(t);
   std::vector<Link> links;
   for (int end = 0; end < int(ends.free.size()); ++end)
@@ -186,19 +106,27 @@ void bridge_gaps(Tracing& t, const PointGrid& grid) {
 }
 
 void drop_short(Tracing& t, float free_px, float branch_px) {
+  // How long a chain is, in units of what it must be.
+  const auto share_of = [&](const Chain& chain, const std::vector<int>& meetings) {
+    const int free = t.is_free(chain, 0, meetings) + t.is_free(chain, 1, meetings);
+    const bool alone = free == 2 || chain.closed;
+    float least = (alone ? free_px : branch_px) * t.c.scale;
+    if (free == 0 && !chain.closed)
+      least = 0.5f * branch_px * std::max(t.c.scale, 1.0f);  // slivers of the pixels' grid
+    if (has_id(chain)) least = alone ? 2.0f * branch_px * t.c.scale : 0.0f;
+    return least > 0.0f ? length(chain) / least : kAllLong;
+  };
   constexpr int kRounds = 3;  // what went can leave others free
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<int> meetings = t.meetings();
     const std::size_t before = t.chains.size();
-    for (Chain& chain : t.chains) {
-      const int free = t.is_free(chain, 0, meetings) + t.is_free(chain, 1, meetings);
-      float least = free == 2 || chain.closed ? free_px : free == 1 ? branch_px : 0.5f * branch_px;
-      if (has_id(chain)) least = free == 2 || chain.closed ? 2.0f * branch_px : 0.0f;
-      if (length(chain) < least * t.c.scale) chain.points.clear();
-    }
+    for (Chain& chain : t.chains)
+      if (share_of(chain, meetings) < 1.0f) chain.points.clear();
     t.drop_empty();
     if (t.chains.size() == before) break;
   }
+  const std::vector<int> meetings = t.meetings();
+  for (Chain& chain : t.chains) chain.weight *= std::min((share_of(chain, meetings) - 1.0f) / (kAllLong - 1.0f), 1.0f);
 }
 
 }  // namespace umbrage

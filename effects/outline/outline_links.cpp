@@ -47,7 +47,7 @@ std::vector<int> Tracing::meetings() const {
   std::vector<int> count(2 * std::size_t(graph.size()), 0);
   for (const Chain& chain : chains) {
     for (const int node : chain.node)
-      if (node >= 0 && !chain.closed && !chain.points.empty()) ++count[node];
+      if (node >= 0 && !chain.closed) ++count[node];
     for (const ChainPoint& p : chain.points)
       if (p.node >= 0) count[p.node] += 2;
   }
@@ -131,6 +131,7 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
       }
       Chain chain;
       chain.closed = closed;
+      chain.weight = 0.0f;
       chain.node[0] = first.node[start % 2];
       chain.joined[0] = first.joined[start % 2];
       for (int at = start;;) {
@@ -138,6 +139,7 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
         used[at / 2] = 1;
         if (over_gaps && !chain.points.empty()) bridge(chain.points, next.end(at % 2));
         append(chain, next, at % 2 == 1);
+        chain.weight = std::max(chain.weight, next.weight);
         const std::size_t far = std::size_t(1 - at % 2);
         chain.node[1] = next.node[far];
         chain.joined[1] = next.joined[far];
