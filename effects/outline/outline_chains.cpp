@@ -93,8 +93,10 @@ void pair_at_nodes(Tracing& t) {
   ends.resize(std::size_t(first.back()));
   std::vector<int> next = first;
   for_ends([&](int end, std::size_t node) { ends[next[node]++] = end; });
-  std::vector<float> strength(t.chains.size());
-  tbb::parallel_for(std::size_t(0), strength.size(), [&](std::size_t k) { strength[k] = mean_strength(t.chains[k]); });
+  std::vector<float> strength(t.chains.size(), 0.0f);  // in the mean
+  tbb::parallel_for(std::size_t(0), strength.size(), [&](std::size_t k) {
+    for (const ChainPoint& p : t.chains[k].points) strength[k] += p.strength / float(t.chains[k].points.size());
+  });
   std::vector<int> mate(2 * t.chains.size(), -1);
   tbb::parallel_for(std::size_t(0), first.size() - 1, [&](std::size_t node) {
     const std::span<const int> at(ends.data() + first[node], ends.data() + first[node + 1]);

@@ -1,5 +1,5 @@
-// Chains: lines of an outline while they are traced. Lengths in pixels are for a picture 1024 pixels high and grow
-// with it, but for those that are of the pixels' grid.
+// Chains: lines of an outline while they are traced. Lengths in pixels are for a picture 1024 pixels high and grow with
+// it, but for those that are of the pixels' grid.
 #pragma once
 #include <array>
 #include <cmath>
@@ -64,7 +64,6 @@ struct Tracing {
 
 inline float length_of(float x, float y) { return std::sqrt(x * x + y * y); }
 bool has_id(const Chain& chain);
-float mean_strength(const Chain& chain);
 /// The way along a chain at a point, over a few points to either side.
 Direction way_at(const Chain& chain, int point);
 /// Where a chain leads at an end, outwards.

@@ -70,8 +70,7 @@ void EdgeGraph::number_edges(const std::vector<Edge>& all) {
     if (Edge& there = edges_[number(e)]; is_surer(e, there)) there = e;
 }
 
-// Where a soft crease moves on by a pixel from one row to the next no pair of
-// pixels lies across the step: closes it.
+// Where a soft crease moves on by a pixel from one row to the next no pair of pixels lies across the step: closes it.
 void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
   const std::size_t count = edges.size();
   for (std::size_t k = 0; k < count; ++k)

@@ -1,9 +1,6 @@
 // What joins chains over gaps, and which are too short for what they lead to.
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <tuple>
 
 #include "effects/outline/outline_chains.h"
@@ -14,7 +11,6 @@ namespace {
 
 // All lengths grow.
 constexpr float kAllLong = 1.5f;  // times the length that a chain must have, at which it has all of its width
-// Gaps.
 constexpr float kGap = 16.0f;           // pixels over which ends are joined
 constexpr float kTurning = 2.0f;        // what a turn of a radian, squared, adds to a gap, times its length
 constexpr float kMaxSteepness = 10.0f;  // pixel sizes of depth per pixel of a gap

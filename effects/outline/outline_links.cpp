@@ -76,12 +76,6 @@ bool has_id(const Chain& chain) {
                      [](const ChainPoint& p) { return p.kind == kOutlineId; });
 }
 
-float mean_strength(const Chain& chain) {
-  float sum = 0.0f;
-  for (const ChainPoint& p : chain.points) sum += p.strength;
-  return sum / float(chain.points.size());
-}
-
 Direction way_at(const Chain& chain, int point) {
   constexpr int kAround = 4;
   const auto& first = chain.points[std::max(0, point - kAround)];

@@ -1,5 +1,5 @@
-// Where chains lie exactly: straight where they are straight, round where they
-// are round, and ended where they meet others.
+// Where chains lie exactly: straight where they are straight, round where they are round, and ended where they meet
+// others.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -15,8 +15,7 @@ constexpr float kMaxBend = 0.4f;  // of such a parabola, its bend against its le
 constexpr int kMaxRun = 256;      // points of one
 constexpr int kRunsOver = 16;     // runs that hold a point, at least
 
-/// A parabola over u in [-1, 1], by polynomials that are orthogonal on evenly
-/// spaced points.
+/// A parabola over u in [-1, 1], by polynomials that are orthogonal on evenly spaced points.
 struct Curve {
   float x0 = 0, x1 = 0, x2 = 0, y0 = 0, y1 = 0, y2 = 0;
   float step = 0, mean_u2 = 0;
@@ -66,9 +65,8 @@ bool fits(const Places& p, int first, int last) {
   return true;
 }
 
-/// Moves places to the curves through their neighbours: of all longest runs
-/// that fit a parabola each moves the places that it holds, the more the longer
-/// it is and the nearer they are to its middle.
+/// Moves places to the curves through their neighbours: of all longest runs that fit a parabola each moves the places
+/// that it holds, the more the longer it is and the nearer they are to its middle.
 void smooth_places(Places& p) {
   const int count = int(p.size());
   if (count < 3) return;
