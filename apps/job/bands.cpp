@@ -116,10 +116,9 @@ class BandDrawer {
   Lines lines_of(WholePlanes& wholes) const {
     Image planes(info_.width, info_.height);
     for (const std::string_view name : edge_planes()) {
-      Plane& plane = planes.add(name);
+      planes.add(name) = Plane(info_.width, info_.height, neutral_value(name).value_or(0.0f));
       for (auto& [key, entry] : wholes.planes)
-        if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) plane = std::move(entry.plane);
-      if (!plane.data()) plane = Plane(info_.width, info_.height, *neutral_value(name));
+        if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) planes.plane(name) = std::move(entry.plane);
     }
     const ParameterBytes& params =
         drawing_.lines.empty() ? drawing_.recipe.settings.find("outline")->second : drawing_.lines;
@@ -211,6 +210,8 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
   constexpr double kBesides = 7.0;    // planes of one value, and what is handed out
   constexpr double kOfAverage = 6.0;  // the picture that is finished, and what that is made of
   const double reduced = 1.0 / double(recipe.occlusion_every * recipe.occlusion_every);
+  constexpr double kOfHostStep = 3.0;  // what it works on: of lines edges, chains and where they lie
+  double of_host_steps = 0.0;
   std::set<std::string> full, small, far_full, far_small;
   for (std::string_view name : recipe.look->effects) {
     if (name == "occlusion") name = recipe.occlusion;
@@ -227,12 +228,13 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
       for (const std::string_view plane : pass.reach ? pass.far_inputs : pass.inputs)
         if (there(plane)) (is_small && pass.for_all ? far_small : far_full).emplace(plane);
       if (pass.host) far_full.insert(pass.outputs.begin(), pass.outputs.end());
+      if (pass.host) of_host_steps += kOfHostStep;
     }
   }
   PlaneCount count;
   count.held = double(kCaptured * layers) + kBesides + double(full.size());
   if (!small.empty()) count.held += reduced * double(small.size() + std::size_t(kCaptured * layers)) + 8.0;
-  count.far = double(far_full.size()) + reduced * double(far_small.size());
+  count.far = double(far_full.size()) + reduced * double(far_small.size()) + of_host_steps;
   constexpr double kColor = 4.0;
   if (recipe.frames > 1) count.averaged = kColor + double(settings.averaged.size());
   count.held += recipe.frames > 1 ? kOfAverage : 0.0;

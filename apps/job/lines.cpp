@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/srgb.h"
-#include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
 #include "effects/effects.h"
 #include "effects/outline/outline_draw.h"
@@ -74,14 +73,9 @@ Lines traced_lines(const PictureInfo& info, const Image& planes, const Parameter
 Result<Lines> traced_lines(Device& device, const Frame& frame, const ParameterBytes& outline_params) {
   Frame whole = frame;
   whole.info.guard = 0;  // so that the guard band is handed out too
-  Image planes(frame.info.width, frame.info.height);
-  for (const std::string_view name : edge_planes()) {
-    auto plane = device.download(whole, {std::string(name)});
-    const auto neutral = neutral_value(name);
-    if (!plane && !(plane.error().kind == ErrorKind::kUsage && neutral)) return plane.error();
-    planes.add(name) = plane ? std::move(plane->planes[0]) : Plane(planes.width, planes.height, *neutral);
-  }
-  return traced_lines(frame.info, planes, outline_params, device.threads());
+  const auto planes = device.download(whole, {edge_planes().begin(), edge_planes().end()});
+  if (!planes) return planes.error();
+  return traced_lines(frame.info, *planes, outline_params, device.threads());
 }
 
 std::array<float, 3> line_color(const ParameterBytes& outline_params) {

@@ -424,7 +424,8 @@ class CpuDevice final : public Device {
         planes.image.add(name) = std::move(outputs[k]);
       }
     }
-    return {};
+    watch.done(1);
+    return watch.result();
   }
 
   Result<void> run_pass(const PassRun& run, Planes& planes) {

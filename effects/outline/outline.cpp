@@ -164,7 +164,7 @@ bool is_coloured(const ParameterBytes& bytes) {
 }
 
 /// How far the passes read, in rows: see the kernel texts.
-int breaks_reach(const void*, int) { return 3; }
+int breaks_reach(const void*, int) { return 2; }
 int turns_reach(const void* constants, int) {
   return 2 * static_cast<const OutlineConstants*>(constants)->max_window + 2;
 }

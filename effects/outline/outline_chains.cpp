@@ -156,7 +156,7 @@ void keep_clear_parts(Tracing& t) {
     for (int first = 0, end; first < count; first = end) {
       float most = 0.0f;
       for (end = first; end < count && mean(end) >= kFaint; ++end) most = std::max(most, mean(end));
-      if (most >= kClear) {
+      if (most > kClear) {
         Chain part;
         const bool whole = first == 0 && end == count;
         part.closed = chain.closed && whole;
@@ -164,7 +164,7 @@ void keep_clear_parts(Tracing& t) {
         part.points.assign(chain.points.begin() + first, chain.points.begin() + end);
         if (first == 0) part.node[0] = chain.node[0];
         if (end == count) part.node[1] = chain.node[1];
-        if (end < count) part.points.back().node = -1;
+        if (!whole) part.points.back().node = -1;  // nor is the seam of a closed one a junction any more
         kept.push_back(std::move(part));
       }
       end = std::max(end, first + 1);

@@ -14,8 +14,6 @@
 namespace umbrage {
 
 constexpr float kStraightOn = 0.64f;  // cosine: two ends that meet at less than 50 degrees are one line
-constexpr float kParallel = 0.85f;    // cosine from which on two ways are about the same
-constexpr int kLead = 10;             // points of an end that tell where it leads
 
 struct ChainPoint {
   float x = 0.0f, y = 0.0f;
@@ -63,7 +61,6 @@ struct Tracing {
 };
 
 inline float length_of(float x, float y) { return std::sqrt(x * x + y * y); }
-bool has_id(const Chain& chain);
 /// The way along a chain at a point, over a few points to either side.
 Direction way_at(const Chain& chain, int point);
 /// Where a chain leads at an end, outwards.

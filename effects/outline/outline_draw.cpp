@@ -15,6 +15,7 @@ constexpr float kTaper = 12.0f;     // pixels of a free end that become narrower
 constexpr float kEven = 6.0f;       // points to either side whose mean width counts; grows
 constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels, from which on they are crowded
 constexpr float kBeside = 4.5f;     // pixels beside a surer line, within which one fades; grows
+constexpr float kParallel = 0.85f;  // cosine from which on two ways are about the same
 constexpr float kMinShare = 0.05f;  // of its width, of a line that is seen
 constexpr float kShare = 0.6f;      // of the distance to the line beside it, that a line may cover
 
@@ -82,7 +83,7 @@ void give_way(const Tracing& t, std::vector<std::vector<float>>& widths) {
         nearest = std::min(nearest, across);
         if (sure[e.chain] > sure[c]) nearest_surer = std::min(nearest_surer, across);
       });
-      float room = std::clamp(kShare * nearest / width, 0.5f, 1.0f);
+      float room = std::clamp(kShare * nearest / std::max(width, 1e-6f), 0.5f, 1.0f);
       if (p.kind != kOutlineId) room *= std::clamp(1.5f * nearest_surer / beside - 0.5f, 0.0f, 1.0f);
       room *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
       for (std::size_t of = k; of < std::min(k + 2, chain.points.size()); ++of) widths[c][of] *= room;

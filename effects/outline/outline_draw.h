@@ -7,7 +7,7 @@
 namespace umbrage {
 
 /// Traces lines through edges. Inputs: outline_edge_right, outline_edge_below, depth, object_id. The same at any number
-/// of threads; the time is about linear in the number of edges.
+/// of threads; the time is about linear in the number of edges, at a given height of the picture.
 Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants);
 
 /// What lines cover of each pixel, times `opacity`: by the distance of its centre from the nearest part of a line,

@@ -10,10 +10,15 @@ namespace umbrage {
 namespace {
 
 // All lengths grow.
-constexpr float kAllLong = 1.5f;  // times the length that a chain must have, at which it has all of its width
+constexpr float kAllLong = 1.5f;        // times the length that a chain must have, at which it has all of its width
 constexpr float kGap = 16.0f;           // pixels over which ends are joined
 constexpr float kTurning = 2.0f;        // what a turn of a radian, squared, adds to a gap, times its length
 constexpr float kMaxSteepness = 10.0f;  // pixel sizes of depth per pixel of a gap
+
+bool has_id(const Chain& chain) {
+  return std::any_of(chain.points.begin(), chain.points.end(),
+                     [](const ChainPoint& p) { return p.kind == kOutlineId; });
+}
 
 float length(const Chain& chain) {
   float sum = 0.7f;
@@ -112,14 +117,12 @@ void drop_short(Tracing& t, float free_px, float branch_px) {
     if (has_id(chain)) least = alone ? 2.0f * branch_px * t.c.scale : 0.0f;
     return least > 0.0f ? length(chain) / least : kAllLong;
   };
-  constexpr int kRounds = 3;  // what went can leave others free
-  for (int round = 0; round < kRounds; ++round) {
+  for (std::size_t before = t.chains.size() + 1; t.chains.size() < before;) {  // what went can leave others free
+    before = t.chains.size();
     const std::vector<int> meetings = t.meetings();
-    const std::size_t before = t.chains.size();
     for (Chain& chain : t.chains)
-      if (share_of(chain, meetings) < 1.0f) chain.points.clear();
+      if (share_of(chain, meetings) <= 1.0f) chain.points.clear();
     t.drop_empty();
-    if (t.chains.size() == before) break;
   }
   const std::vector<int> meetings = t.meetings();
   for (Chain& chain : t.chains) chain.weight *= std::min((share_of(chain, meetings) - 1.0f) / (kAllLong - 1.0f), 1.0f);

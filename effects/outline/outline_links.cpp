@@ -7,6 +7,8 @@
 namespace umbrage {
 namespace {
 
+constexpr int kLead = 10;  // points of an end that tell where it leads
+
 /// Points between two ends, a pixel apart.
 void bridge(std::vector<ChainPoint>& points, const ChainPoint& to) {
   const ChainPoint from = points.back();
@@ -69,11 +71,6 @@ void Tracing::drop_empty() {
   for (Chain& chain : chains)
     for (int& joined : chain.joined)
       if (joined >= 0 && !alive[joined]) joined = -1;
-}
-
-bool has_id(const Chain& chain) {
-  return std::any_of(chain.points.begin(), chain.points.end(),
-                     [](const ChainPoint& p) { return p.kind == kOutlineId; });
 }
 
 Direction way_at(const Chain& chain, int point) {
@@ -142,7 +139,7 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
         chain.points.back().node = over_gaps ? -1 : chain.node[1];
         if (used[at / 2]) break;
       }
-      if (closed && over_gaps && !first.closed) bridge(chain.points, ChainPoint(chain.points.front()));
+      if (closed && over_gaps) bridge(chain.points, ChainPoint(chain.points.front()));
       linked.push_back(std::move(chain));
     }
   t.chains = std::move(linked);
