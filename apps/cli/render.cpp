@@ -36,7 +36,7 @@ constexpr std::string_view kStandardOutput = "-";  // as --output
 Result<std::string> extension_of(const std::string& file) {
   if (is_svg(file)) return std::string("svg");
   const auto format = format_of(file);
-  if (!format) return format.error();
+  if (!format) return usage_error("{}; or .svg, for lines", format.error().message);
   return std::string((*format)->extension);
 }
 

@@ -33,8 +33,8 @@ void even_out(const Chain& chain, const Tracing& t, std::array<bool, 2> is_free,
   std::vector<double> sum(1, 0.0);
   for (const float w : width) sum.push_back(sum.back() + w);
   for (int k = 0; k < count; ++k) {
-    const int r = std::min({around, k, count - 1 - k});
-    width[k] = float((sum[k + r + 1] - sum[k - r]) / (2 * r + 1));
+    const int first = std::max(0, k - around), end = std::min(count, k + around + 1);
+    width[k] = float((sum[end] - sum[first]) / (end - first));
   }
   const float taper = kTaper * t.c.scale;
   for (int last = 0; last < 2 && t.c.inner > 0.0f; ++last) {
@@ -84,7 +84,7 @@ void give_way(const Tracing& t, std::vector<std::vector<float>>& widths) {
         if (sure[e.chain] > sure[c]) nearest_surer = std::min(nearest_surer, across);
       });
       float room = std::clamp(kShare * nearest / std::max(width, 1e-6f), 0.5f, 1.0f);
-      if (p.kind != kOutlineId) room *= std::clamp(1.5f * nearest_surer / beside - 0.5f, 0.0f, 1.0f);
+      if (p.kind != kOutlineId) room *= std::clamp(2.0f * nearest_surer / beside - 1.0f, 0.0f, 1.0f);
       room *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
       for (std::size_t of = k; of < std::min(k + 2, chain.points.size()); ++of) widths[c][of] *= room;
     }

@@ -33,8 +33,8 @@ bool is_surer(const Edge& a, const Edge& b) {
 
 EdgeGraph::EdgeGraph(const HostPlane& right, const HostPlane& below, int width, int height)
     : width_(width), height_(height), row_bits_((2 * std::size_t(width) + 4 + 63) / 64 * 64) {
-  constexpr int kBlock = 32;              // pixels wide and high
-  constexpr int kMost = kBlock * kBlock;  // edges of one: what has more is noise
+  constexpr int kBlock = 32;                      // pixels wide and high
+  constexpr int kMost = kBlock * kBlock * 3 / 2;  // edges of one: what has more is noise
   std::vector<std::vector<Edge>> found(std::size_t((height + kBlock - 1) / kBlock));
   tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t row_of_blocks) {
     std::vector<Edge>& edges = found[row_of_blocks];
