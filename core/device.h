@@ -92,6 +92,9 @@ class Device {
   virtual Result<void> finish() { return {}; }
   /// What the passes took that ran since this was last asked, in order, of devices that measure it themselves.
   virtual std::vector<PassTime> take_pass_times() { return {}; }
+  /// Names of all planes that a frame has: those that were captured, added or made, and then those of one value that a
+  /// pass asked for.
+  virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;
   /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
   /// for one that is missing.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;

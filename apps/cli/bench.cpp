@@ -59,11 +59,8 @@ bool runs_reduced(const Effect& effect) {
 
 /// The frame at reduced resolution, all its planes.
 Result<Frame> reduced_frame(Device& device, const Frame& frame, int every) {
-  const auto planes = device.download(frame, {});
-  if (!planes) return planes.error();
-  std::vector<std::string> names;
-  for (const std::string& name : planes->names)
-    if (!name.starts_with("layer")) names.push_back(name);
+  std::vector<std::string> names = device.plane_names(frame);
+  std::erase_if(names, [](const std::string& name) { return name.starts_with("layer"); });
   return device.reduced(frame, every, names);
 }
 

@@ -133,9 +133,7 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
   auto names = kColor;
   if (o.no_background) names.push_back("color.a");
   if (o.passes) {
-    const auto all = device.download(frame, {});
-    if (!all) return all.error();
-    const auto chosen = chosen_planes(split(*o.passes), all->names, frame.info);
+    const auto chosen = chosen_planes(split(*o.passes), device.plane_names(frame), frame.info);
     if (!chosen) return chosen.error();
     names.clear();
     for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
@@ -160,9 +158,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   scene.lights = lights;
   scene.ambient = ambient;
   if (!frame) return frame.error();
-  const auto all = device.download(*frame, {});
-  if (!all) return all.error();
-  const auto chosen = chosen_planes(split(*o.passes), all->names, frame->info);
+  const auto chosen = chosen_planes(split(*o.passes), device.plane_names(*frame), frame->info);
   if (!chosen) return chosen.error();
   std::vector<std::string> names;
   for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());

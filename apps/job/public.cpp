@@ -181,9 +181,7 @@ Result<Picture> downloaded(Device& device, const Frame& frame, bool color, const
   if (!lines.empty())
     if (auto done = add_strokes(device, frame, lines, picture); !done) return done.error();
   if (passes.empty()) return picture;
-  const auto all = device.download(frame, {});
-  if (!all) return all.error();
-  const auto chosen = chosen_planes(passes, all->names, frame.info);
+  const auto chosen = chosen_planes(passes, device.plane_names(frame), frame.info);
   if (!chosen) return chosen.error();
   for (const PassPlanes& pass : *chosen) {
     const auto image = device.download(frame, pass.planes);

@@ -251,14 +251,17 @@ class CpuDevice final : public Device {
     return {};
   }
 
+  std::vector<std::string> plane_names(const Frame& frame) const override {
+    const Planes& planes = planes_of(frame);
+    std::vector<std::string> names = planes.image.names;
+    for (const std::string& name : planes.neutral)
+      if (!planes.image.find(name)) names.push_back(name);
+    return names;
+  }
+
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
     const Planes& planes = planes_of(frame);
-    std::vector<std::string> wanted = names;
-    if (names.empty()) {
-      wanted = planes.image.names;
-      for (const std::string& name : planes.neutral)
-        if (!planes.image.find(name)) wanted.push_back(name);
-    }
+    const std::vector<std::string> wanted = names.empty() ? plane_names(frame) : names;
     if (planes.band) return download_band(frame, wanted);
     Image out(frame.info.inner_width(), frame.info.inner_height());
     for (const std::string& name : wanted) {

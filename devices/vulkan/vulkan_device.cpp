@@ -257,15 +257,16 @@ class VulkanDevice final : public Device {
 
   std::vector<PassTime> take_pass_times() override { return commands_->take_pass_times(); }
 
-  Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
+  std::vector<std::string> plane_names(const Frame& frame) const override {
     const Planes& planes = planes_of(frame);
-    std::vector<std::string> wanted = names;
-    if (names.empty()) {
-      wanted = planes.names;
-      for (const std::string& name : planes.neutral)
-        if (!planes.made.contains(name)) wanted.push_back(name);
-    }
-    return copied(planes, wanted, frame.info, frame.info.guard);
+    std::vector<std::string> names = planes.names;
+    for (const std::string& name : planes.neutral)
+      if (!planes.made.contains(name)) names.push_back(name);
+    return names;
+  }
+
+  Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
+    return copied(planes_of(frame), names.empty() ? plane_names(frame) : names, frame.info, frame.info.guard);
   }
 
  private:
