@@ -490,7 +490,8 @@ TEST_F(Cli, RefusesNamesThatDoNotExist) {
   good("tri.obj -o half.exr --look bleeding --ao-scale half --passes ao,indirect" + kSmall);
   bad_option("--look bleeding --ao-scale half --passes denoise_ao", {"'bleeding'", "'denoise_ao'"});
   // What other looks write.
-  bad_option("--look bleeding --passes outline", {"'bleeding'", "'outline'", "there are", "indirect"});
+  bad_option("--look bleeding --passes outline", {"'bleeding'", "'outline'", "the look cartoon does"});
+  bad_option("--look bleeding --passes zzz", {"'zzz'", "there are", "indirect"});
   bad_option("--set unshar.kernel=4", {"'unshar'", "did you mean 'unsharp'"});
   bad_option("--set unsharp.kernal=4", {"'kernal'", "did you mean 'kernel'"});
   bad_option("--set composite.mode=multipl", {"'multipl'", "did you mean 'multiply'"});

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/suggest.h"
+#include "effects/effects.h"
 
 namespace umbrage {
 namespace {
@@ -29,6 +30,19 @@ std::vector<std::string> averaged_passes(const std::vector<std::string>& words) 
       for (const char* channel : {".r", ".g", ".b"}) planes.push_back(word + channel);
   }
   return planes;
+}
+
+/// The first look that writes a pass of that name, or empty.
+std::string_view look_with(std::string_view pass) {
+  for (const Look* look : looks())
+    for (const std::string_view name : look->effects) {
+      const Effect* effect = find_effect(name == "occlusion" ? look->occlusion : name);
+      if (!effect) continue;
+      for (const Pass& each : effect->passes)
+        for (const std::string_view plane : each.outputs)
+          if (pass_of(plane) == pass) return look->name;
+    }
+  return {};
 }
 
 }  // namespace
@@ -90,6 +104,8 @@ Result<void> check_passes(const std::vector<std::string>& words, const DrawSetti
       if (layers > 0)
         return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, captured_layers,
                            layers);
+      if (const std::string_view other = look_with(word); !other.empty() && other != recipe->look->name)
+        return usage_error("the look '{}' writes no pass '{}': the look {} does", recipe->look->name, word, other);
       // Of further layers only what is misspelt: there are too many to list.
       std::string hint = suggestion(word, names);
       if (!hint.starts_with(" (did")) {
