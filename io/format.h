@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "io/image_file.h"
@@ -18,6 +19,9 @@ inline constexpr std::int64_t kMaxSide = 65536, kMaxPixels = std::int64_t(1) << 
 
 /// Whether a size read from a file is sane; the error names the file.
 Result<void> check_size(const std::filesystem::path& file, std::int64_t width, std::int64_t height);
+
+/// How a file's name ends, without the dot and in lower case, such as "png"; empty where there is no ending.
+std::string ending_of(const std::filesystem::path& file);
 
 /// The planes of a picture: color.r, color.g, color.b and, if wanted and there, color.a; or the only plane.
 Result<std::vector<const Plane*>> picture_planes(const std::filesystem::path& file, const Image& image,

@@ -27,12 +27,6 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-std::string lower_case(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
-  return text;
-}
-
 fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
 bool allowed(const fs::path& path, int access) { return ::faccessat(AT_FDCWD, path.c_str(), access, AT_EACCESS) == 0; }
@@ -77,9 +71,16 @@ std::span<const ImageFormat> image_formats() {
   return table;
 }
 
-Result<const ImageFormat*> format_of(const fs::path& file) {
-  std::string ending = lower_case(file.extension().string());
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
   if (!ending.empty()) ending.erase(0, 1);
+  for (char& c : ending)
+    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
+  return ending;
+}
+
+Result<const ImageFormat*> format_of(const fs::path& file) {
+  const std::string ending = ending_of(file);
   std::vector<std::string> endings, dotted;
   for (const ImageFormat& format : image_formats()) {
     if (format.extension == ending) return &format;

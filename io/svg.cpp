@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "io/image_file.h"
+#include "io/format.h"
 
 namespace umbrage {
 namespace {
@@ -149,12 +149,7 @@ Result<void> check_lines(const Lines& lines) {
 
 }  // namespace
 
-bool is_svg(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending)
-    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
-  return ending == ".svg";
-}
+bool is_svg(const std::filesystem::path& file) { return ending_of(file) == "svg"; }
 
 Result<std::string> svg_text(const Lines& lines, const SvgStyle& style) {
   if (auto fine = check_lines(lines); !fine) return fine.error();

@@ -19,8 +19,8 @@ struct HostPlane {
   float* row(int y) const { return data + std::ptrdiff_t(y) * stride; }
 };
 
-/// All planes have frame.width x frame.height pixels, their rows HostPlane::stride apart. Inputs are for reading alone; outputs are not
-/// initialised, share no memory with inputs, not even those of the same name, and are filled wholly.
+/// All planes have frame.width x frame.height pixels, their rows HostPlane::stride apart. Inputs are for reading alone;
+/// outputs are not initialised, share no memory with inputs, not even those of the same name, and are filled wholly.
 struct HostFrame {
   const PictureInfo& info;
   FrameConstants frame;

@@ -10,7 +10,8 @@ namespace {
 
 std::vector<std::string> names_on(Device& device) {
   GBuffer g = test::empty_gbuffer(24, 16);
-  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "lit.r", "lit.g", "lit.b"}) g.layers[0].add(name);
+  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z", "lit.r", "lit.g", "lit.b"})
+    g.layers[0].add(name);
   auto frame = device.upload(g);
   EXPECT_TRUE(frame);
   EXPECT_EQ(device.plane_names(*frame), device.download(*frame, {})->names);

@@ -25,14 +25,6 @@ namespace fs = std::filesystem;
 constexpr const char* kProgram = "ffmpeg";
 constexpr std::array<std::string_view, 3> kEndings = {"mp4", "webm", "gif"};
 
-std::string ending_of(const fs::path& file) {
-  std::string ending = file.extension().string();
-  if (!ending.empty()) ending.erase(0, 1);
-  for (char& c : ending)
-    if (c >= 'A' && c <= 'Z') c += 'a' - 'A';
-  return ending;
-}
-
 bool is_on_path(const char* program) {
   const char* path = std::getenv("PATH");
   std::string_view folders = path ? path : "";

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/srgb.h"
+#include "devices/shared/host_steps.h"
 #include "devices/shared/passes.h"
 #include "effects/effects.h"
 #include "effects/outline/outline_draw.h"
@@ -53,11 +54,9 @@ std::span<const std::string_view> edge_planes() { return tracing_pass().inputs; 
 Lines traced_lines(const PictureInfo& info, const Image& planes, const ParameterBytes& outline_params, int threads) {
   OutlineConstants constants{};
   find_effect("outline")->constants(outline_params, info, &constants);
-  std::vector<HostPlane> inputs;
-  for (const std::string_view name : edge_planes()) {
-    const Plane& plane = planes.plane(name);
-    inputs.push_back({name, const_cast<float*>(plane.data()), plane.stride});  // which is not written to
-  }
+  std::vector<const Plane*> of_table;
+  for (const std::string_view name : edge_planes()) of_table.push_back(&planes.plane(name));
+  const std::vector<HostPlane> inputs = host_inputs(tracing_pass(), of_table);
   const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
   Lines lines;
   tbb::task_arena arena(std::max(threads, 1));

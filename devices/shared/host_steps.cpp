@@ -4,22 +4,27 @@
 
 #include "core/check.h"
 #include "core/guarded.h"
-#include "machine/host_frame.h"
 
 namespace umbrage {
+
+std::vector<HostPlane> host_inputs(const Pass& pass, std::span<const Plane* const> planes) {
+  check_equal(planes.size(), pass.inputs.size(), pass.name);
+  std::vector<HostPlane> inputs;
+  for (std::size_t k = 0; k < planes.size(); ++k)
+    inputs.push_back({pass.inputs[k], const_cast<float*>(planes[k]->data()), planes[k]->stride});
+  return inputs;
+}
 
 std::vector<Plane> run_host_step(const PassRun& run, std::span<const Plane* const> inputs) {
   fault_point();
   const Pass& pass = run.pass;
   const PictureInfo& info = run.info;
-  check_equal(inputs.size(), pass.inputs.size(), pass.name);
-  std::vector<HostPlane> in, out;
+  const std::vector<HostPlane> in = host_inputs(pass, inputs);
   for (std::size_t k = 0; k < inputs.size(); ++k) {
     check_equal(inputs[k]->width, info.width, pass.inputs[k]);
     check_equal(inputs[k]->height, info.height, pass.inputs[k]);
-    // The step does not write to it.
-    in.push_back({pass.inputs[k], const_cast<float*>(inputs[k]->data()), inputs[k]->stride});
   }
+  std::vector<HostPlane> out;
   std::vector<Plane> outputs;
   int stride = 0;
   for (const std::string_view name : pass.outputs) {

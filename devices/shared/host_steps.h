@@ -5,8 +5,13 @@
 
 #include "core/image.h"
 #include "devices/shared/passes.h"
+#include "machine/host_frame.h"
 
 namespace umbrage {
+
+/// Planes as the inputs of a pass's host step, which does not write to them. `planes`: in the order of the pass's
+/// table.
+std::vector<HostPlane> host_inputs(const Pass& pass, std::span<const Plane* const> planes);
 
 /// Runs the host step of a pass. `inputs`: whole planes of the picture's size, in the order of the pass's table.
 /// Returns its outputs, in that order, too; those of layers that are not there are empty. What the step throws comes

@@ -53,7 +53,7 @@ FN Bool is_peak(Bool on, Real strength, Real window, int i, int j) {
 }
 
 // Inverse depth, or -depth in orthographic views, of a pixel that shows a surface.
-FN Real nearness(Int x, Int y) {
+FN Real inverse_depth_at(Int x, Int y) {
   Real depth = load_depth(x, y);
   return F.orthographic != 0 ? Real(0.0f) - depth : Real(1.0f) / max(depth, Real(1e-30f));
 }
@@ -69,8 +69,8 @@ FN Real crease_code(Int px, Int py, Real coded, int i, int j) {
   Int bx = px + Int(i) * (h + Int(1));
   Int by = py + Int(j) * (h + Int(1));
   // It is concave where inverse depth falls more slowly, or rises faster, after it than before.
-  Real slope_before = nearness(ax, ay) - nearness(ax - Int(i), ay - Int(j));
-  Real slope_after = nearness(bx + Int(i), by + Int(j)) - nearness(bx, by);
+  Real slope_before = inverse_depth_at(ax, ay) - inverse_depth_at(ax - Int(i), ay - Int(j));
+  Real slope_after = inverse_depth_at(bx + Int(i), by + Int(j)) - inverse_depth_at(bx, by);
   Bool known = i != 0 ? load_outline_break_right(ax - Int(1), ay) == 0.0f && load_outline_break_right(bx, by) == 0.0f
                       : load_outline_break_below(ax, ay - Int(1)) == 0.0f && load_outline_break_below(bx, by) == 0.0f;
   if (C.convex == 0) on = on && (slope_after > slope_before || !known);

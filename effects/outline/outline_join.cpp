@@ -117,14 +117,14 @@ void drop_short(Tracing& t, float free_px, float branch_px) {
     if (has_id(chain)) least = alone ? 2.0f * branch_px * t.c.scale : 0.0f;
     return least > 0.0f ? length(chain) / least : kAllLong;
   };
-  for (std::size_t before = t.chains.size() + 1; t.chains.size() < before;) {  // what went can leave others free
+  std::vector<int> meetings;
+  for (std::size_t before = 0; t.chains.size() != before;) {  // what went can leave others free
     before = t.chains.size();
-    const std::vector<int> meetings = t.meetings();
+    meetings = t.meetings();
     for (Chain& chain : t.chains)
       if (share_of(chain, meetings) <= 1.0f) chain.points.clear();
     t.drop_empty();
   }
-  const std::vector<int> meetings = t.meetings();
   for (Chain& chain : t.chains) chain.weight *= std::min((share_of(chain, meetings) - 1.0f) / (kAllLong - 1.0f), 1.0f);
 }
 

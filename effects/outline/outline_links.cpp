@@ -113,8 +113,8 @@ void concatenate(Tracing& t, const std::vector<int>& mate, bool over_gaps) {
   for (const bool closed : {false, true})
     for (int start = 0; start < 2 * int(t.chains.size()); ++start) {
       Chain& first = t.chains[start / 2];
-      if (used[start / 2] || first.points.empty() || (!closed && mate[start] >= 0 && !first.closed)) continue;
-      if (!closed && first.closed) continue;
+      if (used[start / 2] || first.points.empty()) continue;
+      if (!closed && (first.closed || mate[start] >= 0)) continue;
       if (mate[start] < 0 && mate[start ^ 1] < 0) {  // as it is
         used[start / 2] = 1;
         linked.push_back(std::move(first));

@@ -16,6 +16,9 @@ CONST float kMaxStraying = 0.17f;   // of a window's turn, that normals in its m
 CONST float kRoundness = 0.5f;      // times the turn beside a window on either side, that does not count,
 CONST float kSoftRoundness = 2.0f;  // and of a window wider than C.narrow
 
+// Half widths of windows: 0, 1, 2, 4, 6 and so on.
+FN int wider(int h) { return h < 2 ? h + 1 : h + 2; }
+
 FN Real square(Vec3 v) { return dot(v, v); }
 
 // Whether n lies on the way from a to b, which turns by so much, squared.

@@ -58,8 +58,8 @@ FN void output_pixel(Int px, Int py) {
   Real line = share_of(near_outline(0, 0));
   Bool lines = line > 0.0f;
   alpha = select(lines, line + (Real(1.0f) - line) * alpha, alpha);
-  Vec3 drawn = mixed_for_the_eye(light, not_below_0(finite_or_zero(near_line(0, 0))),
-                                 line / select(lines, alpha, Real(1.0f)));
+  Vec3 drawn =
+      mixed_for_the_eye(light, not_below_0(finite_or_zero(near_line(0, 0))), line / select(lines, alpha, Real(1.0f)));
   light = select(lines, drawn, light);
   if (C.transfer == 0) light = Vec3(srgb_from_linear(light.x), srgb_from_linear(light.y), srgb_from_linear(light.z));
   Vec3 background = Vec3(Real(C.background_r), Real(C.background_g), Real(C.background_b));
