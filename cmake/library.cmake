@@ -2,7 +2,7 @@
 # BUILD_SHARED_LIBS, where it is set, leaves out one of them.
 set(UMBRAGE_ABI 0) # the number of the inline namespace in umbrage.h, and of the shared library
 set(objects "")
-foreach(folder core machine effects looks scene rays reference devices_shared devices_cpu devices_vulkan io job)
+foreach(folder core system kernel effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io renderer)
   list(APPEND objects $<TARGET_OBJECTS:umbrage_${folder}>)
 endforeach()
 

@@ -12,8 +12,8 @@
 namespace umbrage {
 
 struct KernelFrame;  // what a compiled kernel gets, and
-struct Tile;         // the pixels that it computes: see machine/kernel_frame.h
-struct HostFrame;    // what a host step gets: see machine/host_frame.h
+struct Tile;         // the pixels that it computes: see kernel/kernel_frame.h
+struct HostFrame;    // what a host step gets: see kernel/host_frame.h
 
 /// A compiled kernel: computes the outputs of its pass for one tile. Tiles may run at the same time.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);

@@ -33,11 +33,11 @@
 #include "importer/gltf_facts.h"
 #include "importer/import_materials.h"
 #include "importer/limits.h"
-#include "scene/import_parts.h"
-#include "scene/off.h"
-#include "scene/ply.h"
-#include "scene/point_text.h"
-#include "scene/vertex_colors.h"
+#include "scene/readers/import_parts.h"
+#include "scene/readers/off.h"
+#include "scene/readers/ply.h"
+#include "scene/readers/point_text.h"
+#include "scene/readers/vertex_colors.h"
 
 namespace umbrage {
 namespace {

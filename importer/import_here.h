@@ -1,6 +1,6 @@
 // Import in this process: a file becomes a Scene, by the readers of scene/ and by Assimp.
 #pragma once
-#include "scene/import.h"
+#include "scene/readers/import.h"
 
 namespace umbrage {
 

@@ -17,7 +17,7 @@
 
 #include "core/srgb.h"
 #include "importer/limits.h"
-#include "scene/texture_file.h"
+#include "scene/readers/texture_file.h"
 
 namespace umbrage {
 namespace {

@@ -1,7 +1,7 @@
 // umbrage-import: reads a model, or an image of what is around it, for the program that starts it.
 #include "importer/import_here.h"
 #include "importer/serve.h"
-#include "scene/texture_file.h"
+#include "scene/readers/texture_file.h"
 
 int main(int argc, char** argv) {
   constexpr bool kProcessEnds = true;

@@ -1,4 +1,4 @@
-// The other half of scene/import_apart.cpp, which starts this as a process.
+// The other half of scene/readers/import_apart.cpp, which starts this as a process.
 #include "importer/serve.h"
 
 #include <fcntl.h>
@@ -13,9 +13,9 @@
 #include <string_view>
 
 #include "importer/limits.h"
-#include "scene/import_apart.h"
-#include "scene/import_parts.h"
-#include "scene/transfer.h"
+#include "scene/readers/import_apart.h"
+#include "scene/readers/import_parts.h"
+#include "scene/readers/transfer.h"
 
 namespace umbrage {
 

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "scene/environment.h"
-#include "scene/import.h"
+#include "scene/readers/import.h"
 
 namespace umbrage {
 

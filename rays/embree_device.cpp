@@ -2,7 +2,7 @@
 
 #include <new>
 
-#include "machine/isa.h"
+#include "kernel/isa.h"
 
 namespace umbrage {
 namespace {

@@ -9,14 +9,14 @@
 
 namespace umbrage {
 
-/// A device that uses no wider instructions than isa_in_use() (machine/isa.h). Throws std::bad_alloc where memory is
+/// A device that uses no wider instructions than isa_in_use() (kernel/isa.h). Throws std::bad_alloc where memory is
 /// short. Errors: kDevice where Embree cannot start otherwise.
 Result<RTCDevice> new_embree_device();
 
 /// What went wrong where Embree could not build a hierarchy of the scene. kDevice.
 Error build_error(const Scene& scene, RTCError error);
 
-/// The name of the widest instruction set that Embree's kernels use on this machine, as machine/isa.h has it, or
+/// The name of the widest instruction set that Embree's kernels use on this machine, as kernel/isa.h has it, or
 /// "sse2".
 std::string_view isa_of_rays();
 

@@ -1,16 +1,16 @@
 // Pictures in bands: the same to the bit as drawn whole, whatever the look, the technique and the size of the bands.
-#include "apps/job/bands.h"
+#include "renderer/bands.h"
 
 #include <gtest/gtest.h>
 
 #include <cstring>
 #include <map>
 
-#include "apps/job/job.h"
-#include "apps/job/passes.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
+#include "renderer/job.h"
+#include "renderer/passes.h"
 
 namespace umbrage {
 namespace {

@@ -6,10 +6,10 @@
 #include <glm/geometric.hpp>
 #include <map>
 
-#include "scene/builtin.h"
-#include "scene/builtin_list.h"
-#include "scene/rounded_hull.h"
-#include "scene/sdf_mesh.h"
+#include "generators/builtin.h"
+#include "generators/makers.h"
+#include "generators/rounded_hull.h"
+#include "generators/sdf_mesh.h"
 
 namespace umbrage {
 namespace {

@@ -1,6 +1,6 @@
 // Built-in scenes keep their contract (counts, clean meshes, one result for one name), and the mesh kit's shapes are
 // closed, face outwards and have the volume that they should.
-#include "scene/builtin.h"
+#include "generators/builtin.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "scene/shapes.h"
+#include "generators/shapes.h"
 
 namespace umbrage {
 namespace {

@@ -15,9 +15,9 @@
 
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
+#include "generators/shapes.h"
 #include "scene/finish.h"
 #include "scene/framing.h"
-#include "scene/shapes.h"
 #include "support.h"
 #include "vulkan_capture.h"
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
-#include "scene/builtin.h"
+#include "generators/builtin.h"
+#include "renderer/job.h"
 #include "support.h"
 
 namespace umbrage {

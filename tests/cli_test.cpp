@@ -11,11 +11,11 @@
 #include <sstream>
 
 #include "effects/effects.h"
+#include "generators/builtin.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
 #include "run_program.h"
-#include "scene/builtin.h"
-#include "scene/import.h"
+#include "scene/readers/import.h"
 #include "support.h"
 
 namespace umbrage {

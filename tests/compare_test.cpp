@@ -10,10 +10,10 @@
 
 #include "apps/compare/compare.h"
 #include "apps/compare/report.h"
+#include "generators/builtin.h"
 #include "looks/quality.h"
 #include "reference/reference.h"
 #include "run_program.h"
-#include "scene/builtin.h"
 
 namespace umbrage {
 namespace {

@@ -4,15 +4,15 @@
 #include <cmath>
 #include <vector>
 
-#include "machine/isa.h"
-#include "machine/scalar.h"
+#include "kernel/isa.h"
+#include "kernel/scalar.h"
 #include "support.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "dialect_test.cpp"
 #include "hwy/foreach_target.h"
 
-#include "machine/lanes.h"
+#include "kernel/lanes.h"
 
 #ifndef UMBRAGE_DIALECT_TEST_RESULTS
 #define UMBRAGE_DIALECT_TEST_RESULTS

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "faulty_vulkan.h"
-#include "machine/frame_constants.h"
-#include "machine/isa.h"
+#include "kernel/frame_constants.h"
+#include "kernel/isa.h"
+#include "renderer/job.h"
 #include "run_effect.h"
 #include "support.h"
 #include "vulkan_support.h"

@@ -10,8 +10,8 @@
 
 #include "importer/import_here.h"
 #include "importer/serve.h"
-#include "scene/import_apart.h"
-#include "scene/texture_file.h"
+#include "scene/readers/import_apart.h"
+#include "scene/readers/texture_file.h"
 
 namespace {
 

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 
 #include "devices/cpu/cpu_device.h"
+#include "generators/builtin.h"
 #include "run_effect.h"
-#include "scene/builtin.h"
 #include "scene/framing.h"
 #include "support.h"
 

@@ -7,7 +7,7 @@
 #include <new>
 #include <vector>
 
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 #include "run_program.h"
 #include "umbrage/umbrage.h"
 #include "vulkan_support.h"

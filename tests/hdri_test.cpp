@@ -9,8 +9,8 @@
 #include "importer/limits.h"
 #include "run_program.h"
 #include "scene/environment.h"
-#include "scene/import_apart.h"
-#include "scene/texture_file.h"
+#include "scene/readers/import_apart.h"
+#include "scene/readers/texture_file.h"
 #include "umbrage/umbrage.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION

@@ -1,5 +1,5 @@
 // Passes that are functions of whole planes on the host: the same on every device, and once for a picture in bands.
-#include "machine/host_frame.h"
+#include "kernel/host_frame.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -8,9 +8,9 @@
 #include <atomic>
 #include <stdexcept>
 
-#include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
-#include "scene/builtin.h"
+#include "generators/builtin.h"
+#include "renderer/job.h"
 #include "support.h"
 #include "vulkan_support.h"
 

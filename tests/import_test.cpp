@@ -1,5 +1,5 @@
 // Import: small files of every format that the test writes itself, the normals made for them, and bad files.
-#include "scene/import.h"
+#include "scene/readers/import.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 #include <random>
 
 #include "scene/finish.h"
-#include "scene/texture_file.h"
+#include "scene/readers/texture_file.h"
 
 namespace umbrage {
 namespace {

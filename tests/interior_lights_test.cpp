@@ -5,9 +5,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "apps/job/job.h"
+#include "generators/shapes.h"
+#include "renderer/job.h"
 #include "scene/finish.h"
-#include "scene/shapes.h"
 
 namespace umbrage {
 namespace {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "kernel/isa.h"
 #include "looks/looks.h"
-#include "machine/isa.h"
 #include "run_program.h"
 #include "support.h"
 #include "vulkan_support.h"

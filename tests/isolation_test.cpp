@@ -13,8 +13,8 @@
 #include "importer/import_here.h"
 #include "importer/limits.h"
 #include "run_program.h"
-#include "scene/import_apart.h"
-#include "scene/transfer.h"
+#include "scene/readers/import_apart.h"
+#include "scene/readers/transfer.h"
 
 namespace umbrage::test {
 namespace {

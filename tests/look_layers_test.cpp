@@ -1,10 +1,10 @@
 // Looks on several depth layers: what runs on which, and what a look wants captured.
 #include <gtest/gtest.h>
 
-#include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
-#include "scene/builtin.h"
+#include "generators/builtin.h"
+#include "renderer/job.h"
 
 namespace umbrage {
 namespace {

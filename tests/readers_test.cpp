@@ -7,7 +7,7 @@
 #include <random>
 
 #include "fuzz/readers.h"
-#include "scene/import.h"
+#include "scene/readers/import.h"
 
 namespace umbrage::fuzz {
 namespace {

@@ -25,10 +25,10 @@
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
+#include "generators/builtin.h"
+#include "generators/shapes.h"
 #include "reference/sampler.h"
-#include "scene/builtin.h"
 #include "scene/finish.h"
-#include "scene/shapes.h"
 #include "support.h"
 
 namespace umbrage {

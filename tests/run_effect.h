@@ -11,7 +11,7 @@
 #include "core/check.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
-#include "machine/isa.h"
+#include "kernel/isa.h"
 #include "support.h"
 
 namespace umbrage::test {

@@ -7,11 +7,11 @@
 #include <glm/trigonometric.hpp>
 #include <limits>
 
-#include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
-#include "looks/frames.h"
+#include "generators/builtin.h"
 #include "looks/metering.h"
-#include "scene/builtin.h"
+#include "renderer/accumulation.h"
+#include "renderer/job.h"
 #include "scene/finish.h"
 #include "scene/ground.h"
 #include "support.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/check.h"
-#include "machine/isa.h"
+#include "kernel/isa.h"
 
 namespace umbrage::test {
 

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "io/image_file.h"
-#include "scene/import.h"
+#include "scene/readers/import.h"
 
 namespace {
 

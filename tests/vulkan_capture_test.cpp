@@ -6,12 +6,12 @@
 #include <map>
 #include <tuple>
 
-#include "apps/job/job.h"
 #include "devices/vulkan/hierarchy.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "faulty_vulkan.h"
+#include "generators/shapes.h"
+#include "renderer/job.h"
 #include "scene/finish.h"
-#include "scene/shapes.h"
 #include "support.h"
 #include "vulkan_capture.h"
 #include "vulkan_support.h"

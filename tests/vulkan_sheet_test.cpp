@@ -11,9 +11,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "apps/job/job.h"
+#include "generators/builtin.h"
 #include "io/image_file.h"
-#include "scene/builtin.h"
+#include "renderer/job.h"
 #include "vulkan_capture.h"
 
 namespace umbrage {

@@ -6,12 +6,12 @@
 #include <cstring>
 #include <vector>
 
-#include "apps/job/job.h"
 #include "devices/cpu/cpu_device.h"
 #include "devices/shared/passes.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/vulkan_device.h"
+#include "renderer/job.h"
 #include "run_effect.h"
 #include "support.h"
 #include "vulkan_support.h"

@@ -7,12 +7,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "apps/job/job.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/pipeline_file.h"
 #include "faulty_vulkan.h"
+#include "renderer/job.h"
 #include "run_effect.h"
 #include "run_program.h"
 #include "support.h"

@@ -1,9 +1,9 @@
 #include "apps/cli/line_file.h"
 
-#include "apps/job/lines.h"
 #include "effects/output/output.h"
 #include "io/image_file.h"
 #include "looks/looks.h"
+#include "renderer/lines.h"
 
 namespace umbrage::cli {
 

@@ -7,8 +7,8 @@
 #include "core/suggest.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
+#include "generators/builtin.h"
 #include "io/image_file.h"
-#include "scene/builtin.h"
 
 namespace umbrage::cli {
 namespace {

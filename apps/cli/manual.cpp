@@ -8,9 +8,9 @@
 #include "apps/cli/options.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
+#include "generators/builtin.h"
+#include "kernel/isa.h"
 #include "looks/quality.h"
-#include "machine/isa.h"
-#include "scene/builtin.h"
 
 namespace umbrage::cli {
 namespace {

@@ -11,9 +11,9 @@
 #include <glm/geometric.hpp>
 #include <optional>
 
-#include "apps/job/isa_setting.h"
 #include "io/image_file.h"
-#include "looks/frames.h"
+#include "renderer/accumulation.h"
+#include "renderer/isa_setting.h"
 
 namespace umbrage::cli {
 namespace {

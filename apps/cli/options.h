@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/cli/config.h"
-#include "apps/job/job.h"
+#include "renderer/job.h"
 
 namespace CLI {
 class App;

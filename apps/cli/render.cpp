@@ -17,15 +17,15 @@
 #include "apps/cli/render_options.h"
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
-#include "apps/job/bands.h"
-#include "apps/job/passes.h"
-#include "apps/job/turntable.h"
 #include "core/guarded.h"
 #include "core/srgb.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "effects/outline/outline.h"
 #include "io/image_file.h"
+#include "renderer/bands.h"
+#include "renderer/passes.h"
+#include "renderer/turntable.h"
 
 namespace umbrage::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/cli/options.h"
-#include "apps/job/job.h"
+#include "renderer/job.h"
 
 namespace umbrage::cli {
 

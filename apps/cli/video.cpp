@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "apps/cli/signals.h"
-#include "core/child_process.h"
 #include "io/format.h"
+#include "system/child_process.h"
 
 namespace umbrage::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "apps/compare/compare.h"
-#include "apps/job/job.h"
+#include "renderer/job.h"
 
 namespace umbrage {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "apps/job/job.h"
 #include "reference/metrics.h"
+#include "renderer/job.h"
 
 namespace umbrage {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/job/job.h"
+#include "renderer/job.h"
 
 namespace umbrage {
 

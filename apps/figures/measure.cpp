@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "apps/job/job.h"
+#include "renderer/job.h"
 
 namespace umbrage {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "apps/figures/figures.h"
-#include "apps/job/job.h"
+#include "renderer/job.h"
 
 namespace umbrage {
 

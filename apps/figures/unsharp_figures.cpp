@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "apps/figures/figures.h"
-#include "apps/job/job.h"
 #include "effects/effects.h"
+#include "renderer/job.h"
 
 namespace umbrage {
 namespace {

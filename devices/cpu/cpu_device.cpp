@@ -18,8 +18,8 @@
 #include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
-#include "machine/isa.h"
-#include "machine/kernel_frame.h"
+#include "kernel/isa.h"
+#include "kernel/kernel_frame.h"
 #include "rays/embree_device.h"
 
 namespace umbrage {

@@ -10,7 +10,7 @@
 
 #include "devices/shared/passes.h"
 #include "devices/shared/soften_passes.h"
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 
 namespace umbrage {
 namespace {

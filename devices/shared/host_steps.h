@@ -5,7 +5,7 @@
 
 #include "core/image.h"
 #include "devices/shared/passes.h"
-#include "machine/host_frame.h"
+#include "kernel/host_frame.h"
 
 namespace umbrage {
 

@@ -7,7 +7,7 @@
 
 #include "core/device.h"
 #include "core/effect.h"
-#include "machine/frame_constants.h"
+#include "kernel/frame_constants.h"
 
 namespace umbrage {
 

@@ -1,11 +1,11 @@
 // Names the kernel text soften.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "devices/shared/soften.h"
 UMBRAGE_CONSTANTS(SoftenConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "devices/shared/soften.kernel.h"
 UMBRAGE_MAIN(soften)

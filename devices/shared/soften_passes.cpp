@@ -1,6 +1,6 @@
 #include "devices/shared/soften_passes.h"
 
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 
 namespace umbrage {
 

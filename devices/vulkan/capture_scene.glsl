@@ -6,7 +6,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 #include "devices/vulkan/capture.h"
-#include "machine/frame_constants.h"
+#include "kernel/frame_constants.h"
 
 layout(set = 0, binding = 0, scalar) uniform constants_block { CaptureConstants C; };
 layout(set = 0, binding = 1, scalar) uniform table_block { uvec2 table[kMostPlanes]; };

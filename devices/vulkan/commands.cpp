@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/check.h"
-#include "machine/frame_constants.h"
+#include "kernel/frame_constants.h"
 
 namespace umbrage {
 namespace {

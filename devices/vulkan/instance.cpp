@@ -4,7 +4,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "machine/frame_constants.h"
+#include "kernel/frame_constants.h"
 
 namespace umbrage {
 namespace {

@@ -28,7 +28,7 @@ struct KernelOptions {
   std::size_t first_function = 0;  ///< word; up to there constants may stand
 };
 
-/// Those of a shader that has UMBRAGE_CONSTANTS (machine/glsl.h): whole numbers that are compared with a constant for
+/// Those of a shader that has UMBRAGE_CONSTANTS (kernel/glsl.h): whole numbers that are compared with a constant for
 /// equality somewhere.
 KernelOptions options_of(std::span<const std::uint32_t> spirv);
 

@@ -9,7 +9,7 @@
 #include "devices/vulkan/pipeline_file.h"
 #include "devices/vulkan/raster.h"
 #include "devices/vulkan/slots.h"
-#include "machine/frame_constants.h"
+#include "kernel/frame_constants.h"
 
 namespace umbrage {
 namespace {

@@ -27,7 +27,7 @@ struct PickConstants {
 GpuStep plain_step(const Pass& pass);
 
 /// The names of a step's planes, each once: inputs of the nearest layer, further inputs, outputs. That is the order of
-/// their addresses in the table of machine/glsl.h, and the first kBoundPlanes are bound.
+/// their addresses in the table of kernel/glsl.h, and the first kBoundPlanes are bound.
 std::vector<std::string_view> plane_table(const GpuStep& step);
 
 class Pipelines {

@@ -1,4 +1,4 @@
-// Which planes a compiled kernel asks for: see machine/glsl.h.
+// Which planes a compiled kernel asks for: see kernel/glsl.h.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -26,7 +26,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kGroup = 8;                                      // pixels of a workgroup, across and down: machine/glsl.h
+constexpr int kGroup = 8;                                      // pixels of a workgroup, across and down: kernel/glsl.h
 constexpr int kDrawnAtOnce = 1024;                             // triangles, at least, of a submission
 constexpr VkDeviceSize kMostStaged = VkDeviceSize(256) << 20;  // bytes copied to or from the host at once
 
@@ -405,7 +405,7 @@ class VulkanDevice final : public Device {
     std::size_t settings = 0;                         // see Commands::Kind
     int group_width = kGroup, group_height = kGroup;  // pixels that a workgroup computes
     const RasterTarget* target = nullptr;  // not null: the scene's triangles and points are drawn, some at once
-    std::span<const VkDescriptorBufferInfo> bound = {};  // of a kernel of machine/glsl.h: kBoundPlanes of them
+    std::span<const VkDescriptorBufferInfo> bound = {};  // of a kernel of kernel/glsl.h: kBoundPlanes of them
   };
   using Constants = std::span<const std::byte>;
   using Table = std::span<const VkDeviceAddress>;
@@ -475,7 +475,7 @@ class VulkanDevice final : public Device {
     }
     if (run.pixels == PixelSet::kMissing) {
       table.resize(kMostPlanes);
-      table.back() = planes.find(run.plane("ao"));  // as machine/glsl.h reads it
+      table.back() = planes.find(run.plane("ao"));  // as kernel/glsl.h reads it
       if (!table.back()) return missing_plane(run, "ao");
     }
     return run_kernel(step, {.effect = run.effect.name, .pass = step.name, .settings = number_of(run.params)}, run.info,

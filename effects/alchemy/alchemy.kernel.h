@@ -7,7 +7,7 @@ IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)
 
-#include "machine/angles.kernel.h"
+#include "kernel/angles.kernel.h"
 
 // Cosine and sine of the pixel's own turn of the points: [McGuire et al. 2012], "Sample pattern", 10 (3x ^ y + xy)
 // radians.

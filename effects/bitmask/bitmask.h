@@ -2,7 +2,7 @@
 #ifndef UMBRAGE_EFFECTS_BITMASK_H
 #define UMBRAGE_EFFECTS_BITMASK_H
 #include "core/length.h"
-#include "machine/frame_constants.h"
+#include "kernel/frame_constants.h"
 
 // One row of the table in bitmask.cpp per field.
 struct BitmaskParams {

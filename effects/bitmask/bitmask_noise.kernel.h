@@ -1,6 +1,6 @@
 // Which way each pixel's slices turn and how far its steps are moved along them: x the turn, as a share of the angle
 // between two slices; y the steps, z the bits' borders; all in [0, 1).
-#include "machine/angles.kernel.h"
+#include "kernel/angles.kernel.h"
 
 // How far along a Hilbert curve through 64 x 64 pixels a pixel lies: neighbours have neighbouring numbers.
 FN Uint hilbert_index(Uint x, Uint y) {

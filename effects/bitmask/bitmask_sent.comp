@@ -1,11 +1,11 @@
 // Names the kernel text bitmask_sent.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/bitmask/bitmask.h"
 UMBRAGE_CONSTANTS(BitmaskConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/bitmask/bitmask_sent.kernel.h"
 UMBRAGE_MAIN(bitmask_sent)

@@ -11,9 +11,9 @@
 #include <numbers>
 #include <random>
 
-#include "machine/kernel_frame.h"
+#include "generators/builtin.h"
+#include "kernel/kernel_frame.h"
 #include "run_effect.h"
-#include "scene/builtin.h"
 #include "scene/framing.h"
 #include "support.h"
 

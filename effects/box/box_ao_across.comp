@@ -1,11 +1,11 @@
 // Names the kernel text box_ao_across.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/box/box.h"
 UMBRAGE_CONSTANTS(BoxConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/box/box_ao_across.kernel.h"
 UMBRAGE_MAIN(box_ao_across)

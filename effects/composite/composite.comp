@@ -1,11 +1,11 @@
 // Names the kernel text composite.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/composite/composite.h"
 UMBRAGE_CONSTANTS(CompositeConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/composite/composite.kernel.h"
 UMBRAGE_MAIN(composite)

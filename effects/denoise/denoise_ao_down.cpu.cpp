@@ -6,4 +6,4 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "effects/denoise/denoise_ao_down.cpu.cpp"
 #include "hwy/foreach_target.h"
-#include "machine/cpu_kernel.h"
+#include "kernel/cpu_kernel.h"

@@ -1,11 +1,11 @@
 // Names the kernel text denoise_light_across.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/denoise/denoise.h"
 UMBRAGE_CONSTANTS(DenoiseConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/denoise/denoise_light_across.kernel.h"
 UMBRAGE_MAIN(denoise_light_across)

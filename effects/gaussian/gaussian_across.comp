@@ -1,11 +1,11 @@
 // Names the kernel text gaussian_across.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/gaussian/gaussian.h"
 UMBRAGE_CONSTANTS(GaussianConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/gaussian/gaussian_across.kernel.h"
 UMBRAGE_MAIN(gaussian_across)

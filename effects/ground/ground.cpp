@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "core/effect.h"
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 
 namespace umbrage {
 

@@ -7,7 +7,7 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 
 namespace umbrage {
 

@@ -7,7 +7,7 @@ IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)
 
-#include "machine/angles.kernel.h"
+#include "kernel/angles.kernel.h"
 
 CONST float kLeastFacing = 0.02f;  // of the normal's z: a plane seen more edge-on has no slope that is a number
 

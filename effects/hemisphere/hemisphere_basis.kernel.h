@@ -1,7 +1,7 @@
 // The basis about a pixel's normal in which its sample points lie, and the noise that turns it. Based on [Colliander
 // and Törnquist 2015], "The Noise Texture" and "SSAO Pass".
 
-#include "machine/angles.kernel.h"
+#include "kernel/angles.kernel.h"
 
 // The remainder of a pixel's coordinate by the tile's side.
 FN Int in_tile(Int x) {

@@ -1,11 +1,11 @@
 // Names the kernel text hemisphere_sent.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/hemisphere/hemisphere.h"
 UMBRAGE_CONSTANTS(HemisphereConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/hemisphere/hemisphere_sent.kernel.h"
 UMBRAGE_MAIN(hemisphere_sent)

@@ -5,7 +5,7 @@
 
 #include "core/effect.h"
 #include "core/light_rig.h"
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 
 namespace umbrage {
 

@@ -1,11 +1,11 @@
 // Names the kernel text normals.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/normals/normals.h"
 UMBRAGE_CONSTANTS(NormalsConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/normals/normals.kernel.h"
 UMBRAGE_MAIN(normals)

@@ -9,7 +9,7 @@
 #include "core/lines.h"
 #include "effects/outline/outline.h"
 #include "effects/outline/outline_graph.h"
-#include "machine/host_frame.h"
+#include "kernel/host_frame.h"
 
 namespace umbrage {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include "core/lines.h"
 #include "effects/outline/outline.h"
-#include "machine/host_frame.h"
+#include "kernel/host_frame.h"
 
 namespace umbrage {
 

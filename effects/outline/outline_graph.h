@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "effects/outline/outline.h"
-#include "machine/host_frame.h"
+#include "kernel/host_frame.h"
 
 namespace umbrage {
 

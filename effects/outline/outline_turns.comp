@@ -1,11 +1,11 @@
 // Names the kernel text outline_turns.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/outline/outline.h"
 UMBRAGE_CONSTANTS(OutlineConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/outline/outline_turns.kernel.h"
 UMBRAGE_MAIN(outline_turns)

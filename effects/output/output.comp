@@ -1,11 +1,11 @@
 // Names the kernel text output.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/output/output.h"
 UMBRAGE_CONSTANTS(OutputConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/output/output.kernel.h"
 UMBRAGE_MAIN(output)

@@ -1,11 +1,11 @@
 // Names the kernel text sphere.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/sphere/sphere.h"
 UMBRAGE_CONSTANTS(SphereConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/sphere/sphere.kernel.h"
 UMBRAGE_MAIN(sphere)

@@ -1,11 +1,11 @@
 // Names the kernel text toon.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/toon/toon.h"
 UMBRAGE_CONSTANTS(ToonConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/toon/toon.kernel.h"
 UMBRAGE_MAIN(toon)

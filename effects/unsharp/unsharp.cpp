@@ -6,7 +6,7 @@
 
 #include "core/effect.h"
 #include "effects/unsharp/unsharp_sums.h"
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 
 namespace umbrage {
 

@@ -16,8 +16,8 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "effects/unsharp/unsharp.tuned.cpp"
 #include "hwy/foreach_target.h"
-#include "machine/lanes.h"
-#include "machine/lanes_view.h"
+#include "kernel/lanes.h"
+#include "kernel/lanes_view.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace umbrage {
@@ -27,11 +27,11 @@ namespace {
 // For the formulas of the kernel text.
 struct Formulas {
   LanesView view;
-#include "machine/kernel_begin.h"
+#include "kernel/kernel_begin.h"
 
 #include "effects/unsharp/unsharp.kernel.h"
 
-#include "machine/kernel_end.h"
+#include "kernel/kernel_end.h"
 };
 
 using VI = hn::Vec<DI>;

@@ -3,7 +3,7 @@
 // The second step is unsharp_down.comp. Oracle: unsharp.kernel.h, to the bit.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)

@@ -3,12 +3,12 @@
 // rest is opened. Oracle: unsharp.kernel.h, whose formulas it takes; sums of whole steps are exact in any order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)
 #include "effects/unsharp/unsharp_words.glsl"
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/unsharp/unsharp.kernel.h"
 

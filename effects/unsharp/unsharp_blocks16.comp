@@ -2,7 +2,7 @@
 // unsharp_blocks8.comp left. The sum may overflow. Then comes unsharp_blocks.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)

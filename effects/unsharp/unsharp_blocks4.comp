@@ -2,7 +2,7 @@
 // Blocks that reach past the picture hold anything; nobody reads them. Then comes unsharp_blocks8.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)

@@ -2,7 +2,7 @@
 // unsharp_blocks4.comp left. Then comes unsharp_blocks16.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)

@@ -2,13 +2,13 @@
 // unsharp_across.comp left. Each invocation goes down one column. Oracle: unsharp.kernel.h, whose formulas it takes.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/unsharp/unsharp.h"
 UMBRAGE_CONSTANTS(UnsharpConstants)
 #include "effects/unsharp/unsharp_sums.h"
 #include "effects/unsharp/unsharp_words.glsl"
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/unsharp/unsharp.kernel.h"
 

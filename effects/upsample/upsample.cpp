@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/effect.h"
-#include "machine/kernel_frame.h"
+#include "kernel/kernel_frame.h"
 
 namespace umbrage {
 

@@ -1,11 +1,11 @@
 // Names the kernel text upsample_light.kernel.h for Vulkan.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "machine/glsl.h"
+#include "kernel/glsl.h"
 
 #include "effects/upsample/upsample.h"
 UMBRAGE_CONSTANTS(UpsampleConstants)
-#include "machine/common.kernel.h"
+#include "kernel/common.kernel.h"
 
 #include "effects/upsample/upsample_light.kernel.h"
 UMBRAGE_MAIN(upsample_light)

@@ -7,10 +7,10 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "generators/builtin.h"
+#include "kernel/frame_constants.h"
 #include "looks/looks.h"
-#include "machine/frame_constants.h"
 #include "run_effect.h"
-#include "scene/builtin.h"
 #include "scene/framing.h"
 #include "support.h"
 

@@ -12,7 +12,7 @@
 #include <string_view>
 
 #include "io/image_file.h"
-#include "scene/transfer.h"
+#include "scene/readers/transfer.h"
 
 namespace umbrage::fuzz {
 namespace {

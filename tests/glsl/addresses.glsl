@@ -1,4 +1,4 @@
-// Planes by their addresses, as machine/glsl.h reaches them.
+// Planes by their addresses, as kernel/glsl.h reaches them.
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer InPlane { float at[]; };
 
 float depth_at(ivec2 p) { return InPlane(planes[0]).at[p.y * F.stride + p.x]; }

@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_EXT_scalar_block_layout : require
 #include "effects/bitmask/bitmask.h"
-#include "machine/frame_constants.h"
+#include "kernel/frame_constants.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0, scalar) uniform constants_block {

@@ -1,0 +1,49 @@
+// KernelFrame: what a compiled kernel gets on the CPU.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "kernel/frame_constants.h"
+
+namespace umbrage {
+
+/// Pixels [x0, x1) x [y0, y1). x0 is a multiple of 16, so that lanes of two tiles never store to one pixel.
+struct Tile {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+struct KernelPlane {
+  std::string_view name;
+  float* data;  ///< pixel (0, 0), whether it is held or not; rows are FrameConstants::stride floats apart
+};
+
+struct KernelFrame {
+  FrameConstants frame;
+  const void* constants;  ///< the effect's constants struct
+  std::span<const KernelPlane> planes;
+  const float* ao = nullptr;              ///< where FrameConstants::missing is set
+  int first_row = 0, last_row = 1 << 30;  ///< what load_NAME reads at most of the picture: the rows that are held
+
+  /// The plane of that name. Throws std::logic_error where the effect's table does not list it.
+  float* plane(std::string_view name) const;
+};
+
+/// Where row 0 of a plane would be of which row `first` and those below are held, from `data` on.
+inline float* row_zero(float* data, int stride, int first) {
+  // As a number, since it may lie outside all that is there: NOLINTNEXTLINE(performance-no-int-to-ptr)
+  return reinterpret_cast<float*>(reinterpret_cast<std::uintptr_t>(data) -
+                                  std::uintptr_t(first) * std::uintptr_t(stride) * sizeof(float));
+}
+
+/// Planes of which a kernel reads every layer (IN_LAYERS_REAL and its like), as a pass lists them: `depth`,
+/// `layer1.depth` and so on.
+std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes);
+
+}  // namespace umbrage
+
+/// Declares the two compiled forms of a kernel: run_scalar_NAME and run_lanes_NAME, made by kernel/cpu_kernel.h.
+#define UMBRAGE_DECLARE_KERNEL(name)                       \
+  void run_scalar_##name(const KernelFrame&, const Tile&); \
+  void run_lanes_##name(const KernelFrame&, const Tile&);

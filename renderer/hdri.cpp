@@ -1,0 +1,155 @@
+#include "renderer/hdri.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+
+#include "core/check.h"
+#include "core/srgb.h"
+#include "io/format.h"
+#include "scene/readers/import_apart.h"
+#include "scene/readers/texture_file.h"
+
+namespace umbrage {
+namespace {
+
+const Panorama& panorama_of(const Hdri& hdri) {
+  if (!hdri.panorama) fail_check("the image around the scene has not been read");
+  return *hdri.panorama;
+}
+
+/// Whether a reader of io/ knows the file by how it begins. Errors: kFile where it cannot be opened.
+Result<bool> is_own_format(const std::filesystem::path& file) {
+  std::int64_t size = 0;
+  const auto stream = open_to_read(file, size);
+  if (!stream) return stream.error();
+  if (size == 0) return file_error("'{}' is empty, which is no image", file.string());
+  char start[8] = {};
+  const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
+  for (const ImageFormat& format : image_formats())
+    if (format.recognises(std::string_view(start, got))) return true;
+  return false;
+}
+
+Result<Panorama> read_own_format(const std::filesystem::path& file) {
+  const auto image = read_image(file);
+  if (!image) return image.error();
+  std::array<const Plane*, 3> planes = {image->find("color.r"), image->find("color.g"), image->find("color.b")};
+  if (image->planes.size() == 1) planes.fill(&image->planes[0]);
+  for (const Plane* plane : planes)
+    if (!plane) return file_error("'{}' has no channels R, G and B: it cannot light a scene", file.string());
+  if (std::int64_t(image->width) * image->height > kMostPanoramaPixels)
+    return file_error("'{}' has {} x {} pixels, more than an image that lights a scene can have ({})", file.string(),
+                      image->width, image->height, kMostPanoramaPixels);
+  std::int64_t size = 0;
+  char start[8] = {};
+  if (const auto stream = open_to_read(file, size))
+    static_cast<void>(std::fread(start, 1, sizeof start, stream->get()));
+  const bool of_display = kPng.recognises(std::string_view(start, sizeof start));
+  Panorama panorama{file.string(), image->width, image->height, {}};
+  panorama.rgb.reserve(std::size_t(image->width) * std::size_t(image->height) * 3);
+  for (int y = 0; y < image->height; ++y)
+    for (int x = 0; x < image->width; ++x)
+      for (const Plane* plane : planes) {
+        const float v = plane->at(x, y);
+        panorama.rgb.push_back(of_display ? linear_from_srgb(v) : v);
+      }
+  return panorama;
+}
+
+Result<Panorama> read_file(const std::string& file) {
+  if (file == "sky:") return sky_panorama();
+  const auto own = is_own_format(file);
+  if (!own) return own.error();
+  return *own ? read_own_format(file) : read_panorama_apart(file);
+}
+
+}  // namespace
+
+Result<void> check_hdri(const Hdri& hdri, bool transparent) {
+  if (hdri.skybox && hdri.file.empty())
+    return usage_error("--hdri-skybox needs an image: --hdri-file FILE, or --hdri-file sky:");
+  if (hdri.skybox && transparent)
+    return usage_error("--hdri-skybox and --no-background both say what is behind the scene: give one of them");
+  return {};
+}
+
+Result<std::vector<std::string>> read_hdri(Hdri& hdri) {
+  std::vector<std::string> warnings;
+  if (hdri.file.empty()) return warnings;
+  auto read = read_file(hdri.file);
+  if (!read) return read.error();
+  if (const std::size_t changed = clean_panorama(*read); changed > 0)
+    warnings.push_back(fmt::format(
+        "{}: {} of its pixels are not finite or below 0 somewhere, which becomes 0, or 65504 where it is infinite",
+        hdri.file, changed));
+  if (read->width != 2 * read->height)
+    warnings.push_back(
+        fmt::format("{}: is {} x {} pixels; an image of all directions is twice as wide as it is high, and "
+                    "this one is stretched to that",
+                    hdri.file, read->width, read->height));
+  Panorama panorama = reduced_panorama(*read, kWidestPanorama, kHighestPanorama);
+  if (hdri.ambient && std::all_of(panorama.rgb.begin(), panorama.rgb.end(), [](float v) { return v == 0.0f; }))
+    warnings.push_back(fmt::format("{}: is all black, and gives no light", hdri.file));
+  hdri.panorama = std::make_shared<const Panorama>(std::move(panorama));
+  return warnings;
+}
+
+void light_by(const Hdri& hdri, Scene& scene) {
+  const EnvironmentLight light = environment_light(panorama_of(hdri));
+  const glm::mat3 axes = panorama_axes(scene.up, hdri.rotation_deg);
+  scene.lights = light.lights;
+  for (Light& each : scene.lights) {
+    each.direction = glm::normalize(axes * each.direction);
+    // A disc that reaches below the horizon would leave the ground dark from its edge on.
+    const float height = std::asin(std::clamp(glm::dot(each.direction, glm::normalize(scene.up)), -1.0f, 1.0f));
+    if (height > 0.0f) each.angle_deg = std::min(each.angle_deg, 2.0f * glm::degrees(height));
+    each.color *= hdri.intensity;
+  }
+  scene.ambient = light.ambient * hdri.intensity;
+  scene.ambient_shape = turned(light.shape, axes);
+  for (glm::mat4& matrix : scene.ambient_shape.by_color) matrix *= hdri.intensity;
+  scene.usual_light = light.brightest > 0.0f ? light.brightest : 1.0f;
+}
+
+std::optional<float> lowest_light_deg(const Scene& scene) {
+  std::optional<float> lowest;
+  for (const Light& light : scene.lights) {
+    const float sine = glm::dot(light.direction, glm::normalize(scene.up));
+    const float height = glm::degrees(std::asin(std::clamp(sine, -1.0f, 1.0f)));
+    if (height > 0.0f) lowest = std::min(lowest.value_or(height), height);
+  }
+  return lowest;
+}
+
+Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& wanted) {
+  const Panorama& panorama = panorama_of(hdri);
+  const Camera& camera = info.camera;
+  const glm::mat3 panorama_from_view =
+      glm::transpose(glm::mat3(camera.view_from_world) * panorama_axes(up, hdri.rotation_deg));
+  Image image(info.width, wanted.count());
+  Plane* planes[3] = {};
+  image.planes.reserve(3);
+  for (int c = 0; c < 3; ++c) planes[c] = &image.add(std::string("sky.") + "rgb"[c]);
+  tbb::parallel_for(tbb::blocked_range<int>(wanted.begin, wanted.end), [&](const tbb::blocked_range<int>& rows) {
+    for (int y = rows.begin(); y < rows.end(); ++y)
+      for (int x = 0; x < info.width; ++x) {
+        glm::vec3 ray(0.0f, 0.0f, -1.0f);
+        if (camera.projection == Projection::kPerspective) {
+          ray.x = camera.left + (float(x) + 0.5f) / float(info.width) * (camera.right - camera.left);
+          ray.y = camera.top - (float(y) + 0.5f) / float(info.height) * (camera.top - camera.bottom);
+        }
+        const glm::vec3 radiance = gain * panorama_radiance(panorama, panorama_from_view * ray);
+        for (int c = 0; c < 3; ++c) planes[c]->at(x, y - wanted.begin) = radiance[c];
+      }
+  });
+  return image;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,87 @@
+#include "renderer/lines.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+
+#include "core/srgb.h"
+#include "devices/shared/host_steps.h"
+#include "devices/shared/passes.h"
+#include "effects/effects.h"
+#include "effects/outline/outline_draw.h"
+
+namespace umbrage {
+namespace {
+
+/// The host step that traces lines and draws them.
+const Pass& tracing_pass() {
+  const auto& passes = find_effect("outline")->passes;
+  return *std::find_if(passes.begin(), passes.end(), [](const Pass& pass) { return pass.host != nullptr; });
+}
+
+/// Whether a part of the line may be seen in a picture of that size.
+bool is_inside(const Line& line, int width, int height) {
+  if (line.points.empty()) return false;
+  float left = line.points[0].x, right = left, top = line.points[0].y, bottom = top;
+  for (const LinePoint& p : line.points) {
+    const float reach = 0.5f * std::max(p.width, 1.0f);
+    left = std::min(left, p.x - reach), right = std::max(right, p.x + reach);
+    top = std::min(top, p.y - reach), bottom = std::max(bottom, p.y + reach);
+  }
+  return left < float(width) && right > 0.0f && top < float(height) && bottom > 0.0f;
+}
+
+}  // namespace
+
+Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std::string_view> effects,
+                                       const EffectSettings& settings) {
+  if (std::find(effects.begin(), effects.end(), "outline") == effects.end())
+    return usage_error("{} no lines: the look cartoon and the effect outline do", who);
+  const ParameterBytes& params = settings.find("outline")->second;
+  const auto& outline = as<OutlineParams>(params);
+  if (outline.mode == kOutlinePaper)
+    return usage_error("lines of outline.mode=paper are pixels, not curves: outline.mode=robust has curves");
+  if (!(outline.opacity > 0.0f)) return usage_error("outline.opacity=0 draws no lines: it takes more than 0");
+  return params;
+}
+
+Result<ParameterBytes> line_parameters(const Recipe& recipe) {
+  return line_parameters(fmt::format("the look '{}' draws", recipe.look->name), recipe.look->effects, recipe.settings);
+}
+
+std::span<const std::string_view> edge_planes() { return tracing_pass().inputs; }
+
+Lines traced_lines(const PictureInfo& info, const Image& planes, const ParameterBytes& outline_params, int threads) {
+  OutlineConstants constants{};
+  find_effect("outline")->constants(outline_params, info, &constants);
+  std::vector<const Plane*> of_table;
+  for (const std::string_view name : edge_planes()) of_table.push_back(&planes.plane(name));
+  const std::vector<HostPlane> inputs = host_inputs(tracing_pass(), of_table);
+  const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
+  Lines lines;
+  tbb::task_arena arena(std::max(threads, 1));
+  arena.execute([&] { lines = trace_lines(frame, constants); });
+  lines.width = info.inner_width();
+  lines.height = info.inner_height();
+  for (Line& line : lines.lines)
+    for (LinePoint& p : line.points) p.x -= float(info.guard), p.y -= float(info.guard);
+  std::erase_if(lines.lines, [&](const Line& line) { return !is_inside(line, lines.width, lines.height); });
+  return lines;
+}
+
+Result<Lines> traced_lines(Device& device, const Frame& frame, const ParameterBytes& outline_params) {
+  Frame whole = frame;
+  whole.info.guard = 0;  // so that the guard band is handed out too
+  const auto planes = device.download(whole, {edge_planes().begin(), edge_planes().end()});
+  if (!planes) return planes.error();
+  return traced_lines(frame.info, *planes, outline_params, device.threads());
+}
+
+std::array<float, 3> line_color(const ParameterBytes& outline_params) {
+  const auto& outline = as<OutlineParams>(outline_params);
+  return {srgb_from_linear(outline.r), srgb_from_linear(outline.g), srgb_from_linear(outline.b)};
+}
+
+float line_opacity(const ParameterBytes& outline_params) { return as<OutlineParams>(outline_params).opacity; }
+
+}  // namespace umbrage

@@ -1,0 +1,24 @@
+// Lines of a picture, as the public interface hands them out.
+#pragma once
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "renderer/job.h"
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+
+/// The parameters of the lines that these effects draw, or the look where there are none; empty unless strokes are
+/// wanted. Errors: those of line_parameters; kUsage for settings that cannot be.
+Result<ParameterBytes> wanted_lines(bool strokes, const DrawSettings& settings, std::span<const std::string> effects);
+
+/// Adds the lines of a drawn frame to its picture; `outline_params` are those of wanted_lines. Errors: those of
+/// Device::download.
+Result<void> add_strokes(Device& device, const Frame& frame, const ParameterBytes& outline_params, Picture& picture);
+
+/// Writes a picture's strokes as .svg. Errors: kUsage where it has none, or some with points that are no numbers;
+/// kFile.
+Result<void> write_strokes(const Picture& picture, const std::filesystem::path& file);
+
+}  // namespace umbrage

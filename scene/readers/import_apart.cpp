@@ -1,0 +1,171 @@
+// The other half of importer/serve.cpp. A program is spawned rather than the process forked: after fork alone, a child
+// of a program with threads may not even allocate memory, and the copied page tables of a large program cost more than
+// starting a small one (docs/reliability.md).
+#include "scene/readers/import_apart.h"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <csignal>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "scene/readers/transfer.h"
+#include "system/child_process.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "umbrage-import";
+
+/// An open file that closes itself.
+struct Descriptor {
+  int number = -1;
+  Descriptor() = default;
+  explicit Descriptor(int number) : number(number) {}
+  Descriptor(Descriptor&& other) noexcept : number(std::exchange(other.number, -1)) {}
+  Descriptor& operator=(Descriptor&& other) noexcept {
+    std::swap(number, other.number);
+    return *this;
+  }
+  ~Descriptor() { close(); }
+  void close() {
+    if (number >= 0) ::close(number);
+    number = -1;
+  }
+};
+
+/// Out of the way of the numbers that the child is to have, where dup2 would close one for another.
+Descriptor moved_up(int number) {
+  constexpr int kFirstFree = 10;
+  Descriptor low(number);
+  return number < 0 ? Descriptor() : Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree));
+}
+
+struct Ended {
+  int status = 0;        ///< as of wait4
+  double seconds = 0.0;  ///< of its own work, or of waiting where that ended it
+  bool known = false;    ///< not where the program has told the system to forget its children
+};
+
+Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
+  Ended ended;
+  rusage used{};
+  pid_t waited = 0;
+  do waited = ::wait4(child, &ended.status, 0, &used);
+  while (waited < 0 && errno == EINTR);
+  ended.known = waited == child;
+  for (const timeval& time : {used.ru_utime, used.ru_stime})
+    ended.seconds += double(time.tv_sec) + 1e-6 * double(time.tv_usec);
+  if (WIFSIGNALED(ended.status) && WTERMSIG(ended.status) == SIGALRM)
+    ended.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  return ended;
+}
+
+/// Why there is nothing, of a process that has ended without one.
+Error ended_early(const fs::path& file, const Ended& ended) {
+  const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
+  if (signal == SIGXCPU || signal == SIGALRM)
+    return file_error("{}: is broken, or too much for its reader, which was stopped after {:.0f} s", file.string(),
+                      ended.seconds);
+  if (signal == SIGKILL)
+    return file_error("{}: is broken, or needs more memory than there is: the system ended its reader", file.string());
+  return file_error("{}: is broken; its reader crashed on it{}", file.string(),
+                    signal ? fmt::format(" ({})", ::strsignal(signal)) : "");
+}
+
+void add_beside(const fs::path& module, std::vector<fs::path>& places) {
+  if (!module.has_parent_path()) return;
+  const fs::path folder = module.parent_path();
+  places.push_back(folder / kProgram);
+  // Of PREFIX/bin, PREFIX/lib and PREFIX/lib/x86_64-linux-gnu.
+  for (const char* up : {"..", "../.."}) places.push_back(folder / up / "libexec" / "umbrage" / kProgram);
+}
+
+}  // namespace
+
+fs::path import_program() {
+  if (const char* named = std::getenv("UMBRAGE_IMPORT"); named && *named) return named;
+  std::vector<fs::path> places;
+  Dl_info module{};
+  if (::dladdr(reinterpret_cast<const void*>(&import_program), &module) != 0 && module.dli_fname)
+    add_beside(module.dli_fname, places);
+  std::error_code error;
+  if (const fs::path self = fs::read_symlink("/proc/self/exe", error); !error) add_beside(self, places);
+  places.push_back(fs::path(UMBRAGE_LIBEXEC) / kProgram);
+  for (const fs::path& place : places)
+    if (::access(place.c_str(), X_OK) == 0) return place;
+  return {};
+}
+
+namespace {
+
+/// Runs umbrage-import with these words, which name the file, and takes over what it has read.
+template <class T>
+Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words,
+                     std::optional<Result<T>> (*receive)(int)) {
+  const fs::path program = import_program();
+  if (program.empty())
+    return file_error("{}: cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
+                      file.string(), kProgram);
+  Descriptor result = moved_up(::memfd_create("umbrage-scene", MFD_CLOEXEC));
+  int ends[2] = {-1, -1};
+  Descriptor told, done;
+  if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_up(ends[0]), done = moved_up(ends[1]);
+  if (result.number < 0 || told.number < 0 || done.number < 0)
+    return file_error("{}: cannot be read: {}", file.string(), std::strerror(errno));
+  const auto started = std::chrono::steady_clock::now();
+  // What a library prints before it gives up says nothing to people; the error does.
+  const ChildProgram reader{.program = fs::absolute(program),  // not one on PATH
+                            .words = words,
+                            .files = {{STDIN_FILENO},
+                                      {STDOUT_FILENO},
+                                      {STDERR_FILENO},
+                                      {kImportResult, result.number},
+                                      {kImportDone, done.number}}};
+  pid_t child = 0;
+  if (const int failed = start_child(reader, child))
+    return file_error("{}: cannot be read, since the program {} does not start ({})", file.string(), program.string(),
+                      std::strerror(failed));
+  done.close();  // the child's end alone is open now: that it ends is seen, too
+  char byte = 0;
+  ssize_t got = 0;
+  do got = ::read(told.number, &byte, 1);
+  while (got < 0 && errno == EINTR);
+  std::optional<Result<T>> received;
+  if (got == 1) received = receive(result.number);
+  const Ended ended = wait_for(child, started);
+  if (received) return std::move(*received);
+  if (got == 1)
+    return file_error("{}: cannot be read: {} is of another version than this program", file.string(),
+                      program.string());
+  return ended_early(file, ended);
+}
+
+}  // namespace
+
+Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings) {
+  const auto number = [](float v) { return fmt::format("{}", v); };
+  return read_apart<Scene>(
+      file,
+      {file.string(), number(settings.crease_angle_deg), number(settings.up.x), number(settings.up.y),
+       number(settings.up.z), fmt::format("{}", settings.scene_index.value_or(kNoSceneIndex))},
+      receive_import);
+}
+
+Result<Panorama> read_panorama_apart(const fs::path& file) {
+  return read_apart<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama);
+}
+
+}  // namespace umbrage

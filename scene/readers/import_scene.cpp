@@ -1,0 +1,144 @@
+// What can be said of a model file before and after it is read, and where it is read: by our own readers here, by those
+// of others in a process of its own.
+#include "scene/readers/import.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <fstream>
+#include <glm/geometric.hpp>
+#include <new>
+#include <system_error>
+
+#include "scene/finish.h"
+#include "scene/readers/import_apart.h"
+#include "scene/readers/import_parts.h"
+#include "scene/readers/off.h"
+#include "scene/readers/ply.h"
+#include "scene/readers/point_text.h"
+
+namespace umbrage {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string list_of_formats() {
+  std::string list;
+  for (const std::string& format : import_formats()) list += (list.empty() ? "." : ", .") + format;
+  return list;
+}
+
+/// PLY, OFF or XYZ. Nothing for other formats, and where it has a texture, whose reader is not ours.
+std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format) {
+  if (format == "off") return read_off(file);
+  if (format == "xyz") return read_xyz(file);
+  if (format != "ply") return std::nullopt;
+  if (!ply_texture(file).empty()) return std::nullopt;
+  std::string texture;
+  return read_ply(file, texture);
+}
+
+/// Triangles with an index beyond the vertices: the file is damaged.
+std::size_t triangles_astray(const Mesh& mesh) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
+    count += std::max({mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]}) >= mesh.positions.size();
+  return count;
+}
+
+}  // namespace
+
+const std::vector<std::string>& import_formats() {
+  static const std::vector<std::string> formats{"obj", "ply", "stl", "gltf", "glb", "3ds", "dae", "fbx", "off", "xyz"};
+  return formats;
+}
+
+std::string import_format(const fs::path& file) {
+  std::string ending = file.extension().string();
+  if (!ending.empty()) ending.erase(0, 1);
+  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+std::optional<Error> check_model_file(const fs::path& file, const std::string& format) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (status.type() == fs::file_type::not_found) return file_error("{}: there is no such file", file.string());
+  if (error) return file_error("{}: cannot be read ({})", file.string(), error.message());
+  if (status.type() == fs::file_type::directory) {
+    return file_error("{}: is a folder, where a model file is needed", file.string());
+  }
+  const auto& formats = import_formats();
+  if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
+    return file_error("{}: is no model that can be read; files that end in {} can", file.string(), list_of_formats());
+  }
+  if (status.type() != fs::file_type::regular) return file_error("{}: is not a regular file", file.string());
+  if (fs::file_size(file, error) == 0 && !error) return file_error("{}: is empty", file.string());
+  if (!std::ifstream(file, std::ios::binary)) {
+    return file_error("{}: cannot be opened for reading (permission?)", file.string());
+  }
+  return std::nullopt;
+}
+
+Error too_large_to_read(const fs::path& file) {
+  return file_error("{}: needs more memory than there is, or is broken", file.string());
+}
+
+Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings) {
+  if (!imported) return imported;
+  Scene& scene = *imported;
+  scene.name = file.filename().string();
+  if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
+    scene.up = settings.up / length;
+  }
+  if (scene.meshes.empty()) return file_error("{}: has no triangles and no points", file.string());
+  const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
+  std::size_t astray = 0;
+  for (const Mesh& mesh : scene.meshes) astray += triangles_astray(mesh);
+  if (astray > 0) {
+    scene.warnings.push_back(fmt::format(
+        "{} of {} triangles have corners that are not among the vertices, and are left out", astray, triangles));
+  }
+  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points);
+  if (scene.meshes.empty() && points > 0) {
+    return file_error("{}: has no points that can be drawn; all {} are not finite", file.string(), points);
+  }
+  if (scene.meshes.empty()) {
+    return file_error("{}: has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
+                      triangles);
+  }
+  constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
+  if (dropped > astray && (dropped - astray) * kWorthSaying > triangles + points) {
+    scene.warnings.push_back(points == 0
+                                 ? fmt::format("{} of {} triangles are degenerate or not finite and are left out",
+                                               dropped - astray, triangles)
+                                 : fmt::format("{} of {} points are not finite and are left out", dropped, points));
+  }
+  return imported;
+}
+
+Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count) {
+  if (!settings.scene_index) return {};
+  if (*settings.scene_index >= 0 && std::size_t(*settings.scene_index) < count) return {};
+  return usage_error("--scene-index cannot be {}: {} has {}", *settings.scene_index, name,
+                     count == 1   ? "one scene, 0"
+                     : count == 2 ? "two scenes, 0 and 1"
+                                  : fmt::format("{} scenes, 0 to {}", count, count - 1));
+}
+
+Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings) {
+  const std::string format = import_format(file);
+  if (auto error = check_model_file(file, format)) return std::move(*error);
+  if (format != "gltf" && format != "glb")  // of other formats a file is one scene
+    if (auto fine = check_scene_index(settings, file.filename().string(), 1); !fine) return fine.error();
+  try {
+    if (auto own = import_own(file, format)) return complete_import(std::move(*own), file, settings);
+    auto scene = import_apart(file, settings);
+    if (scene && scene->point_count() > 0) return complete_import(std::move(scene), file, settings);
+    return scene;
+  } catch (const std::bad_alloc&) {
+    return too_large_to_read(file);
+  }
+}
+
+}  // namespace umbrage

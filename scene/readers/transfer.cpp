@@ -1,0 +1,261 @@
+// The two programs come from one build and run on one machine: memory is written as it lies there. A mark at the start
+// tells versions apart, one at the end says that nothing is missing.
+#include "scene/readers/transfer.h"
+
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <type_traits>
+
+namespace umbrage {
+namespace {
+
+// Every field of every struct passes through here. Whoever adds one is stopped by the compiler and adds it below.
+template <class Archive>
+void pass(Archive& archive, Texture& texture) {
+  auto& [name, width, height, rgba] = texture;
+  archive(name, width, height, rgba);
+}
+template <class Archive>
+void pass(Archive& archive, Material& material) {
+  auto& [name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
+         emission_texture] = material;
+  archive(name, albedo, texture, alpha_mask, alpha_cutoff, specular_strength, specular_exponent, emission,
+          emission_texture);
+}
+template <class Archive>
+void pass(Archive& archive, Mesh& mesh) {
+  auto& [name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object] = mesh;
+  archive(name, positions, normals, uvs, colors, indices, points, spheres, radii, material, object);
+}
+template <class Archive>
+void pass(Archive& archive, Light& light) {
+  auto& [kind, direction, position, color, reach, angle_deg, radius, casts_shadow] = light;
+  archive(kind, direction, position, color, reach, angle_deg, radius, casts_shadow);
+}
+template <class Archive>
+void pass(Archive& archive, View& view) {
+  auto& [eye, target, angle_deg, up, height, name] = view;
+  archive(eye, target, angle_deg, up, height, name);
+}
+template <class Archive>
+void pass(Archive& archive, AmbientShape& shape) {
+  auto& [by_color] = shape;
+  for (glm::mat4& matrix : by_color) archive(matrix[0], matrix[1], matrix[2], matrix[3]);
+}
+template <class Archive>
+void pass(Archive& archive, Scene& scene) {
+  auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
+         ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings] =
+      scene;
+  archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
+          ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings);
+}
+template <class Archive>
+void pass(Archive& archive, Panorama& panorama) {
+  auto& [name, width, height, rgb] = panorama;
+  archive(name, width, height, rgb);
+}
+template <class Archive>
+void pass(Archive& archive, Error& error) {
+  auto& [kind, message] = error;
+  archive(kind, message);
+}
+
+/// Written as it lies in memory: numbers and vectors of them.
+template <class T>
+constexpr bool kPlain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
+template <glm::length_t n, class T>
+constexpr bool kPlain<glm::vec<n, T>> = true;
+
+constexpr std::uint64_t kEnd = 0x656e6f64'656e6f64u;
+
+/// Different for different versions and for structs that have grown.
+std::uint64_t version_mark() {
+  std::uint64_t mark = 14695981039346656037u;  // FNV-1a
+  const auto add = [&](std::uint64_t value) { mark = (mark ^ value) * 1099511628211u; };
+  for (const char c : std::string_view(UMBRAGE_VERSION)) add(std::uint64_t(c));
+  for (const std::size_t size : {sizeof(Scene), sizeof(Mesh), sizeof(Material), sizeof(Texture), sizeof(Light),
+                                 sizeof(View), sizeof(Panorama), sizeof(Error)})
+    add(size);
+  return mark;
+}
+
+struct Writer {
+  int file;
+  std::string small = {};  // gathered, since a system call costs more than a copy
+  bool failed = false;
+
+  void flush(const char* bytes, std::size_t size) {
+    while (size > 0 && !failed) {
+      const ssize_t written = ::write(file, bytes, size);
+      if (written < 0 && errno == EINTR) continue;
+      failed = written <= 0;
+      bytes += written, size -= std::size_t(written);
+    }
+  }
+  void bytes(const void* start, std::size_t size) {
+    constexpr std::size_t kGathered = 1 << 16;
+    if (small.size() + size <= kGathered) {
+      small.append(static_cast<const char*>(start), size);
+      return;
+    }
+    flush(small.data(), small.size());
+    small.clear();
+    flush(static_cast<const char*>(start), size);
+  }
+  template <class... T>
+  void operator()(T&... values) {
+    (write(values), ...);
+  }
+  template <class T>
+  void write(T& value) {
+    if constexpr (kPlain<T>)
+      bytes(&value, sizeof value);
+    else
+      pass(*this, value);
+  }
+  void write(std::string& text) { write_list(text); }
+  template <class T>
+  void write(std::vector<T>& list) {
+    write_list(list);
+  }
+  void write_list(auto& list) {
+    std::uint64_t count = list.size();
+    write(count);
+    if constexpr (kPlain<std::remove_cvref_t<decltype(list[0])>>)
+      bytes(list.data(), count * sizeof list[0]);
+    else
+      for (auto& value : list) write(value);
+  }
+};
+
+struct Reader {
+  const char* at;
+  std::size_t left;
+  bool failed = false;
+
+  void bytes(void* to, std::size_t size) {
+    failed = failed || size > left;
+    if (failed || size == 0) return;
+    std::memcpy(to, at, size);
+    at += size, left -= size;
+  }
+  template <class... T>
+  void operator()(T&... values) {
+    (read(values), ...);
+  }
+  template <class T>
+  void read(T& value) {
+    if constexpr (kPlain<T>)
+      bytes(&value, sizeof value);
+    else
+      pass(*this, value);
+  }
+  void read(bool& value) {
+    std::uint8_t byte = 0;
+    read(byte);
+    value = byte != 0;
+  }
+  void read(std::string& text) { read_list(text); }
+  template <class T>
+  void read(std::vector<T>& list) {
+    read_list(list);
+  }
+  void read_list(auto& list) {
+    using Value = std::remove_cvref_t<decltype(list[0])>;
+    std::uint64_t count = 0;
+    read(count);
+    failed = failed || count > left / (kPlain<Value> ? sizeof(Value) : 1);
+    if (failed) return;
+    if constexpr (kPlain<Value>) {
+      list.resize(count);
+      bytes(list.data(), count * sizeof(Value));
+    } else {
+      for (std::uint64_t i = 0; i < count && !failed; ++i) read(list.emplace_back());
+    }
+  }
+};
+
+/// Whether nothing in the scene points beyond its list.
+bool sound(const Scene& scene) {
+  for (const Texture& texture : scene.textures) {
+    if (texture.width < 1 || texture.height < 1) return false;
+    if (texture.rgba.size() != std::size_t(texture.width) * std::size_t(texture.height) * 4) return false;
+  }
+  for (const Material& material : scene.materials)
+    for (const int texture : {material.texture, material.emission_texture})
+      if (texture != kNoTexture && std::size_t(texture) >= scene.textures.size()) return false;
+  for (const Mesh& mesh : scene.meshes) {
+    if (std::size_t(mesh.material) >= scene.materials.size() || mesh.indices.size() % 3 != 0) return false;
+    for (const std::size_t size : {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size()})
+      if (size != 0 && size != mesh.positions.size()) return false;
+    std::uint32_t most = 0;
+    for (const std::uint32_t index : mesh.indices) most = std::max(most, index);
+    if (!mesh.indices.empty() && most >= mesh.positions.size()) return false;
+  }
+  return true;
+}
+
+bool sound(const Panorama& panorama) {
+  return panorama.width >= 1 && panorama.height >= 1 &&
+         panorama.rgb.size() == std::size_t(panorama.width) * std::size_t(panorama.height) * 3;
+}
+
+template <class T>
+bool send(int file, const Result<T>& read) {
+  Writer writer{file};
+  std::uint64_t mark = version_mark(), end = kEnd;
+  bool there = bool(read);
+  writer(mark, there);
+  // One function lists the fields for both ways; writing changes nothing.
+  if (there)
+    writer(const_cast<T&>(*read));
+  else
+    writer(const_cast<Error&>(read.error()));
+  writer(end);
+  writer.flush(writer.small.data(), writer.small.size());
+  return !writer.failed;
+}
+
+template <class T>
+std::optional<Result<T>> receive(int file) {
+  struct stat status {};
+  if (::fstat(file, &status) != 0 || status.st_size <= 0) return std::nullopt;
+  const std::size_t size = std::size_t(status.st_size);
+  void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_SHARED | MAP_POPULATE, file, 0);
+  if (mapped == MAP_FAILED) return std::nullopt;
+  const auto unmap = [size](void* start) { ::munmap(start, size); };
+  const std::unique_ptr<void, decltype(unmap)> kept(mapped, unmap);
+
+  Reader reader{static_cast<const char*>(mapped), size};
+  std::uint64_t mark = 0, end = 0;
+  bool there = false;
+  reader(mark, there);
+  if (mark != version_mark()) return std::nullopt;
+  T value;
+  Error error;
+  if (there)
+    reader(value);
+  else
+    reader(error);
+  reader(end);
+  if (reader.failed || end != kEnd) return std::nullopt;
+  if (!there) return Result<T>(std::move(error));
+  if (!sound(value)) return std::nullopt;
+  return Result<T>(std::move(value));
+}
+
+}  // namespace
+
+bool send_import(int file, const Result<Scene>& imported) { return send(file, imported); }
+bool send_panorama(int file, const Result<Panorama>& read) { return send(file, read); }
+std::optional<Result<Scene>> receive_import(int file) { return receive<Scene>(file); }
+std::optional<Result<Panorama>> receive_panorama(int file) { return receive<Panorama>(file); }
+
+}  // namespace umbrage
