@@ -34,7 +34,12 @@ struct WholePlanes {
   /// By the reduction of the picture, the name, and which pass of a frame wrote it, 0 for the capture: names are
   /// written over.
   std::map<std::tuple<int, std::string, int>, Entry> planes;
-  int lacking = 0;  ///< rows by which a band's margin was too small, at the place where it ended
+};
+
+/// How far an effect, or a look, came on a frame. Of a whole picture it is always finished.
+struct Progression {
+  bool finished = true;
+  int missing_rows = 0;  ///< not finished: the margin is too small by so many; 0: other bands have to get here first
 };
 
 /// What a frame holds of a picture that is drawn in bands.

@@ -10,6 +10,7 @@
 #include "core/band.h"
 #include "core/effect.h"
 #include "core/gbuffer.h"
+#include "core/progress.h"
 #include "core/result.h"
 
 namespace umbrage {
@@ -62,14 +63,14 @@ class Device {
   virtual std::string description() const = 0;
   /// CPU threads that work for it.
   virtual int threads() const = 0;
-  /// Whether it draws pictures band by band. Of a frame that is one all functions work on its rows; they end with
-  /// kUnfinished where WholePlanes have to be completed first, or a larger margin is needed, by their `lacking`.
+  /// Whether it draws pictures band by band. Of a frame that is one all functions work on its rows.
   virtual bool draws_bands() const { return false; }
   /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
   /// must live until the next prepare or the last capture.
   virtual Result<void> prepare(const Scene& scene) = 0;
   /// Draws the prepared scene into a frame with the planes of core/gbuffer.h.
-  virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) = 0;
+  virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
+                                const ProgressMonitor& monitor = {}) = 0;
   /// A frame from planes on the host.
   virtual Result<Frame> upload(const GBuffer& gbuffer) = 0;
   /// Adds planes from the host to a frame, in place of those of the same names. They are of the frame's whole size, its
@@ -77,9 +78,10 @@ class Device {
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
   /// Runs an effect's passes; its outputs become planes of the frame. Errors: kUsage where an input plane is missing.
   /// On layer n > 0 all its inputs and outputs are that layer's. For missing pixels only an effect can run of which
-  /// runs_for_missing holds.
-  virtual Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
-                           PixelSet pixels = PixelSet::kAll) = 0;
+  /// runs_for_missing holds. A band may not be finished: where WholePlanes have to be completed first, or its margin is
+  /// too small. After kInterrupted what was to be made is not whole.
+  virtual Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
+                                  PixelSet pixels = PixelSet::kAll, const ProgressMonitor& monitor = {}) = 0;
   /// A frame that holds every `factor`th pixel, across and down, of these planes in all the layers that have them: see
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;
@@ -96,13 +98,10 @@ class Device {
   /// pass asked for.
   virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;
   /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
-  /// for one that is missing.
+  /// for one that is missing. Of a band its own rows, of which missing_rows says whether they are all there.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
-
-  /// Asked now and then during a capture and each pass of an effect, by the thread that called, whether to go on; told
-  /// the share of it that is done. After false they end with kInterrupted, and what they were making is not whole.
-  /// Null: they go on.
-  std::function<bool(double)> go_on;
+  /// By how many rows a band's margin is too small for its own rows of these planes to be right; 0: they are.
+  virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/) const { return 0; }
 };
 
 }  // namespace umbrage

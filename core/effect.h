@@ -67,6 +67,20 @@ enum class EffectKind {
   kOutput,     ///< turns light into what a file or a screen holds
 };
 
+/// What is to be brought from a picture of reduced resolution to its own.
+struct Reduction {
+  int factor = 2;         ///< the small picture holds every so manieth pixel, across and down: 2 or 4
+  bool indirect = false;  ///< light too
+  bool leave = false;     ///< pixels that no small one shows become kMissing
+};
+
+/// What a picture is exposed by.
+enum class Exposure {
+  kAsSet,    ///< nothing: as its parameters say
+  kPicture,  ///< what is seen in it
+  kLights,   ///< its lights
+};
+
 struct Effect {
   std::string_view name, summary;
   std::string_view source;  ///< key in docs/papers.md, or empty
@@ -78,6 +92,13 @@ struct Effect {
   void (*constants)(const ParameterBytes& params, const PictureInfo& info, void* constants) = nullptr;
   /// Of a technique that has a radius: sets it, in scene units, as nearly as its parameters can say it.
   void (*set_radius)(float radius, const PictureInfo& info, ParameterBytes& params) = nullptr;
+  /// Of the effect that fills in a picture from one of reduced resolution.
+  void (*set_reduction)(const Reduction& reduction, ParameterBytes& params) = nullptr;
+  /// Of an effect that exposes: by what, and what makes it brighter by so many stops.
+  Exposure (*exposed_by)(const ParameterBytes& params) = nullptr;
+  void (*add_stops)(float stops, ParameterBytes& params) = nullptr;
+  /// The parameter, a whole number, of which each value gives other noise: frames that are averaged have one each.
+  std::string_view noise;
   /// Parameters that trade time for quality, or one error for another, and are searched by tuning; in that order.
   std::vector<std::string_view> tunable;
   /// Settings that differ in cost or quality, worth timing and comparing: "parameter=value parameter=value". The empty
@@ -101,7 +122,7 @@ bool runs_for_missing(const Effect& effect, const ParameterBytes& params);
 /// resolution; a share is of `whole_px`, the picture's share_width() or share_height().
 float length_px(const Length& length, float whole_px, const PictureInfo& info);
 
-/// What a radius is in scene units: a share is of the scene's radius. `owner` is named in errors ("--ao-radius").
+/// What a radius is in scene units: a share is of the scene's radius. `owner` is named in errors ("reference.radius").
 /// Errors: kUsage where it is not above 0, or larger than the scene, whose diameter is twice its radius.
 Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info);
 

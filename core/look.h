@@ -6,13 +6,23 @@
 
 namespace umbrage {
 
+/// Settings of a look: "effect.parameter" and its text.
+using LookPresets = std::vector<std::pair<std::string_view, std::string_view>>;
+
+/// Stands for the occlusion technique in Look::effects.
+inline constexpr std::string_view kOcclusionStep = "occlusion";
+
 struct Look {
   std::string_view name, summary;
   std::string_view occlusion;  ///< the occlusion technique that it uses unless another is chosen
   /// Names of effects in the order in which they run; "occlusion" stands for the technique.
   std::vector<std::string_view> effects;
-  /// Settings that differ from the effects' own: "effect.parameter" and its text.
-  std::vector<std::pair<std::string_view, std::string_view>> presets;
+  LookPresets presets;  ///< that differ from the effects' own
+  /// The effect that lights the picture by how bright the scene's lights are, where it has the parameter `rig` at
+  /// `scene`; empty: none does.
+  std::string_view lit_by = {};
+  LookPresets image_lit_presets = {};      ///< besides, where an image lights the scene and lit_by reads that
+  LookPresets image_exposed_presets = {};  ///< and these, unless the look is exposed by something anyway
   // What it wants captured unless the user says otherwise: see CaptureSettings.
   int layers = 1;
   bool back_sides = false;

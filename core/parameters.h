@@ -46,6 +46,14 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
 /// The text that would set the field to its present value.
 std::string parameter_text(const Parameter& row, const ParameterBytes& bytes);
 
+/// The value of a field that is an int (kInt, kBool, kChoice), and of one that is a float.
+int whole_value(const Parameter& row, const ParameterBytes& bytes);
+float real_value(const Parameter& row, const ParameterBytes& bytes);
+void set_whole(const Parameter& row, int value, ParameterBytes& bytes);
+
+/// Makes one field what it is in other params of the same struct.
+void copy_parameter(const Parameter& row, const ParameterBytes& from, ParameterBytes& to);
+
 /// What may be written: "1 to 1023 px", "on or off", "skip, zero, clamp or repeat".
 std::string parameter_range(const Parameter& row);
 

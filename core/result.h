@@ -16,7 +16,6 @@ enum class ErrorKind {
   kFile = 3,    ///< a file that cannot be read, used or written
   kDevice = 4,  ///< the device is missing or cannot do it
   kInterrupted = 130,
-  kUnfinished = -1,  ///< no failure: a band waits for other bands, see core/band.h. Never leaves who draws them
 };
 
 /// A failure: its kind and one sentence that names file, field, value and what would be right.

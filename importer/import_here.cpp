@@ -408,7 +408,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     if (!settings.scene_index)
       scene.warnings.push_back(
           fmt::format("the file holds {} scenes, and the one that it names, or else the first, is drawn; "
-                      "--scene-index chooses another",
+                      "`scene_index` chooses another",
                       rules.gltf.scenes.size()));
     scene.scene_names = std::move(rules.gltf.scenes);
   }

@@ -30,6 +30,9 @@ const Look& look_bleeding_paper() {
                   {"output.background_r", "0.36"},
                   {"output.background_g", "0.40"},
                   {"output.background_b", "0.45"}},
+      .lit_by = "lighting",
+      .image_lit_presets = {{"lighting.ambient", "1"}},
+      .image_exposed_presets = {{"output.metering", "light"}, {"output.exposure", "0"}},
   };
   return look;
 }

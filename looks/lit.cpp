@@ -19,6 +19,9 @@ const Look& look_lit() {
                   {"output.background_r", "0.72"},
                   {"output.background_g", "0.77"},
                   {"output.background_b", "0.82"}},
+      .lit_by = "lighting",
+      .image_lit_presets = {{"lighting.ambient", "1"}},
+      .image_exposed_presets = {{"output.metering", "light"}, {"output.exposure", "0"}},
   };
   return look;
 }

@@ -44,12 +44,12 @@ float Metering::stops(float usual) {
   return usual + std::clamp(kHowFar * stops, -kMostStops, kMostStops);
 }
 
-Result<float> metered_stops(Device& device, const Frame& frame) {
+Result<std::optional<float>> metered_stops(Device& device, const Frame& frame) {
   const auto image = device.download(frame, kMeteredPlanes);
   if (!image) return image.error();
   Metering metering;
   metering.add(*image, 0, image->height);
-  return metering.stops(usual_stops(frame.info));
+  return std::optional<float>(metering.stops(usual_stops(frame.info)));
 }
 
 }  // namespace umbrage

@@ -1,5 +1,6 @@
 // Metering: the exposure that suits a picture, from how bright the surfaces in view are.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@ class Metering {
 inline const std::vector<std::string> kMeteredPlanes = {"lit.r", "lit.g", "lit.b", "depth"};
 
 /// Stops to add to a whole picture.
-Result<float> metered_stops(Device& device, const Frame& frame);
+Result<std::optional<float>> metered_stops(Device& device, const Frame& frame);
 
 inline constexpr float kMeteredWhite = 0.72f;
 inline constexpr float kMeteredGrey = 0.2f;

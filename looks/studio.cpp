@@ -10,7 +10,7 @@ const Look& look_studio() {
       .summary =
           "soft light with shadows, occlusion and light between surfaces, on a ground that shows the shade alone",
       .occlusion = "bitmask",
-      .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "output"},
+      .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output"},
       .presets = {{"bitmask.bleeding", "1"},
                   {"bitmask.radius", "25%"},
                   {"denoise.indirect", "1"},
@@ -21,6 +21,8 @@ const Look& look_studio() {
                   {"output.background_r", "0.93"},
                   {"output.background_g", "0.93"},
                   {"output.background_b", "0.94"}},
+      .lit_by = "lighting",
+      .image_lit_presets = {{"lighting.ambient", "1"}},
       .quality = "normal",
       .studio_lights = true,
       .ground = true,

@@ -23,6 +23,7 @@ const Look& look_unsharp() {
                   {"output.background_r", "0.36"},
                   {"output.background_g", "0.40"},
                   {"output.background_b", "0.45"}},
+      .lit_by = "lighting",
   };
   return look;
 }

@@ -83,6 +83,7 @@ const Effect& reference_effect() {
       .parameters = kTable,
       .params_size = sizeof(ReferenceParams),
       .set_radius = set_radius,
+      .noise = "seed",
       .variants = {"", "samples=1", "samples=4", "samples=16"},
       .passes = {{.name = "trace",
                   .outputs = {"ao", "bent_normal.x", "bent_normal.y", "bent_normal.z", "direct.r", "direct.g",

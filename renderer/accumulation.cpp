@@ -50,12 +50,12 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height) {
   if (total.sum.names != rows.names || total.sum.width != rows.width || total.sum.height != height)
     fail_check("pictures that are averaged must have the same planes");
   total.count += first == 0;
-  const Plane& alpha = rows.plane("color.a");
+  const Plane* alpha = rows.find("color.a");
   for (std::size_t k = 0; k < rows.names.size(); ++k) {
-    const bool multiplied = is_color(rows.names[k]) && rows.names[k] != "color.a";
+    const bool multiplied = alpha && is_color(rows.names[k]) && &rows.planes[k] != alpha;
     for (int y = 0; y < rows.height; ++y) {
       const float* in = rows.planes[k].row(y);
-      const float* share = alpha.row(y);
+      const float* share = alpha ? alpha->row(y) : nullptr;
       float* out = total.sum.planes[k].row(first + y);
       if (multiplied && total.for_eye)
         for (int x = 0; x < rows.width; ++x) out[x] += std::sqrt(std::max(in[x], 0.0f)) * share[x];

@@ -27,8 +27,8 @@ struct PictureSum {
   Image sum;  ///< colour, or its roots, multiplied by alpha; alpha; and what else is averaged
 };
 
-/// Adds a picture: planes color.r, .g, .b as light with straight alpha, color.a, and any others. All have the planes of
-/// the first.
+/// Adds a picture: planes color.r, .g, .b as light with straight alpha and color.a, or none of these, and any others.
+/// All have the planes of the first.
 void add_picture(PictureSum& total, const Image& picture);
 
 /// Adds rows of a picture of that height, the first of them `first`; the first rows of each picture come first.

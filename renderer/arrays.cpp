@@ -4,38 +4,14 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <set>
 
 #include "core/suggest.h"
-#include "renderer/job.h"
 #include "renderer/passes.h"
 
 namespace umbrage {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
-
-/// A plane's name without its layer.
-std::string_view of_first_layer(std::string_view plane) {
-  return layer_of_plane(plane) > 0 ? plane.substr(plane.find('.') + 1) : plane;
-}
-
-/// Every plane of a first layer that effects read or make, or that a capture has.
-const std::vector<std::string>& known_planes() {
-  static const std::vector<std::string> all = [] {
-    std::set<std::string> names = {"specular", "shininess", "object_id", "material_id"};
-    for (const char* color : {"albedo", "emission"})
-      for (const char* channel : {".r", ".g", ".b"}) names.insert(std::string(color) + channel);
-    for (const char* channel : {".x", ".y", ".z"}) names.insert(std::string("normal") + channel);
-    for (int light = 0; light < kMostShadows; ++light) names.insert(shadow_plane(light));
-    for (const Effect* effect : every_effect())
-      for (const Pass& pass : effect->passes)
-        for (const auto& planes : {pass.inputs, pass.outputs})
-          for (const std::string_view plane : planes) names.emplace(of_first_layer(plane));
-    return std::vector<std::string>(names.begin(), names.end());
-  }();
-  return all;
-}
 
 /// The distance along the view axis of one pixel, infinity where there is nothing.
 class ViewDepth {
@@ -163,15 +139,6 @@ void measure_extent(const ShadeRequest& request, const Plane& depth, PictureInfo
 }
 
 }  // namespace
-
-std::vector<std::string> channels_of(std::string_view pass) {
-  std::vector<std::string> channels;
-  const std::string_view name = of_first_layer(pass);
-  for (const char* channel : {"", ".x", ".y", ".z", ".r", ".g", ".b", ".a"})
-    if (std::binary_search(known_planes().begin(), known_planes().end(), std::string(name) + channel))
-      channels.emplace_back(channel);
-  return channels;
-}
 
 Result<GBuffer> gbuffer_of(const ShadeRequest& request) {
   if (auto fine = check(request); !fine) return fine.error();

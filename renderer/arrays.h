@@ -6,10 +6,6 @@
 
 namespace umbrage {
 
-/// The channels' letters of a pass: ".x", ".y" and ".z" for `normal`, one empty text for `depth`; nothing for a name
-/// that no effect reads or makes.
-std::vector<std::string> channels_of(std::string_view pass);
-
 /// The request's arrays in our conventions. Errors: kUsage.
 Result<GBuffer> gbuffer_of(const ShadeRequest& request);
 

@@ -4,54 +4,46 @@
 #include "effects/effects.h"
 #include "effects/outline/outline.h"
 #include "effects/output/output.h"
-#include "renderer/drawing.h"
+#include "renderer/average.h"
 
 namespace umbrage {
 
-void keep_lines(Drawing& drawing) {
-  const auto& effects = drawing.recipe.look->effects;
-  if (std::find(effects.begin(), effects.end(), "outline") == effects.end()) return;
-  ParameterBytes& params = drawing.recipe.settings.find("outline")->second;
-  auto& outline = as<OutlineParams>(params);
-  if (outline.mode == kOutlinePaper || !(outline.opacity > 0.0f)) return;
-  drawing.lines = params;
-  outline.opacity = 0.0f;
-}
-
-std::vector<std::string> line_planes(const Drawing& drawing) {
+std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
-  if (drawing.lines.empty()) return names;
+  if (plan.lines.empty()) return names;
   const auto& read = find_effect("output")->passes[0].inputs;
   for (const Pass& pass : find_effect("outline")->passes)
-    if (!pass.needed || pass.needed(drawing.lines))
+    if (!pass.needed || pass.needed(plan.lines))
       for (const std::string_view plane : pass.outputs)
         if (std::find(read.begin(), read.end(), plane) != read.end()) names.emplace_back(plane);
   return names;
 }
 
-std::vector<std::string> also_averaged(const DrawSettings& settings, const Drawing& drawing) {
-  std::vector<std::string> names = settings.averaged;
-  for (const std::string& plane : line_planes(drawing)) std::erase(names, plane);
+std::vector<std::string> also_averaged(const Plan& plan) {
+  std::vector<std::string> names = plan.recipe.averaged;
+  for (const std::string& plane : line_planes(plan)) std::erase(names, plane);
   return names;
 }
 
-std::vector<std::string> averaged_planes(const DrawSettings& settings, const Drawing& drawing) {
-  std::vector<std::string> names = {"color.r", "color.g", "color.b", "color.a"};
-  const auto also = also_averaged(settings, drawing);
+std::vector<std::string> averaged_planes(const Plan& plan) {
+  std::vector<std::string> names;
+  if (plan.recipe.wants("color.r")) names = {"color.r", "color.g", "color.b", "color.a"};
+  const auto also = also_averaged(plan);
   names.insert(names.end(), also.begin(), also.end());
   return names;
 }
 
-Result<void> draw_lines(Device& device, const Drawing& drawing, Frame& frame, StageTimes& times) {
-  if (drawing.lines.empty() || drawing.capture.sample > 0) return {};
-  auto done = device.run(*find_effect("outline"), drawing.lines, frame);
+Result<Progression> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
+                               StageTimes& times) {
+  if (plan.lines.empty() || plan.capture.sample > 0) return Progression();
+  auto done = device.run(*find_effect("outline"), plan.lines, frame, 0, PixelSet::kAll, monitor);
   times.done("outline");
   return done;
 }
 
-Result<Image> finished_color(Device& device, const PictureSum& total, const Drawing& drawing, const Image& lines,
+Result<Image> finished_color(Device& device, const PictureSum& total, const Plan& plan, const Image& lines,
                              const PictureInfo& info) {
-  ParameterBytes output = drawing.output;
+  ParameterBytes output = plan.output;
   auto mean = device.upload(mean_picture(total, info));
   if (!mean) return mean.error();
   if (auto done = device.add(lines, *mean); !done) return done.error();
@@ -79,18 +71,19 @@ Image with_band(const Image& inner, int band) {
 
 }  // namespace
 
-Result<void> finish_average(Device& device, const PictureSum& total, const Drawing& drawing,
-                            const std::vector<std::string>& averaged, Frame& frame) {
+Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame) {
+  if (auto done = device.add(with_band(mean_planes(total, also_averaged(plan)), frame.info.guard), frame); !done)
+    return done;
+  if (!plan.recipe.wants("color.r")) return {};
   Image lines;
-  if (const auto planes = line_planes(drawing); !planes.empty()) {
+  if (const auto planes = line_planes(plan); !planes.empty()) {
     auto drawn = device.download(frame, planes);
     if (!drawn) return drawn.error();
     lines = std::move(*drawn);
   }
-  const auto color = finished_color(device, total, drawing, lines, inner_info(frame.info));
+  const auto color = finished_color(device, total, plan, lines, inner_info(frame.info));
   if (!color) return color.error();
-  if (auto done = device.add(with_band(*color, frame.info.guard), frame); !done) return done;
-  return device.add(with_band(mean_planes(total, averaged), frame.info.guard), frame);
+  return device.add(with_band(*color, frame.info.guard), frame);
 }
 
 }  // namespace umbrage

@@ -9,22 +9,21 @@
 #include "devices/shared/neutral.h"
 #include "effects/effects.h"
 #include "looks/metering.h"
-#include "renderer/drawing.h"
+#include "renderer/average.h"
+#include "renderer/draw.h"
 #include "renderer/lines.h"
 
 namespace umbrage {
 namespace {
 
-/// What is done of all sweeps over all bands. It listens to the device as long as it lives.
+/// What is done of all sweeps over all bands.
 class BandProgress {
  public:
-  BandProgress(Device& device, const std::function<bool(double)>& progress, int frames)
-      : device_(device), progress_(progress), frames_(frames) {
-    device_.go_on = [this](double) { return tell(); };
-  }
-  ~BandProgress() { device_.go_on = nullptr; }
-  BandProgress(const BandProgress&) = delete;
+  BandProgress(const ProgressMonitor& monitor, int frames) : monitor_(monitor), frames_(frames) {}
 
+  ProgressMonitor of_step() {
+    return [this](double) { return tell(); };
+  }
   /// This share of a sweep is done.
   void show(double share) { share_ = share; }
   void sweep_done() {
@@ -38,77 +37,63 @@ class BandProgress {
     sweep_ = 0;
   }
   /// Errors: kInterrupted.
-  Result<void> end() {
-    if (progress_(1.0)) return {};
-    return Error{ErrorKind::kInterrupted, "interrupted"};
-  }
+  Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
 
  private:
   bool tell() {
     const double of_frame = std::min((sweep_ + share_) / usual_, 1.0);
     told_ = std::max(told_, (frame_ + of_frame) / frames_);
-    return progress_(told_);
+    return !monitor_ || monitor_(told_);
   }
 
-  Device& device_;
-  const std::function<bool(double)>& progress_;
+  const ProgressMonitor& monitor_;
   const int frames_;
   int frame_ = 0, sweep_ = 0, usual_ = 2;
   double share_ = 0.0, told_ = 0.0;
 };
 
-bool is_unfinished(const Error& error) { return error.kind == ErrorKind::kUnfinished; }
-
 /// Draws the bands of one frame of a picture.
 class BandDrawer {
  public:
-  BandDrawer(Device& device, const Scene& scene, Drawing& drawing, const DrawSettings& settings, StageTimes& times)
-      : device_(device), scene_(scene), drawing_(drawing), settings_(settings), times_(times) {
-    const CaptureSettings& capture = drawing.capture;
-    height_ = capture.height + 2 * capture.guard;
-    run_ = {.look = drawing.recipe.look,
-            .occlusion = drawing.recipe.occlusion,
-            .occlusion_every = drawing.recipe.occlusion_every,
-            .settings = &drawing.recipe.settings,
-            .after = [this](std::string_view name) { times_.done(name); },
-            .stops = {},
-            .meter = [this](Device& device_of, const Frame& frame) { return meter(device_of, frame); },
-            .handed_in = handed_in(),
-            .run_handed_in = {}};
+  BandDrawer(Device& device, Plan& plan, int rows, BandProgress& progress, StageTimes& times)
+      : device_(device), plan_(plan), rows_(rows), progress_(progress), times_(times) {
+    height_ = plan.capture.height + 2 * plan.capture.guard;
+    run_ = look_run(plan.recipe);
+    run_.after = [this](std::string_view name) { times_.done(name); };
+    run_.monitor = progress.of_step();
+    run_.meter = [this](Device& of, const Frame& frame) { return meter(of, frame); };
   }
 
   /// What is finished of a band, its inner rows, the first of them `first`.
   using Finish = std::function<Result<void>(const Frame& frame, const Image& rows, int first)>;
 
-  /// Draws all bands, as often as it takes; `planes` of what is finished go to `finish`. `lines`, if not null, gets the
-  /// frame's lines.
-  Result<void> draw_frame(const Camera& camera, int rows, const std::vector<std::string>& planes, const Finish& finish,
-                          BandProgress& progress, Lines* lines) {
+  /// Draws all bands, as often as it takes; `planes` of what is finished go to `finish`. Gives the frame's lines where
+  /// they are asked for.
+  Result<Lines> draw_frame(const Camera& camera, const std::vector<std::string>& planes, bool lines,
+                           const Finish& finish) {
     const auto wholes = std::make_shared<WholePlanes>();
     bool metered = false;
     sweep_ = 0;
     for (bool finished = false; !finished; ++sweep_) {
-      finished = true;
       metering_ = false;
       margins_.resize(std::max(margins_.size(), sweep_ + 1), margins_.empty() ? 0 : margins_.back());
-      for (int begin = 0; begin < height_; begin += rows) {
-        const Rows band{begin, std::min(begin + rows, height_)};
-        auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
-        if (!done && !is_unfinished(done.error())) return done;
-        if (begin > 0 && finished != bool(done)) fail_check("bands of one picture wait for different things");
-        finished = bool(done);
-        progress.show(double(band.end) / height_);
+      for (int begin = 0; begin < height_; begin += rows_) {
+        const Rows band{begin, std::min(begin + rows_, height_)};
+        const auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
+        if (!done) return done.error();
+        if (begin > 0 && finished != *done) fail_check("bands of one picture wait for different things");
+        finished = *done;
+        progress_.show(double(band.end) / height_);
       }
       for (auto& [key, entry] : wholes->planes) entry.complete = true;
       if (metering_) {
         run_.stops = seen_.stops(usual_);
         metered = true;
       }
-      progress.sweep_done();
+      progress_.sweep_done();
     }
-    progress.frame_done(metered);
-    if (lines) *lines = lines_of(*wholes);
-    return {};
+    progress_.frame_done(metered);
+    return lines ? lines_of(*wholes) : Lines();
   }
 
  private:
@@ -120,26 +105,24 @@ class BandDrawer {
       for (auto& [key, entry] : wholes.planes)
         if (std::get<0>(key) == info_.reduced && std::get<1>(key) == name) planes.plane(name) = std::move(entry.plane);
     }
-    const ParameterBytes& params =
-        drawing_.lines.empty() ? drawing_.recipe.settings.find("outline")->second : drawing_.lines;
+    const ParameterBytes& params = plan_.lines.empty() ? params_of(plan_.recipe.settings, "outline") : plan_.lines;
     return traced_lines(info_, planes, params, device_.threads());
   }
 
-  /// Draws a band, with more margin as long as that lacks. Errors: kUnfinished where it waits for others.
-  Result<void> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
+  /// Draws a band, with more margin as long as that lacks. Whether it is finished; else it waits for others.
+  Result<bool> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
                          const Finish& finish) {
     int& margin = margins_[sweep_];
     for (;;) {
       keep_planes_of({std::max(band.rows.begin - margin, 0), std::min(band.rows.end + margin, height_)});
       band.margin = margin;
-      band.wholes->lacking = 0;
-      first_ = std::clamp(band.rows.begin, drawing_.capture.guard, height_ - drawing_.capture.guard) -
-               drawing_.capture.guard;
-      auto done = try_band(camera, band, planes, finish);
-      const int lacking = band.wholes->lacking;
-      if (done || !is_unfinished(done.error()) || lacking == 0) return done;
+      const int guard = plan_.capture.guard;
+      first_ = std::clamp(band.rows.begin, guard, height_ - guard) - guard;
+      const auto done = try_band(camera, band, planes, finish);
+      if (!done) return done.error();
+      if (done->finished || done->missing_rows == 0) return done->finished;
       if (margin > height_) fail_check(fmt::format("a band of a picture {} pixels high wants more margin", height_));
-      margin += lacking;
+      margin += done->missing_rows;
     }
   }
 
@@ -151,43 +134,51 @@ class BandDrawer {
     kept_rows_ = rows.count();
   }
 
-  Result<void> try_band(const Camera& camera, const Band& band, const std::vector<std::string>& planes,
-                        const Finish& finish) {
-    drawing_.capture.band = band;
-    auto frame = device_.capture(camera, drawing_.capture);
+  Result<Progression> try_band(const Camera& camera, const Band& band, const std::vector<std::string>& planes,
+                               const Finish& finish) {
+    plan_.capture.band = band;
+    auto frame = device_.capture(camera, plan_.capture, run_.monitor);
     if (!frame) return frame.error();
     times_.done("capture");
-    if (auto added = add_sky(device_, scene_, drawing_, settings_, *frame); !added) return added;
-    if (settings_.hdri.shown()) times_.done("sky");
-    if (auto known = know_picture(drawing_, frame->info, settings_); !known) return known;
+    if (auto added = add_sky(device_, plan_, *frame); !added) return added.error();
+    if (plan_.recipe.hdri.shown()) times_.done("sky");
     info_ = frame->info;
-    const auto stops = run_look(run_, device_, *frame);
-    if (!stops) return stops.error();
-    if (auto done = draw_lines(device_, drawing_, *frame, times_); !done) return done;
+    metered_missing_ = 0;
+    const auto looked = run_look(run_, device_, *frame);
+    if (!looked) return looked.error();
+    if (!looked->finished) return Progression{false, std::max(looked->missing_rows, metered_missing_)};
+    const auto lined = draw_lines(device_, plan_, *frame, run_.monitor, times_);
+    if (!lined || !lined->finished) return lined;
+    if (const int missing = device_.missing_rows(*frame, planes); missing > 0) return Progression{false, missing};
     const auto rows = device_.download(*frame, planes);
     if (!rows) return rows.error();
-    return rows->height > 0 ? finish(*frame, *rows, first_) : Result<void>();
+    if (rows->height > 0)
+      if (auto taken = finish(*frame, *rows, first_); !taken) return taken.error();
+    return Progression();
   }
 
   /// Metering sees all bands before any of them is finished.
-  Result<float> meter(Device& device, const Frame& frame) {
+  Result<std::optional<float>> meter(Device& device, const Frame& frame) {
+    metered_missing_ = device.missing_rows(frame, kMeteredPlanes);
+    if (metered_missing_ > 0) return std::optional<float>();
     const auto rows = device.download(frame, kMeteredPlanes);
     if (!rows) return rows.error();
-    seen_.add(*rows, first_, drawing_.capture.height);
+    seen_.add(*rows, first_, plan_.capture.height);
     usual_ = usual_stops(frame.info);
     metering_ = true;
-    return Error{ErrorKind::kUnfinished, "a band waits for the exposure"};
+    return std::optional<float>();
   }
 
   Device& device_;
-  const Scene& scene_;
-  Drawing& drawing_;
-  const DrawSettings& settings_;
+  Plan& plan_;
+  const int rows_;
+  BandProgress& progress_;
   StageTimes& times_;
   LookRun run_;
   Metering seen_;
-  float usual_ = 0.0f;     // stops
-  bool metering_ = false;  // in this sweep
+  float usual_ = 0.0f;       // stops
+  bool metering_ = false;    // in this sweep
+  int metered_missing_ = 0;  // rows, of the band that is drawn
   PictureInfo info_;
   int height_ = 0;
   std::size_t sweep_ = 0;     // of the frame
@@ -205,7 +196,7 @@ struct PlaneCount {
 };
 
 /// What drawing takes, about: what a pass does not need any more is kept all the same.
-PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int layers) {
+PlaneCount count_planes(const Recipe& recipe, int layers) {
   constexpr int kCaptured = 17;       // of each layer: with a second shadow, and emission
   constexpr double kBesides = 7.0;    // planes of one value, and what is handed out
   constexpr double kOfAverage = 6.0;  // the picture that is finished, and what that is made of
@@ -213,13 +204,10 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
   constexpr double kOfHostStep = 3.0;  // what it works on: of lines edges, chains and where they lie
   double of_host_steps = 0.0;
   std::set<std::string> full, small, far_full, far_small;
-  for (std::string_view name : recipe.look->effects) {
-    if (name == "occlusion") name = recipe.occlusion;
-    const Effect* effect = find_effect(name);
-    if (!effect) continue;
+  for (const Effect* effect : steps_of(look_run(recipe))) {
     const bool is_small =
         recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
-    const ParameterBytes& params = recipe.settings.find(effect->name)->second;
+    const ParameterBytes& params = params_of(recipe.settings, effect->name);
     for (const Pass& pass : effect->passes) {
       if (pass.needed && !pass.needed(params)) continue;
       const auto there = [&](std::string_view plane) { return layer_of_plane(plane) < layers; };
@@ -236,99 +224,108 @@ PlaneCount count_planes(const DrawSettings& settings, const Recipe& recipe, int 
   if (!small.empty()) count.held += reduced * double(small.size() + std::size_t(kCaptured * layers)) + 8.0;
   count.far = double(far_full.size()) + reduced * double(far_small.size()) + of_host_steps;
   constexpr double kColor = 4.0;
-  if (recipe.frames > 1) count.averaged = kColor + double(settings.averaged.size());
+  if (recipe.frames > 1) count.averaged = kColor + double(recipe.averaged.size());
   count.held += recipe.frames > 1 ? kOfAverage : 0.0;
   return count;
 }
 
 }  // namespace
 
-Result<BandPlan> plan_bands(const Device& device, const DrawSettings& settings, double memory) {
+Result<BandPlan> plan_bands(const Device& device, const Recipe& recipe, double memory) {
   constexpr double kBytes = sizeof(float);
-  constexpr double kFixed = 150e6;         // the program and a scene
-  constexpr double kMargin = 64.0;         // rows above and below a band
-  constexpr int kLeast = 64, kMost = 512;  // rows of a band: of fewer most would be margin, more spare nothing
-  const auto recipe = make_recipe(settings);
-  if (!recipe) return recipe.error();
-  const auto capture = capture_settings(settings, *recipe->look, kMostShadows, kMostBandPixels);
-  if (!capture) return capture.error();
-  const int layers = *layer_count(*capture);
-  const PlaneCount count = count_planes(settings, *recipe, layers);
-  const double width = capture->width + 2.0 * capture->guard, height = capture->height + 2.0 * capture->guard;
+  constexpr double kFixed = 150e6;              // the program and a scene
+  constexpr double kMargin = 64.0;              // rows above and below a band
+  constexpr int kMinRows = 64, kMaxRows = 512;  // of a band: of fewer most would be margin, more spare nothing
+  const int layers = *layer_count(recipe.capture);
+  const PlaneCount count = count_planes(recipe, layers);
+  const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
   BandPlan plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
-  const bool traced = !find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion;
-  const auto fits = capture_settings(settings, *recipe->look, kMostShadows);
+  const bool traced = find_in(handed_in(), recipe.occlusion);
+  const bool fits = width * height * layers <= double(kMostPixels);
   if (fits && plan.bytes <= memory) return plan;
   if (!device.draws_bands() || traced) {
     if (fits) return plan;
     return usage_error(
-        "{}; larger pictures are drawn in bands, but not {}", fits.error().message,
-        traced ? "with --ao reference" : fmt::format("on the device {}: try --device cpu", device.name()));
+        "{} of {} x {} pixels are too many: together at most {} pixels; larger pictures are drawn in "
+        "bands, but not {}",
+        layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, kMostPixels,
+        traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
   }
   const double fixed = kFixed + (count.far + count.averaged) * kBytes * width * height;
   const double row = count.held * kBytes * width;
-  const int rows = int(std::clamp((memory - fixed) / row - 2.0 * kMargin, double(kLeast), double(kMost)));
-  plan.rows = rows / kLeast * kLeast;
+  const int rows = int(std::clamp((memory - fixed) / row - 2.0 * kMargin, double(kMinRows), double(kMaxRows)));
+  plan.rows = rows / kMinRows * kMinRows;
   plan.bytes = fixed + row * (plan.rows + 2.0 * kMargin);
   return plan;
 }
 
-Result<void> draw_bands(Device& device, Scene& scene, const DrawSettings& settings, const BandPlan& plan,
-                        const TakeRows& take, StageTimes& times) {
-  auto drawing = begin_drawing(device, scene, settings, kMostBandPixels);
-  if (!drawing) return drawing.error();
-  BandProgress progress(device, settings.progress, drawing->recipe.frames);
-  BandDrawer drawer(device, scene, *drawing, settings, times);
-  PictureSum total{.for_eye = drawing->recipe.look->averages_for_eye};
-  const std::vector<std::string> averaged = averaged_planes(settings, *drawing);
-  const std::vector<std::string> also = also_averaged(settings, *drawing), of_lines = line_planes(*drawing);
-  std::vector<std::string> wanted = plan.planes;  // of the frame that stays
-  const auto want = [&](const std::string& name) {
-    if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
-  };
-  if (drawing->averages()) {
-    std::for_each(averaged.begin(), averaged.end(), want);
-    std::for_each(of_lines.begin(), of_lines.end(), want);
+namespace {
+
+/// These planes of some rows.
+Image chosen(const Image& rows, const std::vector<std::string>& names) {
+  Image own(rows.width, rows.height);
+  for (const std::string& name : names) own.add(name) = rows.plane(name);
+  return own;
+}
+
+/// What is handed out of rows of frame 0 and of the sum of the other frames.
+Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const PictureInfo& info,
+                            const Image& rows, int first, const std::vector<std::string>& planes) {
+  PictureSum sum = rows_of(total, first, rows.height);
+  add_rows(sum, chosen(rows, averaged_planes(plan)), 0, rows.height);
+  sum.count = plan.recipe.frames;
+  PictureInfo inner = inner_info(info);
+  inner.height = rows.height;
+  Image color;
+  if (plan.recipe.wants("color.r")) {
+    auto made = finished_color(device, sum, plan, chosen(rows, line_planes(plan)), inner);
+    if (!made) return made;
+    color = std::move(*made);
   }
-  const auto chosen = [](const Image& rows, const std::vector<std::string>& names) {
-    Image own(rows.width, rows.height);
-    for (const std::string& name : names) own.add(name) = rows.plane(name);
-    return own;
-  };
-  for (int k = drawing->recipe.frames - 1; k >= 0; --k) {
-    const Camera camera = begin_frame(*drawing, k, settings);
-    const auto add = [&](const Frame&, const Image& rows, int first) -> Result<void> {
-      add_rows(total, rows, first, settings.height);
-      times.done("average");
-      return {};
-    };
-    const auto finish = [&](const Frame& frame, const Image& rows, int first) -> Result<void> {
-      if (!drawing->averages()) return take(frame.info, rows, first);
-      PictureSum sum = rows_of(total, first, rows.height);
-      add_rows(sum, chosen(rows, averaged), 0, rows.height);
-      sum.count = drawing->recipe.frames;
-      PictureInfo info = inner_info(frame.info);
-      info.height = rows.height;
-      const auto color = finished_color(device, sum, *drawing, chosen(rows, of_lines), info);
-      if (!color) return color.error();
-      const Image means = mean_planes(sum, also);
-      Image finished(rows.width, rows.height);
-      for (const std::string& name : plan.planes) {
-        const Plane* made = color->find(name) ? color->find(name) : means.find(name);
-        finished.add(name) = made ? *made : rows.plane(name);
-      }
-      times.done("average");
-      return take(frame.info, finished, first);
-    };
-    const bool last = k == 0;
-    BandDrawer::Finish each = add;
-    if (last) each = finish;
-    Lines* const lines = last ? plan.lines : nullptr;
-    if (auto done = drawer.draw_frame(camera, plan.rows, last ? wanted : averaged, each, progress, lines); !done)
-      return done;
+  const Image means = mean_planes(sum, also_averaged(plan));
+  Image finished(rows.width, rows.height);
+  for (const std::string& name : planes) {
+    const Plane* made = color.find(name) ? color.find(name) : means.find(name);
+    finished.add(name) = made ? *made : rows.plane(name);
   }
-  return progress.end();
+  return finished;
+}
+
+}  // namespace
+
+Result<BandsDrawn> draw_bands(Device& device, Scene& scene, const Plan& planned, int rows,
+                              const std::vector<std::string>& planes, bool lines, const TakeRows& take,
+                              StageTimes& times, const ProgressMonitor& monitor) {
+  Plan plan = planned;
+  set_lighting(plan.lighting, scene);
+  BandProgress progress(monitor, plan.recipe.frames);
+  BandDrawer drawer(device, plan, rows, progress, times);
+  PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
+  std::vector<std::string> wanted = planes;  // of the frame that stays
+  if (plan.averages())
+    for (const auto& more : {averaged_planes(plan), line_planes(plan)})
+      for (const std::string& name : more)
+        if (std::find(wanted.begin(), wanted.end(), name) == wanted.end()) wanted.push_back(name);
+  const auto add = [&](const Frame&, const Image& part, int first) -> Result<void> {
+    add_rows(total, part, first, plan.recipe.height);
+    times.done("average");
+    return {};
+  };
+  const auto finish = [&](const Frame& frame, const Image& part, int first) -> Result<void> {
+    if (!plan.averages()) return take(frame.info, part, first);
+    const auto finished = averaged_rows(device, plan, total, frame.info, part, first, planes);
+    if (!finished) return finished.error();
+    times.done("average");
+    return take(frame.info, *finished, first);
+  };
+  for (int k = plan.recipe.frames - 1; k > 0; --k)
+    if (auto drawn = drawer.draw_frame(begin_frame(plan, k), averaged_planes(plan), false, add); !drawn)
+      return drawn.error();
+  auto drawn = drawer.draw_frame(begin_frame(plan, 0), wanted, lines, finish);
+  if (!drawn) return drawn.error();
+  if (auto ended = progress.end(); !ended) return ended.error();
+  return BandsDrawn{std::move(*drawn)};
 }
 
 }  // namespace umbrage

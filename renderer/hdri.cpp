@@ -72,14 +72,6 @@ Result<Panorama> read_file(const std::string& file) {
 
 }  // namespace
 
-Result<void> check_hdri(const Hdri& hdri, bool transparent) {
-  if (hdri.skybox && hdri.file.empty())
-    return usage_error("--hdri-skybox needs an image: --hdri-file FILE, or --hdri-file sky:");
-  if (hdri.skybox && transparent)
-    return usage_error("--hdri-skybox and --no-background both say what is behind the scene: give one of them");
-  return {};
-}
-
 Result<std::vector<std::string>> read_hdri(Hdri& hdri) {
   std::vector<std::string> warnings;
   if (hdri.file.empty()) return warnings;
@@ -101,31 +93,23 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri) {
   return warnings;
 }
 
-void light_by(const Hdri& hdri, Scene& scene) {
+Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   const EnvironmentLight light = environment_light(panorama_of(hdri));
-  const glm::mat3 axes = panorama_axes(scene.up, hdri.rotation_deg);
-  scene.lights = light.lights;
-  for (Light& each : scene.lights) {
+  const glm::mat3 axes = panorama_axes(up, hdri.rotation_deg);
+  Lighting lighting;
+  lighting.lights = light.lights;
+  for (Light& each : lighting.lights) {
     each.direction = glm::normalize(axes * each.direction);
     // A disc that reaches below the horizon would leave the ground dark from its edge on.
-    const float height = std::asin(std::clamp(glm::dot(each.direction, glm::normalize(scene.up)), -1.0f, 1.0f));
+    const float height = std::asin(std::clamp(glm::dot(each.direction, glm::normalize(up)), -1.0f, 1.0f));
     if (height > 0.0f) each.angle_deg = std::min(each.angle_deg, 2.0f * glm::degrees(height));
     each.color *= hdri.intensity;
   }
-  scene.ambient = light.ambient * hdri.intensity;
-  scene.ambient_shape = turned(light.shape, axes);
-  for (glm::mat4& matrix : scene.ambient_shape.by_color) matrix *= hdri.intensity;
-  scene.usual_light = light.brightest > 0.0f ? light.brightest : 1.0f;
-}
-
-std::optional<float> lowest_light_deg(const Scene& scene) {
-  std::optional<float> lowest;
-  for (const Light& light : scene.lights) {
-    const float sine = glm::dot(light.direction, glm::normalize(scene.up));
-    const float height = glm::degrees(std::asin(std::clamp(sine, -1.0f, 1.0f)));
-    if (height > 0.0f) lowest = std::min(lowest.value_or(height), height);
-  }
-  return lowest;
+  lighting.ambient = light.ambient * hdri.intensity;
+  lighting.ambient_shape = turned(light.shape, axes);
+  for (glm::mat4& matrix : lighting.ambient_shape.by_color) matrix *= hdri.intensity;
+  lighting.usual_light = light.brightest > 0.0f ? light.brightest : 1.0f;
+  return lighting;
 }
 
 Image sky_planes(const Hdri& hdri, glm::vec3 up, float gain, const PictureInfo& info, const Rows& wanted) {

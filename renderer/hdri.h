@@ -1,14 +1,36 @@
-// What an image around a scene does to it: lights it, and lies behind it.
+// An image around a scene: lights it, and lies behind it.
 #pragma once
-#include "renderer/job.h"
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/band.h"
+#include "core/gbuffer.h"
+#include "core/result.h"
+#include "scene/environment.h"
+#include "scene/scene.h"
 
 namespace umbrage {
 
-/// Puts the light of the image, which must have been read, in the place of the scene's own.
-void light_by(const Hdri& hdri, Scene& scene);
+/// Names as of the request's fields.
+struct Hdri {
+  std::string file;  ///< empty: none. "sky:" is the one that is built in
+  bool ambient = true, skybox = false;
+  float rotation_deg = 0.0f;
+  float intensity = 1.0f;
+  std::shared_ptr<const Panorama> panorama;  ///< what the file holds, once read_hdri has read it
 
-/// How high above the horizon the lowest light stands, of those above it; nothing where there is none.
-std::optional<float> lowest_light_deg(const Scene& scene);
+  bool lights() const { return !file.empty() && ambient; }
+  bool shown() const { return !file.empty() && skybox; }
+};
+
+/// Reads the file of `hdri`, if there is one: EXR, PNG and PFM by io/, others in a process of their own. Gives
+/// sentences for people who may have meant another one. Errors: kFile.
+Result<std::vector<std::string>> read_hdri(Hdri& hdri);
+
+/// The light of the image, which must have been read, over a scene with that upward direction.
+Lighting image_lighting(const Hdri& hdri, glm::vec3 up);
 
 /// The planes sky.r, sky.g and sky.b of a picture: the image's radiance, times `gain`, as each pixel's ray sees it.
 /// Those rows of them alone.

@@ -13,8 +13,8 @@ Result<void> use_isa(std::string_view name) {
   const auto& known = known_isas();
   const std::string has = fmt::format("this machine has {}", fmt::join(usable_isas(), ", "));
   if (std::find(known.begin(), known.end(), name) == known.end())
-    return usage_error("--isa (or UMBRAGE_ISA) cannot be '{}': {}", name, has);
-  return device_error("--isa (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, has);
+    return usage_error("`isa` (or UMBRAGE_ISA) cannot be '{}': {}", name, has);
+  return device_error("`isa` (or UMBRAGE_ISA) cannot be '{}' on this CPU: {}", name, has);
 }
 
 Result<void> check_isa_setting() { return wrong_isa_setting().empty() ? Result<void>() : use_isa(wrong_isa_setting()); }

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "core/lines.h"
-#include "renderer/job.h"
+#include "renderer/recipe.h"
 
 namespace umbrage {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <set>
+
 #include "core/suggest.h"
 #include "effects/effects.h"
 
@@ -47,6 +49,10 @@ std::string_view look_with(std::string_view pass) {
 
 }  // namespace
 
+std::string_view of_first_layer(std::string_view plane) {
+  return layer_of_plane(plane) > 0 ? plane.substr(plane.find('.') + 1) : plane;
+}
+
 std::string pass_of(std::string_view plane) {
   const bool channel = plane.size() > 2 && plane[plane.size() - 2] == '.';
   return std::string(channel ? plane.substr(0, plane.size() - 2) : plane);
@@ -63,71 +69,130 @@ std::vector<PassPlanes> grouped_planes(std::span<const std::string> planes) {
   return groups;
 }
 
-Result<void> check_passes(const std::vector<std::string>& words, const DrawSettings& draw) {
-  if (words.empty() || (words.size() == 1 && words[0] == kAll)) return {};
-  const auto recipe = make_recipe(draw);
-  if (!recipe) return recipe.error();
-  const auto capture = capture_settings(draw, *recipe->look, kMostShadows, kMostBandPixels);
-  if (!capture) return capture.error();
-  const int captured_layers = *layer_count(*capture);
+const std::vector<std::string>& known_planes() {
+  static const std::vector<std::string> all = [] {
+    std::set<std::string> names = {"specular", "shininess", "object_id", "material_id"};
+    for (const char* color : {"albedo", "emission"})
+      for (const char* channel : {".r", ".g", ".b"}) names.insert(std::string(color) + channel);
+    for (const char* channel : {".x", ".y", ".z"}) names.insert(std::string("normal") + channel);
+    for (int light = 0; light < kMostShadows; ++light) names.insert(shadow_plane(light));
+    for (const Effect* effect : every_effect())
+      for (const Pass& pass : effect->passes)
+        for (const auto& planes : {pass.inputs, pass.outputs})
+          for (const std::string_view plane : planes) names.emplace(of_first_layer(plane));
+    return std::vector<std::string>(names.begin(), names.end());
+  }();
+  return all;
+}
+
+std::vector<std::string> channels_of(std::string_view pass) {
+  std::vector<std::string> channels;
+  const std::string_view name = of_first_layer(pass);
+  for (const char* channel : {"", ".x", ".y", ".z", ".r", ".g", ".b", ".a"})
+    if (std::binary_search(known_planes().begin(), known_planes().end(), std::string(name) + channel))
+      channels.emplace_back(channel);
+  return channels;
+}
+
+namespace {
+
+/// The words for what a capture holds of one layer.
+std::vector<std::string> captured_passes() {
   std::vector<std::string> captured = {"depth",     "normal",    "albedo",      "specular",
                                        "shininess", "object_id", "material_id", "emission"};
   for (int light = 0; light < kMostShadows; ++light) captured.push_back(shadow_plane(light));
-  std::vector<std::string> names;
-  for (int layer = 0; layer < captured_layers; ++layer)
-    for (const std::string& name : captured) names.push_back(layer_plane(layer, name));
-  const auto all = every_effect();
-  for (std::string_view effect : recipe->look->effects) {
-    if (effect == "occlusion") effect = recipe->occlusion;
-    const auto found = std::find_if(all.begin(), all.end(), [&](const Effect* each) { return each->name == effect; });
-    // What the technique and its filters make at reduced resolution stays there but for what is upsampled.
-    const bool reduced = found != all.end() && recipe->occlusion_every > 1 &&
-                         ((*found)->kind == EffectKind::kOcclusion || (*found)->kind == EffectKind::kFilter);
-    if (found != all.end())
-      for (const Pass& pass : (*found)->passes) {
-        if (pass.needed && !pass.needed(recipe->settings.find((*found)->name)->second)) continue;
-        for (std::string_view plane : pass.outputs) {
-          if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
-          const std::string group = pass_of(plane);
-          if (reduced && group != "ao" && group != "indirect") continue;
-          if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
-        }
-      }
-  }
-  if (recipe->occlusion == kNoOcclusion) names.push_back("ao");  // 1 everywhere
-  names.emplace_back(kAll);
-  for (const std::string& word : words) {
-    if (std::find(names.begin(), names.end(), word) == names.end()) {
-      const int layers = layers_for(word, captured);
-      if (layers > 0 && (draw.extra_views.value_or(0) > 0 || recipe->look->back_sides || recipe->look->extra_views > 0))
-        return usage_error("there is no pass '{}': this picture has {} layers, counted from 0", word, captured_layers);
-      if (layers > 0)
-        return usage_error("there is no pass '{}' with --layers {}: it takes --layers {}", word, captured_layers,
-                           layers);
-      if (const std::string_view other = look_with(word); !other.empty() && other != recipe->look->name)
-        return usage_error("the look '{}' writes no pass '{}': the look {} does", recipe->look->name, word, other);
-      // Of further layers only what is misspelt: there are too many to list.
-      std::string hint = suggestion(word, names);
-      if (!hint.starts_with(" (did")) {
-        std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0; });
-        hint = suggestion(word, names);
-      }
-      return usage_error("the look '{}' writes no pass '{}'{}", recipe->look->name, word, hint);
-    }
-    if (std::count(words.begin(), words.end(), word) > 1) return usage_error("--passes names '{}' twice", word);
-  }
-  if (words.size() > 1 && std::find(words.begin(), words.end(), kAll) != words.end())
-    return usage_error("--passes all stands alone: it names every pass");
-  return {};
+  return captured;
 }
 
-void want_passes(const std::vector<std::string>& words, DrawSettings& draw) {
+/// The words that a picture of this recipe has passes for.
+std::vector<std::string> passes_of(const Recipe& recipe) {
+  std::vector<std::string> names;
+  for (int layer = 0; layer < *layer_count(recipe.capture); ++layer)
+    for (const std::string& name : captured_passes()) names.push_back(layer_plane(layer, name));
+  for (const Effect* effect : steps_of(look_run(recipe))) {
+    // What the technique and its filters make at reduced resolution stays there but for what is upsampled.
+    const bool reduced =
+        recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
+    for (const Pass& pass : effect->passes) {
+      if (pass.needed && !pass.needed(params_of(recipe.settings, effect->name))) continue;
+      for (std::string_view plane : pass.outputs) {
+        if (layer_of_plane(plane) > 0) continue;  // one that was captured, or nobody's
+        const std::string group = pass_of(plane);
+        if (reduced && group != "ao" && group != "indirect") continue;
+        if (std::find(names.begin(), names.end(), group) == names.end()) names.push_back(group);
+      }
+    }
+  }
+  if (recipe.occlusion == kNoOcclusion) names.push_back("ao");  // 1 everywhere
+  names.emplace_back(kAll);
+  return names;
+}
+
+/// Why there is no such pass.
+Error no_pass(const std::string& word, std::vector<std::string> names, const RenderRequest& request,
+              const Recipe& recipe) {
+  const Look& look = *recipe.look;
+  const int captured_layers = *layer_count(recipe.capture);
+  const int layers = layers_for(word, captured_passes());
+  if (layers > 0 && (request.extra_views.value_or(0) > 0 || look.back_sides || look.extra_views > 0))
+    return usage_error("there is no pass '{}': this picture has {} layers, counted from 0", word, captured_layers);
+  if (layers > 0)
+    return usage_error("there is no pass '{}' with `layers` {}: it takes `layers` {}", word, captured_layers, layers);
+  if (const std::string_view other = look_with(word); !other.empty() && other != look.name)
+    return usage_error("the look '{}' writes no pass '{}': the look {} does", look.name, word, other);
+  // Of further layers only what is misspelt: there are too many to list.
+  std::string hint = suggestion(word, names);
+  if (!hint.starts_with(" (did")) {
+    std::erase_if(names, [](const std::string& name) { return layer_of_plane(name) > 0; });
+    hint = suggestion(word, names);
+  }
+  return usage_error("the look '{}' writes no pass '{}'{}", look.name, word, hint);
+}
+
+}  // namespace
+
+Result<void> take_passes(const RenderRequest& request, Recipe& recipe) {
+  const std::vector<std::string>& words = request.passes;
+  const bool all = words.size() == 1 && words[0] == kAll;
+  recipe.passes = words;
+  recipe.averaged = averaged_passes(words);
   for (int light = 0; light < kMostShadows; ++light)
     if (std::any_of(words.begin(), words.end(), [&](const std::string& word) {
           return word == kAll || word == shadow_plane(light) || word.ends_with("." + shadow_plane(light));
         }))
-      draw.shadows = light + 1;
-  draw.averaged = averaged_passes(words);
+      recipe.capture.shadows = std::max(recipe.capture.shadows, light + 1);
+  if (words.empty() || all) return {};
+  const std::vector<std::string> names = passes_of(recipe);
+  for (const std::string& word : words) {
+    if (std::find(names.begin(), names.end(), word) == names.end()) return no_pass(word, names, request, recipe);
+    if (std::count(words.begin(), words.end(), word) > 1) return usage_error("`passes` names '{}' twice", word);
+  }
+  if (words.size() > 1 && std::find(words.begin(), words.end(), kAll) != words.end())
+    return usage_error("`passes` all stands alone: it names every pass");
+  return {};
+}
+
+void keep_passes_alone(Recipe& recipe) {
+  if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
+  recipe.wanted.emplace();
+  int deepest = 0;  // layer that is handed out
+  for (const std::string& pass : recipe.passes) {
+    deepest = std::max(deepest, layer_of_plane(pass));
+    for (const std::string& channel : channels_of(pass)) recipe.wanted->push_back(pass + channel);
+  }
+  const auto steps = steps_of(look_run(recipe));
+  if (recipe.averaged.empty() && std::find(recipe.passes.begin(), recipe.passes.end(), "color") == recipe.passes.end())
+    recipe.frames = 1;  // the one that has its samples at the pixels' centres
+  int shadows = 0;
+  for (int light = 0; light < kMostShadows; ++light)
+    for (const std::string& pass : recipe.passes)
+      if (pass_of(of_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
+  recipe.capture.shadows = std::min(recipe.capture.shadows, std::max(shadows, shadows_read(recipe, steps)));
+  if (!steps.empty() || deepest > 0) return;
+  // Nothing reads other layers.
+  recipe.capture.layers = 1;
+  recipe.capture.back_sides = false;
+  recipe.capture.extra_views = 0;
 }
 
 Result<std::vector<PassPlanes>> chosen_planes(const std::vector<std::string>& words,

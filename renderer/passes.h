@@ -5,12 +5,15 @@
 #include <string_view>
 #include <vector>
 
-#include "renderer/job.h"
+#include "renderer/recipe.h"
 
 namespace umbrage {
 
 /// The word for a plane: `normal` for normal.x, `layer1.depth` for itself.
 std::string pass_of(std::string_view plane);
+
+/// A plane's name without its layer.
+std::string_view of_first_layer(std::string_view plane);
 
 /// A word and its planes.
 struct PassPlanes {
@@ -21,11 +24,18 @@ struct PassPlanes {
 /// Planes by their words, in the order in which each comes first.
 std::vector<PassPlanes> grouped_planes(std::span<const std::string> planes);
 
-/// Checks words against what the look will make, before any work. `all` is one, alone. Errors: kUsage.
-Result<void> check_passes(const std::vector<std::string>& words, const DrawSettings& draw);
+/// The channels' letters of a pass: ".x", ".y" and ".z" for `normal`, one empty text for `depth`; nothing for a name
+/// that no effect reads or makes.
+std::vector<std::string> channels_of(std::string_view pass);
+/// Every plane of a first layer that effects read or make, or that a capture has, by name.
+const std::vector<std::string>& known_planes();
 
-/// Has traced and averaged what is drawn for the sake of these passes alone.
-void want_passes(const std::vector<std::string>& words, DrawSettings& draw);
+/// Checks the passes of a request against what the recipe will make, and has traced and averaged what they need. `all`
+/// is every pass, and stands alone. Errors: kUsage.
+Result<void> take_passes(const RenderRequest& request, Recipe& recipe);
+
+/// Leaves out of a recipe what its passes do not need, the picture itself with it.
+void keep_passes_alone(Recipe& recipe);
 
 /// The planes of these passes among those of a frame, in the order of the words. Errors: kUsage for one that nothing in
 /// the scene makes.

@@ -10,147 +10,18 @@
 #include "effects/effects.h"
 #include "io/image_file.h"
 #include "io/svg.h"
-#include "renderer/accumulation.h"
 #include "renderer/arrays.h"
 #include "renderer/callers_progress.h"
-#include "renderer/job.h"
+#include "renderer/devices.h"
+#include "renderer/draw.h"
 #include "renderer/lines.h"
+#include "renderer/models.h"
 #include "renderer/passes.h"
 #include "renderer/strokes.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {
 namespace {
-
-constexpr float kFarthest = 1e15f;  // as for models: rays beyond leave what Embree takes
-
-Result<void> within(const char* option, double value, double least, double most) {
-  if (value >= least && value <= most) return {};
-  return usage_error("{} cannot be {}: it takes a number from {:g} to {:g}", option, value, least, most);
-}
-
-Result<void> store_vector(const char* option, const std::optional<std::array<float, 3>>& from, bool direction,
-                          std::optional<glm::vec3>& to) {
-  if (!from) return {};
-  const glm::vec3 v((*from)[0], (*from)[1], (*from)[2]);
-  for (int i = 0; i < 3; ++i)
-    if (!(std::abs(v[i]) <= kFarthest))
-      return usage_error("{} cannot be {},{},{}: it takes three numbers up to {:g}", option, v.x, v.y, v.z, kFarthest);
-  if (direction && !(glm::length(v) > 0.0f))
-    return usage_error("{} cannot be 0,0,0: it takes three numbers that are not all 0", option);
-  to = direction ? glm::normalize(v) : v;
-  return {};
-}
-
-/// What looks are asked for in the same words, of models and of arrays.
-template <class Request>
-Result<void> store_picture(const Request& request, DrawSettings& settings) {
-  if (auto valid = within("--threads", request.threads, 0, kMaxThreads); !valid) return valid;
-  settings.look = request.look;
-  settings.occlusion = request.occlusion;
-  settings.occlusion_scale = request.occlusion_scale;
-  settings.radius = request.occlusion_radius;
-  settings.quality = request.quality;
-  if (request.background)
-    for (int i = 0; i < 3; ++i) {
-      const float value = (*request.background)[std::size_t(i)];
-      if (auto fine = within("--background-color", value, 0.0, 1.0); !fine) return fine;
-      settings.settings.push_back(fmt::format("output.background_{}={}", "rgb"[i], value));
-    }
-  if (request.transparent) settings.settings.push_back("output.transparent=on");
-  settings.settings.insert(settings.settings.end(), request.settings.begin(), request.settings.end());
-  if (request.progress) settings.progress = request.progress;
-  return {};
-}
-
-/// Everything of a request that can be wrong without its model.
-Result<DrawSettings> draw_settings(const RenderRequest& request) {
-  for (const int side : {request.width, request.height})
-    if (side < 1 || side > kLargestSide)
-      return usage_error("a picture cannot be {} pixels wide or high: 1 to {} can", side, kLargestSide);
-  if (long(request.width) * request.height > kMostPixels)
-    return usage_error("a picture cannot have {} x {} pixels: {} together are the most", request.width, request.height,
-                       kMostPixels);
-  DrawSettings settings;
-  settings.width = request.width;
-  settings.height = request.height;
-  settings.layers = request.layers;
-  settings.extra_views = request.extra_views;
-  settings.frames = request.anti_aliasing;
-  settings.guard_percent = request.guard_band;
-  settings.hdri = {.file = request.hdri_file,
-                   .ambient = request.hdri_ambient,
-                   .skybox = request.hdri_skybox,
-                   .rotation_deg = request.hdri_rotation_deg,
-                   .intensity = request.hdri_intensity,
-                   .panorama = nullptr};
-  settings.light_size_deg = request.light_size_deg;
-  const CameraRequest& camera = request.camera;
-  Framing& framing = settings.framing;
-  framing.view_angle_deg = camera.view_angle_deg;
-  framing.azimuth_deg = camera.azimuth_deg;
-  framing.elevation_deg = camera.elevation_deg;
-  framing.zoom = camera.zoom;
-  framing.orthographic = camera.orthographic;
-  if (camera.index && (camera.position || camera.focal_point || camera.direction))
-    return usage_error("--camera-index and --camera-{} both say where the camera is: give one of them",
-                       camera.position      ? "position"
-                       : camera.focal_point ? "focal-point"
-                                            : "direction");
-  settings.camera_index = camera.index;
-  constexpr double kAnyAngle = 36000.0;
-  for (const auto& done :
-       {store_picture(request, settings), store_vector("--camera-position", camera.position, false, framing.position),
-        store_vector("--camera-focal-point", camera.focal_point, false, framing.focal_point),
-        store_vector("--camera-view-up", camera.view_up, true, framing.view_up),
-        store_vector("--camera-direction", camera.direction, true, framing.direction),
-        within("--camera-view-angle", camera.view_angle_deg.value_or(30.0f), 0.1, 179.0),
-        within("--camera-azimuth-angle", camera.azimuth_deg, -kAnyAngle, kAnyAngle),
-        within("--camera-elevation-angle", camera.elevation_deg, -kAnyAngle, kAnyAngle),
-        within("--camera-zoom-factor", camera.zoom, 1e-3, 1e3),
-        within("--layers", request.layers.value_or(1), 1, kMostLayers),
-        within("--extra-views", request.extra_views.value_or(0), 0, kMostExtraViews),
-        within("--anti-aliasing", request.anti_aliasing.value_or(1), 1, kMostFrames),
-        within("--guard-band", request.guard_band, 0.0, 100.0),
-        within("--hdri-rotation", request.hdri_rotation_deg, -kAnyAngle, kAnyAngle),
-        within("--hdri-intensity", request.hdri_intensity, 0.0, kMostIntensity),
-        within("--light-size", request.light_size_deg.value_or(0.0f), 0.0, kWidestLight),
-        check_hdri(settings.hdri, request.transparent)})
-    if (!done) return done.error();
-  constexpr std::string_view kGrounds[] = {"auto", "on", "off"};
-  const auto ground = std::find(std::begin(kGrounds), std::end(kGrounds), request.ground);
-  if (ground == std::end(kGrounds))
-    return usage_error("--ground cannot be '{}': it takes auto, on or off", request.ground);
-  settings.ground = Ground(ground - std::begin(kGrounds));
-  want_passes(request.passes, settings);
-  const auto recipe = make_recipe(settings);
-  if (!recipe) return recipe.error();
-  if (const auto capture = capture_settings(settings, *recipe->look, kMostShadows); !capture) return capture.error();
-  if (auto fine = check_passes(request.passes, settings); !fine) return fine.error();
-  return settings;
-}
-
-Result<ImportSettings> import_settings(const RenderRequest& request) {
-  ImportSettings settings;
-  std::optional<glm::vec3> up;
-  if (auto done = store_vector("--up", request.up, true, up); !done) return done.error();
-  if (up) settings.up = *up;
-  settings.scene_index = request.scene_index;
-  if (!request.point_size.empty()) {
-    const auto size = parse_radius("--point-size", request.point_size);
-    if (!size) return size.error();
-    settings.points.size = *size;
-  }
-  constexpr std::string_view kShapes[] = {"auto", "disc", "sphere"};
-  const auto shape = std::find(std::begin(kShapes), std::end(kShapes), request.point_sprites);
-  if (shape == std::end(kShapes))
-    return usage_error("--point-sprites cannot be '{}': it takes auto, disc or sphere", request.point_sprites);
-  settings.points.shape = PointShape(shape - std::begin(kShapes));
-  if (!request.crease_angle_deg) return settings;
-  if (auto fine = within("--crease-angle", *request.crease_angle_deg, 0.0, 180.0); !fine) return fine.error();
-  settings.crease_angle_deg = *request.crease_angle_deg;
-  return settings;
-}
 
 /// Channels one after the other, pixel by pixel.
 std::vector<float> interleaved(const Image& image) {
@@ -195,34 +66,35 @@ Result<Picture> downloaded(Device& device, const Frame& frame, bool color, const
 struct Opened {
   std::unique_ptr<Device> device;
   std::unique_ptr<Scene> scene;  // devices point to it
-  DrawSettings settings;
-  std::vector<std::string> passes;
+  Recipe recipe;
+  ProgressMonitor monitor;
   ParameterBytes lines;  // where strokes are wanted
 };
 
-Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
-
 Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>& warnings) {
-  auto settings = draw_settings(request);
-  if (!settings) return settings.error();
+  const auto going_on = [&] { return !request.progress || request.progress(0.0); };
+  auto recipe = make_recipe(request);
+  if (!recipe) return recipe.error();
   const auto import_with = import_settings(request);
   if (!import_with) return import_with.error();
-  auto lines = wanted_lines(request.strokes, *settings, {});
+  auto lines = wanted_lines(request, *recipe);
   if (!lines) return lines.error();
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
-  if (!settings->progress(0.0)) return interrupted();
-  const auto hdri_warnings = read_hdri(settings->hdri);
+  if (!going_on()) return interrupted();
+  const auto hdri_warnings = read_hdri(recipe->hdri);
   if (!hdri_warnings) return hdri_warnings.error();
-  auto scene = load_scene(request.model, *import_with);
+  std::vector<std::string> models = {request.model};
+  models.insert(models.end(), request.more_models.begin(), request.more_models.end());
+  auto scene = load_scenes(models, *import_with);
   if (!scene) return scene.error();
-  if (settings->camera_index)
-    if (auto used = use_camera(*settings->camera_index, *scene); !used) return used.error();
+  if (recipe->camera_index)
+    if (auto used = use_camera(*recipe->camera_index, *scene); !used) return used.error();
   warnings = *hdri_warnings;
   warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
-  if (!settings->progress(0.0)) return interrupted();
-  furnish(*scene, *settings);
-  Opened opened{std::move(*device), std::make_unique<Scene>(std::move(*scene)), std::move(*settings), request.passes,
+  if (!going_on()) return interrupted();
+  furnish(*scene, *recipe);
+  Opened opened{std::move(*device), std::make_unique<Scene>(std::move(*scene)), std::move(*recipe), request.progress,
                 std::move(*lines)};
   if (const auto ready = opened.device->prepare(*opened.scene); !ready) return ready.error();
   return opened;
@@ -230,9 +102,11 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
 
 Result<Picture> draw_frame(Opened& opened) {
   StageTimes times;
-  const auto frame = draw(*opened.device, *opened.scene, opened.settings, times);
-  if (!frame) return frame.error();
-  return downloaded(*opened.device, *frame, true, opened.passes, opened.lines);
+  const auto plan = make_plan(opened.recipe, *opened.scene, opened.device->threads());
+  if (!plan) return plan.error();
+  const auto drawn = draw(*opened.device, *opened.scene, *plan, times, opened.monitor);
+  if (!drawn) return drawn.error();
+  return downloaded(*opened.device, drawn->frame, true, opened.recipe.passes, opened.lines);
 }
 
 Result<Picture> draw_picture(const RenderRequest& request, std::vector<std::string>& warnings) {
@@ -256,24 +130,23 @@ std::vector<std::string> passes_made(const std::string& effect, const ParameterB
 }
 
 Result<Picture> shade_picture(const ShadeRequest& request) {
-  DrawSettings settings;
-  if (auto done = store_picture(request, settings); !done) return done.error();
+  if (auto fine = check_shade(request); !fine) return fine.error();
   auto gbuffer = gbuffer_of(request);
   if (!gbuffer) return gbuffer.error();
-  const auto lines = wanted_lines(request.strokes, settings, request.effects);
+  const auto lines = wanted_lines(request);
   if (!lines) return lines.error();
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
   StageTimes times;
-  const auto frame = shade_planes(**device, std::move(*gbuffer), settings, request.effects, times);
+  const auto frame = shade_planes(**device, std::move(*gbuffer), request, times, request.progress);
   if (!frame) return frame.error();
   const auto& effects = request.effects;
   const bool color = effects.empty() || std::find(effects.begin(), effects.end(), "output") != effects.end();
   std::vector<std::string> passes = request.passes;
   if (passes.empty() && !effects.empty()) {
-    const auto all = effect_settings(settings.settings);
+    const auto all = effect_settings(request.settings);
     if (!all) return all.error();
-    passes = passes_made(effects.back(), all->find(effects.back())->second);
+    passes = passes_made(effects.back(), params_of(*all, effects.back()));
   }
   return downloaded(**device, *frame, color, passes, *lines);
 }
@@ -308,7 +181,7 @@ std::vector<std::string> channels_to_write(const Pixels& pass) {
 
 Result<void> write_picture(const Picture& picture, const std::string& file, const SaveRequest& request) {
   if (request.bits != 8 && request.bits != 16)
-    return usage_error("--bits cannot be {}: it takes 8 or 16", request.bits);
+    return usage_error("`bits` cannot be {}: it takes 8 or 16", request.bits);
   if (is_svg(file)) return write_strokes(picture, file);
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
@@ -421,7 +294,7 @@ Outcome FrameRenderer::open(const RenderRequest& request) {
                           auto model = open_model(watched, outcome.warnings);
                           if (!model) return model.error();
                           state->opened = std::move(*model);
-                          state->framing = state->opened.settings.framing;
+                          state->framing = state->opened.recipe.framing;
                           return {};
                         });
   if (state) state->progress.rethrow();
@@ -459,7 +332,7 @@ Outcome FrameRenderer::draw(const FrameCamera& camera, Picture& picture) {
                          if (!state_) return usage_error("FrameRenderer::open comes before draw");
                          auto framing = framing_of(camera, state_->framing);
                          if (!framing) return framing.error();
-                         state_->opened.settings.framing = std::move(*framing);
+                         state_->opened.recipe.framing = std::move(*framing);
                          return draw_frame(state_->opened);
                        });
   if (state_) state_->progress.rethrow();

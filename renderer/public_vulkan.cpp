@@ -10,7 +10,7 @@
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "renderer/isa_setting.h"
-#include "renderer/job.h"
+#include "renderer/recipe.h"
 #include "umbrage/vulkan.h"
 
 namespace umbrage {
@@ -120,14 +120,14 @@ Result<void> shade_images(Device& device, const VulkanGBuffer& g, const VulkanSh
     if (auto read = read_image(device, device_image(g.normal), turned, kNormal, *frame); !read) return read;
   } else {
     const Effect& normals = *find_effect("normals");
-    if (auto done = device.run(normals, settings.find(normals.name)->second, *frame); !done) return done;
+    if (auto done = device.run(normals, params_of(settings, normals.name), *frame); !done) return done.error();
   }
   if (g.albedo.image)
     if (auto read = read_image(device, device_image(g.albedo), {}, kAlbedo, *frame); !read) return read;
   if (g.light.image)
     if (auto read = read_image(device, device_image(g.light), {}, kLit, *frame); !read) return read;
   for (const Effect* effect : wanted)
-    if (auto done = device.run(*effect, settings.find(effect->name)->second, *frame); !done) return done;
+    if (auto done = device.run(*effect, params_of(settings, effect->name), *frame); !done) return done.error();
   for (const auto& output : request.outputs) {
     if (output.planes.empty() || output.planes.size() > 4)
       return usage_error("an output takes one to four planes, not {}", output.planes.size());

@@ -4,14 +4,15 @@
 #include <span>
 #include <string>
 
-#include "renderer/job.h"
+#include "renderer/recipe.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {
 
-/// The parameters of the lines that these effects draw, or the look where there are none; empty unless strokes are
-/// wanted. Errors: those of line_parameters; kUsage for settings that cannot be.
-Result<ParameterBytes> wanted_lines(bool strokes, const DrawSettings& settings, std::span<const std::string> effects);
+/// The parameters of the lines that the request's look or effects draw; empty unless strokes are wanted. Errors: those
+/// of line_parameters; kUsage for settings that cannot be.
+Result<ParameterBytes> wanted_lines(const RenderRequest& request, const Recipe& recipe);
+Result<ParameterBytes> wanted_lines(const ShadeRequest& request);
 
 /// Adds the lines of a drawn frame to its picture; `outline_params` are those of wanted_lines. Errors: those of
 /// Device::download.

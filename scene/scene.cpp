@@ -29,4 +29,15 @@ std::string size_text(const Scene& scene) {
   return (triangles > 0 ? std::to_string(triangles) + " triangles and " : "") + std::to_string(points) + " points";
 }
 
+Lighting lighting_of(const Scene& scene) {
+  return {scene.lights, scene.ambient, scene.ambient_shape, scene.usual_light};
+}
+
+void set_lighting(Lighting lighting, Scene& scene) {
+  scene.lights = std::move(lighting.lights);
+  scene.ambient = lighting.ambient;
+  scene.ambient_shape = lighting.ambient_shape;
+  scene.usual_light = lighting.usual_light;
+}
+
 }  // namespace umbrage

@@ -9,24 +9,27 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "renderer/passes.h"
 
 namespace umbrage {
 namespace {
 
 /// The planes of a picture, drawn whole or in bands of so many rows.
-Image drawn(const DrawSettings& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
+Image drawn(const RenderRequest& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
             const char* model = "scene:room?detail=3000") {
   static std::map<std::string, Scene> scenes;  // one takes a second to make
   if (!scenes.count(model)) scenes[model] = *load_scene(model);
   Scene scene = scenes[model];
   const auto device = make_cpu_device({.threads = threads});
-  furnish(scene, settings);
+  const auto recipe = make_recipe(settings, kMostBandPixels);
+  EXPECT_TRUE(recipe) << recipe.error().message;
+  furnish(scene, *recipe);
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   if (rows == 0) {
-    const auto frame = draw(*device, scene, settings, times);
+    const auto frame = draw(*device, scene, *recipe, times);
     EXPECT_TRUE(frame) << frame.error().message;
     return frame ? *device->download(*frame, planes) : Image();
   }
@@ -42,7 +45,9 @@ Image drawn(const DrawSettings& settings, int rows, const std::vector<std::strin
         std::copy_n(part.plane(name).row(y), part.width, whole.plane(name).row(first + y));
     return {};
   };
-  const auto done = draw_bands(*device, scene, settings, {.rows = rows, .planes = planes}, take, times);
+  const auto plan = make_plan(*recipe, scene, device->threads());
+  EXPECT_TRUE(plan);
+  const auto done = draw_bands(*device, scene, *plan, rows, planes, false, take, times);
   EXPECT_TRUE(done) << done.error().message;
   EXPECT_EQ(next, settings.height);
   return whole;
@@ -62,7 +67,7 @@ void expect_same(const Image& a, const Image& b) {
   }
 }
 
-void expect_bands_same(const DrawSettings& settings, std::vector<int> rows = {64},
+void expect_bands_same(const RenderRequest& settings, std::vector<int> rows = {64},
                        const std::vector<std::string>& planes = {"color.r", "color.g", "color.b", "color.a", "depth",
                                                                  "ao"}) {
   const Image whole = drawn(settings, 0, planes);
@@ -72,8 +77,8 @@ void expect_bands_same(const DrawSettings& settings, std::vector<int> rows = {64
   }
 }
 
-DrawSettings of_look(std::string_view look, int width = 200, int height = 150) {
-  DrawSettings settings;
+RenderRequest of_look(std::string_view look, int width = 200, int height = 150) {
+  RenderRequest settings;
   settings.look = look;
   settings.width = width;
   settings.height = height;
@@ -92,7 +97,7 @@ TEST(Bands, EveryTechniqueAtEveryScale) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     for (const char* scale : {"full", "half", "quarter"}) {
       SCOPED_TRACE(fmt::format("{} {}", effect->name, scale));
-      DrawSettings settings = of_look("bleeding", 121, 93);
+      RenderRequest settings = of_look("bleeding", 121, 93);
       settings.occlusion = effect->name;
       settings.occlusion_scale = scale;
       expect_bands_same(settings, {32});
@@ -103,9 +108,9 @@ TEST(Bands, EveryTechniqueAtEveryScale) {
 TEST(Bands, EveryQualityAndWhatIsAveraged) {
   for (const char* quality : {"draft", "normal", "high"}) {
     SCOPED_TRACE(quality);
-    DrawSettings settings = of_look("studio", 101, 75);
+    RenderRequest settings = of_look("studio", 101, 75);
     settings.quality = quality;
-    settings.averaged = {"ao"};
+    settings.passes = {"ao"};
     expect_bands_same(settings, {32});
   }
 }
@@ -122,7 +127,7 @@ TEST(Bands, SettingsThatReadFar) {
       {"bleeding-paper", {"box.size=15"}}};
   for (const auto& [look, assignments] : all) {
     SCOPED_TRACE(assignments[0]);
-    DrawSettings settings = of_look(look, 101, 107);
+    RenderRequest settings = of_look(look, 101, 107);
     settings.settings = assignments;
     expect_bands_same(settings, {32});
   }
@@ -140,8 +145,8 @@ TEST(Bands, AnySizeOfPicturesAndBands) {
 TEST(Bands, HighPictures) { expect_bands_same(of_look("cartoon", 32, 1300), {400}); }
 
 TEST(Bands, GuardBandsAndFurtherViews) {
-  DrawSettings settings = of_look("bleeding", 101, 75);
-  settings.guard_percent = 20.0f;
+  RenderRequest settings = of_look("bleeding", 101, 75);
+  settings.guard_band = 20.0f;
   settings.extra_views = 2;
   settings.layers = 1;
   expect_bands_same(settings, {16, 64});
@@ -149,29 +154,29 @@ TEST(Bands, GuardBandsAndFurtherViews) {
 
 // Lines are those of the whole picture, of the frame that stays.
 TEST(Bands, LinesOverAveragedFrames) {
-  DrawSettings settings = of_look("cartoon", 181, 203);
+  RenderRequest settings = of_look("cartoon", 181, 203);
   settings.settings = {"outline.width=3", "outline.r=0.5"};
-  settings.guard_percent = 20.0f;
+  settings.guard_band = 20.0f;
   const std::vector<std::string> planes = {"color.r", "color.b", "outline", "normal.x", "depth"};
   for (const bool averaged : {false, true}) {
-    if (averaged) settings.averaged = {"outline"};
+    if (averaged) settings.passes = {"outline"};
     for (const int frames : {2, 3, 4, 18}) {
       SCOPED_TRACE(fmt::format("{} frames, lines {}", frames, averaged ? "averaged" : "of one"));
-      settings.frames = frames;
+      settings.anti_aliasing = frames;
       expect_bands_same(settings, {48}, planes);
     }
   }
 }
 
 TEST(Bands, DoNotDependOnThreads) {
-  const DrawSettings settings = of_look("studio", 101, 75);
+  const RenderRequest settings = of_look("studio", 101, 75);
   const std::vector<std::string> planes = {"color.r", "color.g", "color.b", "ao"};
   const Image whole = drawn(settings, 0, planes, 3);
   for (const int threads : {1, 2, 4}) expect_same(whole, drawn(settings, 32, planes, threads));
 }
 
 TEST(Bands, SoftShadowsOfAModelInTheOpen) {
-  DrawSettings settings = of_look("studio", 160, 240);
+  RenderRequest settings = of_look("studio", 160, 240);
   settings.quality = "draft";
   const std::vector<std::string> planes = {"color.r", "shadow", "cover"};
   for (const char* model : {"scene:tank?detail=2000", "scene:solids?detail=2000"})
@@ -180,20 +185,24 @@ TEST(Bands, SoftShadowsOfAModelInTheOpen) {
 
 TEST(Bands, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
-  DrawSettings settings = of_look("studio", 1024, 1024);
-  EXPECT_EQ(plan_bands(*device, settings, 6e9)->rows, 0);
-  EXPECT_GT(plan_bands(*device, settings, 3e8)->rows, 0);
+  RenderRequest settings = of_look("studio", 1024, 1024);
+  const auto planned = [&](double memory) {
+    return plan_bands(*device, *make_recipe(settings, kMostBandPixels), memory);
+  };
+  EXPECT_EQ(planned(6e9)->rows, 0);
+  EXPECT_GT(planned(3e8)->rows, 0);
   settings.width = settings.height = 16384;
-  const auto plan = plan_bands(*device, settings, 6e9);
+  const auto plan = planned(6e9);
   ASSERT_TRUE(plan);
   EXPECT_GT(plan->rows, 0);
   EXPECT_EQ(plan->rows % 4, 0);
   EXPECT_LT(plan->bytes, 8e9);
   // Much memory does not make a picture one that can be drawn whole.
-  EXPECT_GT(plan_bands(*device, settings, 1e12)->rows, 0);
-  EXPECT_TRUE(check_passes({"depth", "ao"}, settings));
+  EXPECT_GT(planned(1e12)->rows, 0);
+  settings.passes = {"depth", "ao"};
+  EXPECT_TRUE(make_recipe(settings, kMostBandPixels));
   settings.occlusion = "reference";
-  EXPECT_EQ(plan_bands(*device, settings, 6e9).error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(planned(6e9).error().kind, ErrorKind::kUsage);
 }
 
 }  // namespace

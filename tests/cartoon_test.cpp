@@ -7,7 +7,8 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "generators/builtin.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "support.h"
 
 namespace umbrage {
@@ -20,16 +21,16 @@ TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
   const auto drawn = [&](int frames, const std::vector<std::string>& also, bool averaged = false) {
     auto device = make_cpu_device();
     EXPECT_TRUE(device->prepare(scene));
-    DrawSettings draw_with;
+    RenderRequest draw_with;
     draw_with.width = draw_with.height = 200;
     draw_with.look = "cartoon";
     draw_with.occlusion = "none";
-    draw_with.frames = frames;
-    draw_with.radius = "5%";  // which applies settings anew
+    draw_with.anti_aliasing = frames;
+    draw_with.occlusion_radius = "5%";  // which applies settings anew
     draw_with.settings = {"outline.width=4", "outline.r=0.6", "outline.g=0.3", "outline.b=0.05",
                           "output.transfer=none"};
     draw_with.settings.insert(draw_with.settings.end(), also.begin(), also.end());
-    if (averaged) draw_with.averaged = {"outline"};
+    if (averaged) draw_with.passes = {"outline"};
     StageTimes times;
     Scene own = scene;
     const auto frame = draw(*device, own, draw_with, times);

@@ -13,6 +13,7 @@
 #include "generators/builtin.h"
 #include "looks/quality.h"
 #include "reference/reference.h"
+#include "renderer/devices.h"
 #include "run_program.h"
 
 namespace umbrage {
@@ -266,9 +267,9 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   settings.cameras = 1;
   settings.samples = 16;
   settings.runs = 1;
-  settings.draw.framing.zoom = 3.0f;  // surfaces fill the picture up to its border
+  settings.draw.camera.zoom = 3.0f;  // surfaces fill the picture up to its border
   const auto without = compare(**device, settings);
-  settings.draw.guard_percent = 25.0f;
+  settings.draw.guard_band = 25.0f;
   const auto with = compare(**device, settings);
   ASSERT_TRUE(without && with);
   EXPECT_EQ(with->views[0].truth.width, 64);

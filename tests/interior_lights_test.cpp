@@ -6,7 +6,9 @@
 #include <glm/geometric.hpp>
 
 #include "generators/shapes.h"
-#include "renderer/job.h"
+#include "renderer/devices.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "scene/finish.h"
 
 namespace umbrage {
@@ -69,11 +71,11 @@ TEST(InteriorLights, PicturesOfScenesWithoutLightsUseThem) {
     Scene scene = hall(open);
     const auto device = make_device("cpu", 0);
     ASSERT_TRUE((*device)->prepare(scene));
-    DrawSettings settings;
+    RenderRequest settings;
     settings.width = settings.height = 48;
     settings.look = "lit";
-    settings.framing.position = glm::vec3(0, 1.5f, 3.5f);
-    settings.framing.focal_point = glm::vec3(0, 1, -1);
+    settings.camera.position = {0.0f, 1.5f, 3.5f};
+    settings.camera.focal_point = {0.0f, 1.0f, -1.0f};
     StageTimes times;
     ASSERT_TRUE(draw(**device, scene, settings, times));
     ASSERT_EQ(scene.lights.size(), 1u);

@@ -4,7 +4,9 @@
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
 #include "generators/builtin.h"
-#include "renderer/job.h"
+#include "renderer/devices.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 
 namespace umbrage {
 namespace {
@@ -66,7 +68,8 @@ TEST(LookLayers, WhatNobodyReadsOnLayersIsMadeOnTheFirstAlone) {
 
 TEST(LookLayers, TheUserWinsOverTheLook) {
   const Look look{.name = "deep", .layers = 3, .back_sides = true, .extra_views = 1};
-  DrawSettings draw;
+  RenderRequest draw;
+  draw.look = "ao";
   auto settings = capture_settings(draw, look, 1);
   ASSERT_TRUE(settings);
   EXPECT_EQ(settings->layers, 3);
@@ -96,7 +99,7 @@ TEST(LookLayers, FurtherCamerasDarkenNothingThatTheFirstSeesInTheOpen) {
   const auto device = make_device("cpu", 0);
   ASSERT_TRUE((*device)->prepare(*scene));
   const auto occlusion_with = [&](int views) {
-    DrawSettings settings;
+    RenderRequest settings;
     settings.width = 160;
     settings.height = 120;
     settings.look = "ao";

@@ -53,28 +53,28 @@ TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
   refused({.model = kSolids, .look = "aoo"}, 2, "aoo");
   refused({.model = kSolids, .occlusion = "bitmusk"}, 2, "bitmask");
   refused({.model = kSolids, .settings = {"unsharp.kernel=-1"}}, 2, "unsharp.kernel");
-  refused({.model = kSolids, .width = 0}, 2, "0 pixels");
+  refused({.model = kSolids, .width = 0}, 2, "`width`");
   refused({.model = kSolids, .width = 16384, .height = 16384}, 2, "16384 x 16384");
   refused({.model = kSolids, .device = "gpu"}, 2, "gpu");
-  refused({.model = kSolids, .threads = -1}, 2, "--threads");
+  refused({.model = kSolids, .threads = -1}, 2, "`threads`");
   refused({.model = kSolids, .threads = 1025}, 2, "1024");
-  refused({.model = kSolids, .camera = {.view_up = {{0, 0, 0}}}}, 2, "--camera-view-up");
-  refused({.model = kSolids, .camera = {.position = {{0, NAN, 0}}}}, 2, "--camera-position");
-  refused({.model = kSolids, .camera = {.view_angle_deg = 180.0f}}, 2, "--camera-view-angle");
-  refused({.model = kSolids, .camera = {.zoom = 0.0f}}, 2, "--camera-zoom-factor");
-  refused({.model = kSolids, .up = {{0, 0, 0}}}, 2, "--up");
-  refused({.model = kSolids, .crease_angle_deg = -1.0f}, 2, "--crease-angle");
-  refused({.model = kSolids, .point_size = "0"}, 2, "--point-size");
-  refused({.model = kSolids, .point_sprites = "cube"}, 2, "--point-sprites");
-  refused({.model = kSolids, .quality = "hi"}, 2, "--quality");
-  refused({.model = kSolids, .anti_aliasing = 0}, 2, "--anti-aliasing");
-  refused({.model = kSolids, .occlusion_radius = "-1"}, 2, "--ao-radius");
-  refused({.model = kSolids, .occlusion_scale = "third"}, 2, "--ao-scale");
-  refused({.model = kSolids, .ground = "maybe"}, 2, "--ground");
-  refused({.model = kSolids, .background = {{0, 2, 0}}}, 2, "--background-color");
-  refused({.model = kSolids, .layers = 17}, 2, "--layers");
-  refused({.model = kSolids, .extra_views = 5}, 2, "--extra-views");
-  refused({.model = kSolids, .guard_band = 101.0f}, 2, "--guard-band");
+  refused({.model = kSolids, .camera = {.view_up = {{0, 0, 0}}}}, 2, "`camera.view_up`");
+  refused({.model = kSolids, .camera = {.position = {{0, NAN, 0}}}}, 2, "`camera.position`");
+  refused({.model = kSolids, .camera = {.view_angle_deg = 180.0f}}, 2, "`camera.view_angle_deg`");
+  refused({.model = kSolids, .camera = {.zoom = 0.0f}}, 2, "`camera.zoom`");
+  refused({.model = kSolids, .up = {{0, 0, 0}}}, 2, "`up`");
+  refused({.model = kSolids, .crease_angle_deg = -1.0f}, 2, "`crease_angle_deg`");
+  refused({.model = kSolids, .point_size = "0"}, 2, "`point_size`");
+  refused({.model = kSolids, .point_sprites = "cube"}, 2, "`point_sprites`");
+  refused({.model = kSolids, .quality = "hi"}, 2, "`quality`");
+  refused({.model = kSolids, .anti_aliasing = 0}, 2, "`anti_aliasing`");
+  refused({.model = kSolids, .occlusion_radius = "-1"}, 2, "`occlusion_radius`");
+  refused({.model = kSolids, .occlusion_scale = "third"}, 2, "`occlusion_scale`");
+  refused({.model = kSolids, .ground = "maybe"}, 2, "`ground`");
+  refused({.model = kSolids, .background = {{0, 2, 0}}}, 2, "`background`");
+  refused({.model = kSolids, .layers = 17}, 2, "`layers`");
+  refused({.model = kSolids, .extra_views = 5}, 2, "`extra_views`");
+  refused({.model = kSolids, .guard_band = 101.0f}, 2, "`guard_band`");
   refused({.model = kSolids, .passes = {"dept"}}, 2, "depth");
 }
 
@@ -297,7 +297,7 @@ TEST(Public, SaysWhatIsWrongWithArrays) {
     EXPECT_EQ(untouched.width, 0);
   };
   using Request = umbrage::ShadeRequest;
-  refused([](Request& r) { r.width = 0; }, "0 pixels");
+  refused([](Request& r) { r.width = 0; }, "`width`");
   refused([](Request& r) { r.arrays.clear(); }, "'depth'");
   refused([](Request& r) { r.arrays[0].name = "dept"; }, "depth");
   refused([](Request& r) { r.arrays[0].values = nullptr; }, "no values");
@@ -434,7 +434,7 @@ TEST(Public, CamerasAndScenesAreChosenByIndex) {
   request.camera.index = 99;
   const auto astray = umbrage::render(request, second);
   EXPECT_EQ(astray.code, 2);
-  EXPECT_NE(astray.message.find("--camera-index"), std::string::npos) << astray.message;
+  EXPECT_NE(astray.message.find("`camera.index`"), std::string::npos) << astray.message;
   request.camera = {.index = 0, .position = {{1, 2, 3}}};
   EXPECT_EQ(umbrage::render(request, second).code, 2);
   request.camera = {};
@@ -443,7 +443,7 @@ TEST(Public, CamerasAndScenesAreChosenByIndex) {
   request.scene_index = 1;
   const auto elsewhere = umbrage::render(request, second);
   EXPECT_EQ(elsewhere.code, 2);
-  EXPECT_NE(elsewhere.message.find("--scene-index"), std::string::npos) << elsewhere.message;
+  EXPECT_NE(elsewhere.message.find("`scene_index`"), std::string::npos) << elsewhere.message;
 }
 
 class PublicFiles : public testing::Test {

@@ -11,7 +11,8 @@
 #include "generators/builtin.h"
 #include "looks/metering.h"
 #include "renderer/accumulation.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "scene/finish.h"
 #include "scene/ground.h"
 #include "support.h"
@@ -95,7 +96,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
-  DrawSettings draw_with;
+  RenderRequest draw_with;
   draw_with.width = 96;
   draw_with.height = 64;
   draw_with.look = look;
@@ -103,7 +104,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   draw_with.settings = {"output.background_r=0", "output.background_g=0", "output.background_b=0",
                         "output.transfer=none"};
   draw_with.settings.insert(draw_with.settings.end(), settings.begin(), settings.end());
-  draw_with.frames = frames;
+  draw_with.anti_aliasing = frames;
   const auto frame = draw(*device, scene, draw_with, times);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   return *device->download(*frame, {"color.r", "color.a", "depth"});
@@ -166,7 +167,7 @@ float stops_of(float brightness, float share_of_surface) {
     for (int x = 0; x < 60; ++x) depth.at(x, y) = std::numeric_limits<float>::infinity();
   const auto device = make_cpu_device();
   auto frame = device->upload(g);
-  return *metered_stops(*device, *frame);
+  return **metered_stops(*device, *frame);
 }
 
 TEST(Metering, ADarkHallWithASunlitFloorIsBrightened) {
@@ -180,7 +181,7 @@ TEST(Metering, ADarkHallWithASunlitFloorIsBrightened) {
   g.layers[0].add("depth") = Plane(60, 60, 1.0f);
   const auto device = make_cpu_device();
   auto frame = device->upload(g);
-  const float stops = *metered_stops(*device, *frame);
+  const float stops = **metered_stops(*device, *frame);
   EXPECT_GT(stops, 0.5f);
   EXPECT_LE(stops, 1.0f);
 }
@@ -376,27 +377,27 @@ TEST(GroundUnderModels, LeavesTheBoundsAndTheFraming) {
 TEST(GroundUnderModels, HidesNothingFromBelow) {
   for (const bool orthographic : {false, true}) {
     Scene scene = box_scene({1, 1, 1});
-    DrawSettings draw_with;
+    RenderRequest draw_with;
     draw_with.look = "studio";
-    draw_with.framing.elevation_deg = -60.0f;
-    draw_with.framing.orthographic = orthographic;
-    furnish(scene, draw_with);
+    draw_with.camera.elevation_deg = -60.0f;
+    draw_with.camera.orthographic = orthographic;
+    furnish(scene, *make_recipe(draw_with));
     EXPECT_LT(scene.ground_object, 0) << orthographic;
-    draw_with.framing.elevation_deg = 20.0f;
-    furnish(scene, draw_with);
+    draw_with.camera.elevation_deg = 20.0f;
+    furnish(scene, *make_recipe(draw_with));
     EXPECT_EQ(scene.ground_object, 1) << orthographic;
   }
 }
 
-Image studio_picture(Scene scene, Ground ground, const std::vector<std::string>& settings = {}) {
+Image studio_picture(Scene scene, const std::string& ground, const std::vector<std::string>& settings = {}) {
   auto device = make_cpu_device();
-  DrawSettings draw_with;
+  RenderRequest draw_with;
   draw_with.width = 128;
   draw_with.height = 128;
   draw_with.look = "studio";
   draw_with.ground = ground;
   draw_with.settings = settings;
-  furnish(scene, draw_with);
+  furnish(scene, *make_recipe(draw_with));
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   const auto frame = draw(*device, scene, draw_with, times);
@@ -406,8 +407,8 @@ Image studio_picture(Scene scene, Ground ground, const std::vector<std::string>&
 
 TEST(Studio, ABoxHasAShadowAndTheRestIsBackground) {
   for (const float scale : {0.001f, 1000.0f}) {
-    const Image with = studio_picture(box_scene(glm::vec3(scale)), Ground::kAuto);
-    const Image without = studio_picture(box_scene(glm::vec3(scale)), Ground::kOff);
+    const Image with = studio_picture(box_scene(glm::vec3(scale)), "auto");
+    const Image without = studio_picture(box_scene(glm::vec3(scale)), "off");
     long shaded = 0, background = 0, brighter = 0;
     for (int y = 0; y < 128; ++y)
       for (int x = 0; x < 128; ++x) {
@@ -431,12 +432,13 @@ TEST(Frames, FramesAverageTheNoiseOfATechnique) {
       Scene own = scene;
       auto device = make_cpu_device();
       EXPECT_TRUE(device->prepare(own));
-      DrawSettings draw_with;
+      RenderRequest draw_with;
+      draw_with.look = "ao";
       draw_with.width = 64;
       draw_with.height = 48;
       draw_with.occlusion = technique;
-      draw_with.frames = frames;
-      draw_with.averaged = {"ao"};
+      draw_with.anti_aliasing = frames;
+      draw_with.passes = {"ao"};
       draw_with.settings = {setting};
       StageTimes times;
       const auto frame = draw(*device, own, draw_with, times);
@@ -462,12 +464,13 @@ TEST(Frames, AGuardBandIsCutOffAveragedPictures) {
     Scene scene = *make_builtin_scene("scene:solids?detail=7000");
     auto device = make_cpu_device();
     EXPECT_TRUE(device->prepare(scene));
-    DrawSettings draw_with;
+    RenderRequest draw_with;
+    draw_with.look = "ao";
     draw_with.width = 66;
     draw_with.height = 50;
     draw_with.occlusion = "none";
-    draw_with.frames = 4;
-    draw_with.guard_percent = guard_percent;
+    draw_with.anti_aliasing = 4;
+    draw_with.guard_band = guard_percent;
     StageTimes times;
     const auto frame = draw(*device, scene, draw_with, times);
     EXPECT_TRUE(frame);
@@ -479,7 +482,7 @@ TEST(Frames, AGuardBandIsCutOffAveragedPictures) {
 }
 
 TEST(Studio, WithoutABackgroundTheShadowIsInAlpha) {
-  const Image cutout = studio_picture(box_scene(glm::vec3(1.0f)), Ground::kOn, {"output.transparent=on"});
+  const Image cutout = studio_picture(box_scene(glm::vec3(1.0f)), "on", {"output.transparent=on"});
   long partly = 0;
   for (int y = 0; y < 128; ++y)
     for (int x = 0; x < 128; ++x) {
@@ -496,7 +499,7 @@ TEST(Studio, ExposureIsThePictures) {
   const auto brightness = [](float albedo) {
     Scene scene = box_scene(glm::vec3(1.0f));
     scene.materials[0].albedo = glm::vec3(albedo);
-    const Image image = studio_picture(scene, Ground::kOff, {"output.transfer=none"});
+    const Image image = studio_picture(scene, "off", {"output.transfer=none"});
     double sum = 0.0;
     long count = 0;
     for (int y = 0; y < 128; ++y)

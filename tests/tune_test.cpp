@@ -9,6 +9,7 @@
 
 #include "apps/compare/tune.h"
 #include "core/check.h"
+#include "renderer/devices.h"
 #include "run_program.h"
 
 namespace umbrage {

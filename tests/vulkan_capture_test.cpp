@@ -10,7 +10,8 @@
 #include "devices/vulkan/vulkan_device.h"
 #include "faulty_vulkan.h"
 #include "generators/shapes.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "scene/finish.h"
 #include "support.h"
 #include "vulkan_capture.h"
@@ -123,14 +124,14 @@ INSTANTIATE_TEST_SUITE_P(Ways, VulkanCaptureWays, testing::ValuesIn(test::kGpuCa
                          [](const auto& info) { return std::string(test::name_of(info.param)); });
 
 /// How far two devices' pictures differ: at most, and the larger share of pixels of a channel by more than 2/255.
-test::Difference difference_between(std::array<Device*, 2> devices, DrawSettings settings) {
+test::Difference difference_between(std::array<Device*, 2> devices, RenderRequest settings) {
   settings.width = 150;
   settings.height = 110;
-  settings.frames = 2;
+  settings.anti_aliasing = 2;
   std::vector<Image> images;
   for (Device* device : devices) {
     auto scene = load_scene("scene:solids?detail=3000");
-    furnish(*scene, settings);
+    furnish(*scene, *make_recipe(settings));
     EXPECT_TRUE(device->prepare(*scene));
     StageTimes times;
     const auto frame = draw(*device, *scene, settings, times);
@@ -152,14 +153,14 @@ TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
   const test::NoMessages no_messages;
   const auto cpu = make_cpu_device();
   for (const Look* look : looks()) {
-    DrawSettings settings;
+    RenderRequest settings;
     settings.look = std::string(look->name);
     if (settings.look == "cartoon") settings.settings = {"outline.opacity=0"};
     const auto d = difference_between({gpu, cpu.get()}, settings);
     EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.most;
   }
   // A line is smooth: where one of its pixels differs all of it lies elsewhere by a few hundredths of a pixel.
-  DrawSettings with_lines;
+  RenderRequest with_lines;
   with_lines.look = "cartoon";
   const auto d = difference_between({gpu, cpu.get()}, with_lines);
   EXPECT_LE(d.share_over, 1e-2);

@@ -13,7 +13,8 @@
 
 #include "generators/builtin.h"
 #include "io/image_file.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "vulkan_capture.h"
 
 namespace umbrage {
@@ -27,10 +28,10 @@ constexpr double kSeen = 2.0 / 255.0;
 
 constexpr const char* kChannels[] = {"color.r", "color.g", "color.b"};
 
-Image picture(Device& device, const std::string& scene_name, const DrawSettings& settings) {
+Image picture(Device& device, const std::string& scene_name, const RenderRequest& settings) {
   auto scene = load_scene(scene_name);
   EXPECT_TRUE(scene);
-  furnish(*scene, settings);
+  furnish(*scene, *make_recipe(settings));
   EXPECT_TRUE(device.prepare(*scene));
   StageTimes times;
   const auto frame = draw(device, *scene, settings, times);
@@ -84,7 +85,7 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
   for (const Look* look : looks()) {
     int column = 0;
     for (const auto& scene : scenes) {
-      DrawSettings settings;
+      RenderRequest settings;
       settings.width = kWidth;
       settings.height = kHeight;
       settings.look = std::string(look->name);

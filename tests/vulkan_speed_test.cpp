@@ -11,7 +11,8 @@
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/vulkan_device.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "run_effect.h"
 #include "support.h"
 #include "vulkan_support.h"
@@ -36,7 +37,7 @@ Result<Frame> captured(Device& device, const char* scene_name, int width, int he
   auto scene = load_scene(scene_name);
   if (!scene) return scene.error();
   if (auto ready = device.prepare(*scene); !ready) return ready.error();
-  DrawSettings settings;
+  RenderRequest settings;
   settings.width = width;
   settings.height = height;
   settings.look = "unsharp";

@@ -12,7 +12,8 @@
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/pipeline_file.h"
 #include "faulty_vulkan.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 #include "run_effect.h"
 #include "run_program.h"
 #include "support.h"
@@ -37,7 +38,7 @@ std::string error_of(const Result<std::unique_ptr<Device>>& device) {
   return device.error().message;
 }
 
-Result<void> run(Device& device, std::string_view effect, Frame& frame) {
+Result<Progression> run(Device& device, std::string_view effect, Frame& frame) {
   const Effect& e = *find_effect(effect);
   return device.run(e, initial_parameters(e.parameters, e.params_size), frame);
 }
@@ -157,11 +158,11 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
   auto scene = load_scene("scene:solids?detail=3000");
   ASSERT_TRUE(scene);
   for (const Look* look : looks()) {
-    DrawSettings settings;
+    RenderRequest settings;
     settings.width = 150;
     settings.height = 110;
     settings.look = std::string(look->name);
-    settings.guard_percent = 5.0f;
+    settings.guard_band = 5.0f;
     if (look == looks().front()) settings.occlusion_scale = "half";
     std::array<Image, 2> images;
     int k = 0;
@@ -206,7 +207,7 @@ TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
   auto scene = load_scene("scene:solids?detail=2000");
   ASSERT_TRUE(scene);
   for (const char* look : {"studio", "bleeding", "unsharp"}) {
-    DrawSettings settings;
+    RenderRequest settings;
     settings.width = 75;
     settings.height = 52;
     settings.look = look;

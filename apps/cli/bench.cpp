@@ -10,6 +10,8 @@
 #include "core/image.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 
 namespace umbrage::cli {
 namespace {
@@ -71,15 +73,15 @@ Result<void> bench(const BenchOptions& o) {
   for (const Effect* effect : effects()) names.push_back(effect->name);
   if (!o.effect.empty() && std::find(names.begin(), names.end(), o.effect) == names.end())
     return usage_error("there is no effect '{}' to time{}", o.effect, suggestion(o.effect, names));
-  const std::string scale = o.occlusion_scale.empty() ? "full" : o.occlusion_scale;
-  const auto every = parse_scale("--ao-scale", scale);
+  const std::string scale = o.request.occlusion_scale.empty() ? "full" : o.request.occlusion_scale;
+  const auto every = parse_scale("occlusion_scale", scale);
   if (!every) return every.error();
   if (*every > 1 && !o.effect.empty() && (o.effect == "capture" || !runs_reduced(*find_effect(o.effect))))
     return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter", scale,
                        o.effect);
   std::vector<std::pair<int, int>> sizes;
   for (const std::string& text : o.sizes) {
-    const auto size = parse_resolution(text);
+    const auto size = parse_size("width", text, kMostPixels);
     if (!size) return size.error();
     sizes.push_back(*size);
   }
@@ -121,7 +123,7 @@ Result<void> bench(const BenchOptions& o) {
         fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}{}\n", effect, setting, fmt::format("{}x{}", width, height),
                    t.median, t.least, t.gpu_median ? fmt::format(" {:9.3f} on the GPU", *t.gpu_median) : "");
     };
-    DrawSettings draw_with;
+    RenderRequest draw_with;
     draw_with.width = width;
     draw_with.height = height;
     draw_with.look = "unsharp";
@@ -152,8 +154,10 @@ Result<void> bench(const BenchOptions& o) {
       for (const std::string_view variant : effect->variants.empty() ? only_own : effect->variants) {
         EffectSettings settings = look_settings(*find_look("unsharp"));
         if (auto set = apply_variant(settings, *effect, variant); !set) return set;
-        const auto times =
-            time_of(o.runs, device, [&] { return device.run(*effect, settings.find(effect->name)->second, *frame); });
+        const auto times = time_of(o.runs, device, [&]() -> Result<void> {
+          const auto done = device.run(*effect, params_of(settings, effect->name), *frame);
+          return done ? Result<void>() : done.error();
+        });
         if (!times) return times.error();
         report(effect->name, std::string(variant), *times);
         if (effect->kind != EffectKind::kOcclusion || *every > 1) continue;
@@ -181,16 +185,16 @@ void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<BenchOptions>();
   command->add_option("MODEL", options->models, "model or built-in scene [scene:claw]")->expected(0, 1);
   command->add_option("--effect", options->effect, "time this one only; capture is one too");
-  command->add_option("--ao-scale", options->occlusion_scale,
-                      "full, or half or quarter: techniques and filters alone, at that share of the resolution [full]");
+  add_one(*command, *options, "occlusion_scale", "",
+          "full, or half or quarter: techniques and filters alone, at that share of the resolution", "full");
   command->add_option("--resolution", options->sizes, "width,height; may be given several times [1024,1024]")
       ->take_all()
       ->expected(1)
       ->allow_extra_args(false);
   command->add_option("--runs", options->runs, "runs behind each time [9]");
   command->add_flag("--json", options->json, "print JSON");
-  add_device_options(*command, *options);
-  command->callback([options, &run] { run = [options] { return bench(*options); }; });
+  add_device_options(*command, *options, kBench);
+  command->callback([options, &run] { run = with_options(options, bench); });
 }
 
 }  // namespace umbrage::cli

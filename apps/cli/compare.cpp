@@ -75,7 +75,7 @@ Result<void> run_compare(const CompareOptions& o) {
   settings.filter = o.filter;
   settings.sizes.clear();
   for (const std::string& text : o.sizes) {
-    const auto size = parse_resolution(text);
+    const auto size = parse_size("width", text, kMostPixels);
     if (!size) return size.error();
     settings.sizes.push_back(*size);
   }
@@ -86,12 +86,10 @@ Result<void> run_compare(const CompareOptions& o) {
   });
   settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
   if (o.techniques != "all") settings.techniques = split(o.techniques);
-  const auto import_with = import_settings(o);
+  const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   settings.import = *import_with;
-  const auto draw_with = draw_settings(o);
-  if (!draw_with) return draw_with.error();
-  settings.draw = *draw_with;
+  settings.draw = o.request;
   settings.load = loader_of(o);
   if (auto fine = check_standard_input(o.models, o.input_format); !fine) return fine;
   if (auto fine = check_compare(settings); !fine) return fine;
@@ -155,17 +153,15 @@ Result<void> run_compare(const CompareOptions& o) {
 void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("compare", "measure each technique against ray-traced truth");
   auto options = std::make_shared<CompareOptions>();
-  add_scene_options(*command, *options);
+  add_model_options(*command, *options, kCompare);
   const auto comparison = "Comparison";
   command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
       ->group(comparison);
   command
       ->add_flag("--light", options->light, "compare the light that techniques gather too, with the reference's bounce")
       ->group(comparison);
-  command
-      ->add_option("--ao-scale", options->occlusion_scale,
-                   "resolution at which techniques run: full, half or quarter [full]")
-      ->group(comparison);
+  add_one(*command, *options, "occlusion_scale", comparison,
+          "resolution at which techniques run: full, half or quarter", "full");
   command->add_option("--filter", options->filter, "an effect that smooths what each technique made, such as denoise")
       ->group(comparison);
   command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
@@ -181,9 +177,9 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
   command->add_option("--runs", options->runs, "runs behind each time [3]")->group(comparison);
   command->add_option("--baseline", options->baseline, "an earlier scores.json: fail where a score is worse than there")
       ->group(comparison);
-  add_technique_options(*command, *options);
-  add_device_options(*command, *options);
-  command->callback([options, &run] { run = [options] { return run_compare(*options); }; });
+  add_group(*command, *options, kCompare, "Technique");
+  add_device_options(*command, *options, kCompare);
+  command->callback([options, &run] { run = with_options(options, run_compare); });
 }
 
 }  // namespace umbrage::cli

@@ -82,7 +82,8 @@ std::string report_of(const Paper& paper, const std::vector<Figure>& figures, co
   return text;
 }
 
-Result<void> make_figures(FiguresOptions o) {
+Result<void> make_figures(const FiguresOptions& asked) {
+  FiguresOptions o = asked;
   const auto paper =
       std::find_if(std::begin(kPapers), std::end(kPapers), [&](const Paper& p) { return p.name == o.paper; });
   if (paper == std::end(kPapers)) {
@@ -159,8 +160,8 @@ void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
                       "side of the pictures in pixels [the paper's: unsharp 1024, cartoon 512, bleeding 768]");
   command->add_option("--runs", options->runs, "runs behind each time in the tables [5]");
   command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]");
-  add_device_options(*command, *options);
-  command->callback([options, &run] { run = [options] { return make_figures(*options); }; });
+  add_device_options(*command, *options, kFigures);
+  command->callback([options, &run] { run = with_options(options, make_figures); });
 }
 
 }  // namespace umbrage::cli

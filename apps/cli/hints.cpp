@@ -18,9 +18,9 @@ void Seen::add(const Plane& depth, const Plane* ao) {
     }
 }
 
-std::vector<std::string> seen_planes(const RenderOptions& o, const Recipe& recipe) {
+std::vector<std::string> seen_planes(const Recipe& recipe) {
   std::vector<std::string> planes = {"depth"};
-  if (!o.radius.empty() && recipe.occlusion != kNoOcclusion) planes.emplace_back("ao");
+  if (recipe.radius && recipe.occlusion != kNoOcclusion && recipe.wants("ao")) planes.emplace_back("ao");
   return planes;
 }
 
@@ -34,7 +34,7 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
            std::find(effects.begin(), effects.end(), effect) != effects.end();
   };
   const auto techniques = occlusion_names(handed_in());
-  for (const std::string& setting : o.settings) {
+  for (const std::string& setting : o.request.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
     // Of a configuration file some settings are for other looks.
     if (runs(effect) || command_line.find(setting) == std::string_view::npos) continue;
@@ -44,22 +44,25 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
     else
       sentences.push_back(fmt::format("--set {} does nothing: the look {} has no {}", setting, look, effect));
   }
-  if (!o.radius.empty() && recipe.occlusion == kNoOcclusion)
-    sentences.push_back(fmt::format("--ao-radius {} does nothing: this picture has no occlusion", o.radius));
+  if (recipe.radius && recipe.occlusion == kNoOcclusion)
+    sentences.push_back(
+        fmt::format("--ao-radius {} does nothing: this picture has no occlusion", o.request.occlusion_radius));
   const bool shines = std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
     const Effect* effect = find_effect(name);
-    const Parameter* rig = effect ? find_parameter(*effect, "rig") : nullptr;
-    return rig && parameter_text(*rig, recipe.settings.find(effect->name)->second) == "scene";
+    return effect && by_scene_lights(*effect, recipe.settings);
   });
-  if (!o.hdri_file.empty() && !o.hdri_skybox && (!shines || !o.hdri_ambient))
-    sentences.push_back(o.hdri_ambient ? fmt::format("--hdri-file does nothing: the look {} brings its own light", look)
-                                       : "--hdri-file does nothing: it is to be neither light nor background");
-  if (o.hdri_file.empty())
+  const Hdri& hdri = recipe.hdri;
+  if (!hdri.file.empty() && !hdri.skybox && (!shines || !hdri.ambient))
+    sentences.push_back(hdri.ambient ? fmt::format("--hdri-file does nothing: the look {} brings its own light", look)
+                                     : "--hdri-file does nothing: it is to be neither light nor background");
+  if (hdri.file.empty())
     for (const std::string_view option : {"--hdri-rotation", "--hdri-intensity", "--hdri-ambient"})
       if (command_line.find(option) != std::string_view::npos)
         sentences.push_back(fmt::format("{} does nothing: there is no image; try --hdri-file sky:", option));
   if (scene.point_count() == 0) {
-    const char* what = !o.point_size.empty() ? "--point-size" : o.point_shape != "auto" ? "--point-sprites" : nullptr;
+    const char* what = !o.request.point_size.empty()       ? "--point-size"
+                       : o.request.point_sprites != "auto" ? "--point-sprites"
+                                                           : nullptr;
     if (what) sentences.push_back(fmt::format("{} does nothing: {} has no points", what, scene.name));
   }
   return sentences;
@@ -68,12 +71,11 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
 namespace {
 
 /// A sentence where the radius that the user chose leaves hardly any occlusion; else nothing.
-std::string radius_hint(const RenderOptions& o, const Recipe& recipe, const Seen& seen, float scene_radius) {
+std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radius) {
   constexpr double kHardlyAny = 1e-3;              // of the pixels that show a surface
   constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the scene's radius
-  if (o.radius.empty() || recipe.occlusion == kNoOcclusion) return "";
-  const auto length = parse_radius("--ao-radius", o.radius);
-  if (!length) return "";
+  const auto& length = recipe.radius;
+  if (!length || recipe.occlusion == kNoOcclusion) return "";
   const double percent =
       length->relative ? double(length->value) : 100.0 * double(length->value) / double(scene_radius);
   const double pixels = double(seen.surfaces), changed = double(seen.changed);
@@ -85,11 +87,11 @@ std::string radius_hint(const RenderOptions& o, const Recipe& recipe, const Seen
 
 }  // namespace
 
-void print_hints(const RenderOptions& o, const Recipe& recipe, const Seen& seen, const Scene& scene) {
+void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene) {
   if (seen.surfaces == 0)
     fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
                scene.name);
-  if (const std::string hint = radius_hint(o, recipe, seen, scene.radius()); !hint.empty())
+  if (const std::string hint = radius_hint(recipe, seen, scene.radius()); !hint.empty())
     fmt::print(stderr, "umbrage: warning: {}\n", hint);
 }
 

@@ -190,7 +190,7 @@ void print_text(const Scene& scene, const std::string& format) {
 }
 
 Result<void> info(const InfoOptions& o) {
-  const auto import_with = import_settings(o);
+  const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   const auto scene = load_models(o.models, o.input_format, *import_with);
   if (!scene) return scene.error();
@@ -211,10 +211,10 @@ Result<void> info(const InfoOptions& o) {
 void add_info(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("info", "say what a model holds and how it was understood");
   auto options = std::make_shared<InfoOptions>();
-  add_model_options(*command, *options);
+  add_model_options(*command, *options, kInfo);
   command->add_flag("--json", options->json, "print JSON");
   add_config_option(*command);
-  command->callback([options, &run] { run = [options] { return info(*options); }; });
+  command->callback([options, &run] { run = with_options(options, info); });
 }
 
 }  // namespace umbrage::cli

@@ -9,7 +9,7 @@ namespace umbrage::cli {
 
 void choose_line_look(RenderOptions& o) {
   constexpr const char* kLineLook = "cartoon";
-  if (is_svg(o.output) && !o.look_given) o.look = kLineLook;
+  if (is_svg(o.output) && !o.is_given("look")) o.request.look = kLineLook;
 }
 
 Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
@@ -43,17 +43,17 @@ Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile&
   lines.params = std::move(*params);
   lines.style.color = line_color(lines.params);
   lines.style.opacity = line_opacity(lines.params);
-  if (o.background.empty() || o.no_background) return {};
-  const auto& output = as<OutputParams>(recipe.settings.find("output")->second);
+  if (!o.request.background || o.request.transparent) return {};
+  const auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   lines.style.background = {output.background_r, output.background_g, output.background_b};
   return {};
 }
 
-void draw_lines_alone(const RenderOptions& o, DrawSettings& draw) {
-  draw.frames = 1;
-  if (!o.radius.empty()) return;  // of which a hint may have something to say
-  draw.occlusion = kNoOcclusion;
-  draw.occlusion_scale.clear();
+void draw_lines_alone(RenderRequest& request) {
+  request.anti_aliasing = 1;
+  if (!request.occlusion_radius.empty()) return;  // of which a hint may have something to say
+  request.occlusion = kNoOcclusion;
+  request.occlusion_scale.clear();
 }
 
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame) {

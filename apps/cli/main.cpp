@@ -7,6 +7,7 @@
 
 #include "apps/cli/commands.h"
 #include "apps/cli/config.h"
+#include "apps/cli/options.h"
 #include "apps/cli/signals.h"
 #include "core/guarded.h"
 #include "core/suggest.h"
@@ -116,7 +117,7 @@ std::string quoted(const std::string& word) {
 
 int report(const Error& error) {
   // Not fmt: it throws where standard error is full.
-  std::fputs(("umbrage: " + error.message + "\n").c_str(), stderr);
+  std::fputs(("umbrage: " + in_options(error.message) + "\n").c_str(), stderr);
   return int(error.kind);
 }
 

@@ -81,15 +81,14 @@ Words values_of(const CLI::App& command, std::string_view option) {
   if (option == "effect") return effect_names();
   if (option == "set") return parameter_names();
   if (option == "quality") return quality_names();
-  if (option == "ao-scale") return {"full", "half", "quarter"};
-  if (option == "ground") return {"auto", "on", "off"};
   if (option == "device") return {"auto", "cpu", "vulkan"};
   if (option == "isa") return {usable_isas().begin(), usable_isas().end()};
-  if (option == "point-sprites") return {"auto", "disc", "sphere"};
   if (option == "up") return {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
   if (option == "bits") return {"8", "16"};
   if (option == "paper") return {"unsharp", "cartoon", "bleeding"};
   if (option == "input-format") return import_formats();
+  for (const Option& row : options())
+    if (row.option == option) return {row.choices.begin(), row.choices.end()};
   return {};
 }
 

@@ -1,11 +1,17 @@
-// Options that several commands share, and their text forms.
+// Options that several commands share: the table of renderer/options.h as words of a command line.
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "apps/cli/config.h"
-#include "renderer/job.h"
+#include "core/device.h"
+#include "renderer/options.h"
+#include "renderer/recipe.h"
 
 namespace CLI {
 class App;
@@ -13,53 +19,49 @@ class App;
 
 namespace umbrage::cli {
 
-/// What the scene, camera, picture and device options hold, as written. Names follow f3d (scene, camera, window) and
-/// OIDN (device, threads).
 struct CommonOptions {
   std::vector<std::string> models;
   std::string input_format;
-  std::string resolution = "1024,1024";
-  std::string point_size, point_shape = "auto";
-  std::string up, scene_index, crease_angle, position, focal_point, view_up, direction;
-  std::string camera_index, view_angle, azimuth = "0", elevation = "0", zoom = "1";
-  bool orthographic = false;
-  std::string look = "studio", occlusion, occlusion_scale, radius, anti_aliasing, quality, ground = "auto";
-  std::vector<std::string> settings;
-  std::string layers, extra_views, guard_band = "0%";
-  std::string background;
-  bool no_background = false;
-  std::string hdri_file, hdri_rotation = "0", hdri_intensity = "1", light_size;
-  bool hdri_ambient = true, hdri_skybox = false;
-  std::string device = "auto", threads = "0", isa;
   bool verbose = false;
+  RenderRequest request;  ///< what the table's options say, once take_options has read them
+
+  // As written, by the options' names.
+  std::map<std::string_view, std::string> texts;
+  std::map<std::string_view, std::vector<std::string>> lists;
+  std::map<std::string_view, bool> flags;
+
+  bool is_given(std::string_view option) const {
+    const auto text = texts.find(option);
+    return text != texts.end() && !text->second.empty();
+  }
 };
 
-/// Models and how they are read.
-void add_model_options(CLI::App& command, CommonOptions& options);
-/// The same, and the camera.
-void add_scene_options(CLI::App& command, CommonOptions& options);
-void add_technique_options(CLI::App& command, CommonOptions& options);
-void add_picture_options(CLI::App& command, CommonOptions& options);
-void add_device_options(CLI::App& command, CommonOptions& options);
+/// Adds the options of a group that this command has.
+void add_group(CLI::App& command, CommonOptions& options, OptionCommand which, std::string_view group);
+/// Models, and the groups Scene and Camera.
+void add_model_options(CLI::App& command, CommonOptions& options, OptionCommand which);
+/// The group Device, --verbose and --config.
+void add_device_options(CLI::App& command, CommonOptions& options, OptionCommand which);
+/// One option, in that group; its help and what holds where nobody says, where they differ from the table's.
+void add_one(CLI::App& command, CommonOptions& options, std::string_view field, std::string_view group,
+             std::string_view help = {}, std::string_view initial = {});
 
-/// What shines on the scene.
-void add_light_options(CLI::App& command, CommonOptions& options);
+/// Reads what was written into the request. Errors: kUsage, naming the field and what it takes.
+Result<void> take_options(CommonOptions& options);
 
-/// The options, parsed. Errors: kUsage, naming the option and what it takes, also for a picture of more than
-/// `most_pixels`.
-Result<DrawSettings> draw_settings(const CommonOptions& options, long most_pixels = kMostPixels);
-Result<ImportSettings> import_settings(const CommonOptions& options);
+/// What runs a command once its options are read.
+template <class Options>
+std::function<Result<void>()> with_options(std::shared_ptr<Options> options, Result<void> (*command)(const Options&)) {
+  return [options, command] {
+    auto taken = take_options(*options);
+    return taken ? command(*options) : taken;
+  };
+}
+
+/// A message of the library with the options' names in place of the fields'.
+std::string in_options(std::string_view message);
+
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
-
-/// "1024,768" or "1024x768".
-Result<std::pair<int, int>> parse_resolution(std::string_view text, long most = kMostPixels);
-
-/// "+Y", "-z" or "0,1,0".
-Result<glm::vec3> parse_direction(std::string_view option, std::string_view text);
-
-/// A whole number. Errors: kUsage, naming the option.
-Result<int> parse_whole(std::string_view option, std::string_view text, int least, int most);
-Result<double> parse_number(std::string_view option, std::string_view text, double least, double most);
 
 /// Whether a folder can be made, or these files written into the one that is there, before any work; makes nothing.
 Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files);

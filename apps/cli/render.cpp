@@ -24,8 +24,9 @@
 #include "effects/outline/outline.h"
 #include "io/image_file.h"
 #include "renderer/bands.h"
+#include "renderer/draw.h"
+#include "renderer/lines.h"
 #include "renderer/passes.h"
-#include "renderer/turntable.h"
 
 namespace umbrage::cli {
 namespace {
@@ -131,9 +132,9 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
   const Camera camera = inner_camera(frame.info);
   const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
   auto names = kColor;
-  if (o.no_background) names.push_back("color.a");
+  if (o.request.transparent) names.push_back("color.a");
   if (o.passes) {
-    const auto chosen = chosen_planes(split(*o.passes), device.plane_names(frame), frame.info);
+    const auto chosen = chosen_planes(o.request.passes, device.plane_names(frame), frame.info);
     if (!chosen) return chosen.error();
     names.clear();
     for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
@@ -143,22 +144,40 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
   return put_image(place, picture_in_file(o, place, *image, names, effect_settings, place.first), settings);
 }
 
+/// What is written, and how many frames; checked before the model is read.
+struct Output {
+  int frames = 1;
+  bool turns = false, is_video = false;
+  double frame_rate = 0.0;
+  FrameNames names;  ///< of frames that are files
+};
+
+/// Everything that can be known of a picture before its model is read.
+struct Order {
+  Output output;
+  LineFile lines;
+  Recipe asked;   ///< as the options say, for hints
+  Recipe recipe;  ///< with what the output needs, and no more
+  ImportSettings import_with;
+  double memory = 0.0;
+};
+
 /// The planes of the passes that are wanted, as a small copy of the picture has them.
-Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, Scene& scene,
-                                             const DrawSettings& draw_with) {
+Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, Scene& scene, const Plan& plan) {
   constexpr int kSmall = 16;  // pixels a side
-  DrawSettings small = draw_with;
+  RenderRequest small = o.request;
   small.width = small.height = kSmall;
-  small.progress = [](double) { return true; };
+  auto recipe = make_recipe(small);
+  if (!recipe) return recipe.error();
+  recipe->hdri = plan.recipe.hdri;
+  keep_passes_alone(*recipe);
   StageTimes times;
   // Lights that a scene lacks hang on the picture.
-  const auto lights = scene.lights;
-  const auto ambient = scene.ambient;
-  const auto frame = draw(device, scene, small, times);
-  scene.lights = lights;
-  scene.ambient = ambient;
+  const Lighting lighting = lighting_of(scene);
+  const auto frame = draw(device, scene, *recipe, times);
+  set_lighting(lighting, scene);
   if (!frame) return frame.error();
-  const auto chosen = chosen_planes(split(*o.passes), device.plane_names(*frame), frame->info);
+  const auto chosen = chosen_planes(small.passes, device.plane_names(*frame), frame->info);
   if (!chosen) return chosen.error();
   std::vector<std::string> names;
   for (const PassPlanes& pass : *chosen) names.insert(names.end(), pass.planes.begin(), pass.planes.end());
@@ -166,30 +185,33 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
 }
 
 /// Draws the picture in bands, into its file. Progress is shown meanwhile, on `line`.
-Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, const LineFile& lines, Device& device,
-                            Scene& scene, const DrawSettings& draw_with, BandPlan plan, ProgressLine& line,
-                            StageTimes& times) {
+Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& device, Scene& scene, const Plan& plan,
+                            int band_rows, ProgressLine& line, StageTimes& times) {
+  const Recipe& recipe = order.recipe;
+  const LineFile& lines = order.lines;
   const Place place{o.output, nullptr, {}};
-  Lines traced;
-  if (lines) plan.lines = &traced;
   auto names = lines.alone ? std::vector<std::string>() : kColor;
-  if (o.no_background && !lines.alone) names.push_back("color.a");
+  if (o.request.transparent && !lines.alone) names.push_back("color.a");
   if (o.passes) {
-    auto planes = pass_planes(o, device, scene, draw_with);
+    auto planes = pass_planes(o, device, scene, plan);
     if (!planes) return planes.error();
     names = std::move(*planes);
   }
-  plan.planes = names;
-  for (const std::string& name : seen_planes(o, recipe))
-    if (std::find(names.begin(), names.end(), name) == names.end()) plan.planes.push_back(name);
+  std::vector<std::string> wanted = names;
+  for (const std::string& name : seen_planes(recipe))
+    if (std::find(names.begin(), names.end(), name) == names.end()) wanted.push_back(name);
   // Of the size that it has in the file, but one pixel.
   Image pixel(1, 1);
-  for (const std::string& name : plan.planes) pixel.add(name) = Plane(1, 1, 0.0f);
-  const ImageShape shape{draw_with.width, draw_with.height,
+  for (const std::string& name : wanted) pixel.add(name) = Plane(1, 1, 0.0f);
+  const ImageShape shape{recipe.width, recipe.height,
                          picture_in_file(o, place, pixel, names, recipe.settings, {}).names};
   Seen seen;
-  const Camera camera = frame_scene(scene, draw_with.framing, draw_with.width, draw_with.height);
-  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
+  Lines traced;
+  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &plan.camera};
+  const auto monitor = [&](double done) {
+    line.show("drawing", done);
+    return true;
+  };
   const auto make = [&](const TakeImageRows& take) -> Result<void> {
     const auto take_rows = [&](const PictureInfo& info, const Image& rows, int) {
       seen.add(rows.plane("depth"), rows.find("ao"));
@@ -200,16 +222,21 @@ Result<void> draw_into_file(const RenderOptions& o, const Recipe& recipe, const 
     // Here, since it is not the file that cannot be written.
     return guarded(
         [&] {
-          return fmt::format("{} x {} pixels in bands; try a smaller --memory, --resolution or model", draw_with.width,
-                             draw_with.height);
+          return fmt::format("{} x {} pixels in bands; try a smaller --memory, --resolution or model", recipe.width,
+                             recipe.height);
         },
-        [&] { return draw_bands(device, scene, draw_with, plan, take_rows, times); });
+        [&]() -> Result<void> {
+          auto drawn = draw_bands(device, scene, plan, band_rows, wanted, bool(lines), take_rows, times, monitor);
+          if (!drawn) return drawn.error();
+          traced = std::move(drawn->lines);
+          return {};
+        });
   };
   auto written =
       lines.alone ? make([](const Image&) { return Result<void>(); }) : put_rows(place, shape, settings, make);
   if (written && lines) written = write_lines(lines, traced);
   line.wipe();
-  if (written) print_hints(o, recipe, seen, scene);
+  if (written) print_hints(recipe, seen, scene);
   return written;
 }
 
@@ -243,14 +270,6 @@ void print_times(const StageTimes& times, const std::vector<PassTime>& passes, b
   records.push_back({{"stage", "total"}, {"ms", times.total()}});
   fmt::print("{}\n", records.dump(2));
 }
-
-/// What is written, and how many frames; checked before the model is read.
-struct Output {
-  int frames = 1;
-  bool turns = false, is_video = false;
-  double frame_rate = 0.0;
-  FrameNames names;  ///< of frames that are files
-};
 
 Result<Output> output_of(const RenderOptions& o) {
   Output output;
@@ -289,55 +308,57 @@ Result<Output> output_of(const RenderOptions& o) {
   return output;
 }
 
-VideoSettings video_settings(const RenderOptions& o, const Output& output, const DrawSettings& draw_with) {
-  return {.width = draw_with.width,
-          .height = draw_with.height,
+VideoSettings video_settings(const RenderOptions& o, const Output& output) {
+  return {.width = o.request.width,
+          .height = o.request.height,
           .frame_rate = output.frame_rate,
-          .alpha = o.passes ? *o.passes == "outline" : o.no_background};
+          .alpha = o.passes ? *o.passes == "outline" : o.request.transparent};
 }
 
 /// Draws and writes all frames.
-Result<void> draw_frames(const RenderOptions& o, const Output& output, const Recipe& recipe, const LineFile& lines,
-                         Device& device, Scene& scene, DrawSettings draw_with, const BandPlan& plan,
+Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& device, Scene& scene, const Plan& plan,
                          StageTimes& times) {
+  const Output& output = order.output;
+  const LineFile& lines = order.lines;
   ProgressLine line;
   int frame_number = 0;
-  draw_with.progress = [&](double done) {
+  const auto monitor = [&](double done) {
     line.show(output.frames == 1 ? "drawing" : fmt::format("drawing frame {} of {}", frame_number + 1, output.frames),
               (frame_number + done) / output.frames);
     return true;
   };
-  if (plan.rows > 0) return draw_into_file(o, recipe, lines, device, scene, draw_with, plan, line, times);
   const KeptPlanes kept;
   std::unique_ptr<Video> video;
   Place place{o.output, nullptr, {}};
   if (output.is_video) {
-    auto begun = Video::begin(o.output, video_settings(o, output, draw_with));
+    auto begun = Video::begin(o.output, video_settings(o, output));
     if (!begun) return begun.error();
     video = std::move(*begun);
     place.video = video.get();
   }
-  Turntable turntable(scene, draw_with);
+  std::optional<float> stops;  // one exposure for all
   constexpr float kWholeTurnDeg = 360.0f;
   for (; frame_number < output.frames; ++frame_number) {
-    if (output.turns) turntable.turn_to(kWholeTurnDeg * float(frame_number) / float(output.frames), scene, draw_with);
-    const auto frame = draw(device, scene, draw_with, times);
-    if (!frame) return frame.error();
+    const float angle_deg = kWholeTurnDeg * float(frame_number) / float(output.frames);
+    const auto drawn = draw(device, scene, turned(plan, scene, angle_deg), times, monitor, stops);
+    if (!drawn) return drawn.error();
+    const Frame& frame = drawn->frame;
+    stops = drawn->stops;
     if (frame_number == 0) {
       line.wipe();
-      if (const auto planes = device.download(*frame, seen_planes(o, recipe))) {
+      if (const auto planes = device.download(frame, seen_planes(order.recipe))) {
         Seen seen;
         seen.add(planes->plane("depth"), planes->find("ao"));
-        print_hints(o, recipe, seen, scene);
+        print_hints(order.recipe, seen, scene);
       }
-      place.first = frame->info;
+      place.first = frame.info;
     }
     if (output.turns && !video) place.file = output.names.of(frame_number);
     if (!lines.alone)
-      if (auto written = write_output(o, place, recipe.settings, device, *frame); !written) return written;
+      if (auto written = write_output(o, place, order.recipe.settings, device, frame); !written) return written;
     times.done("write");
     if (!lines) continue;
-    if (auto written = write_lines(lines, frame_number, device, *frame); !written) return written;
+    if (auto written = write_lines(lines, frame_number, device, frame); !written) return written;
     times.done("lines");
   }
   if (!video) return {};
@@ -347,89 +368,132 @@ Result<void> draw_frames(const RenderOptions& o, const Output& output, const Rec
   return {};
 }
 
-Result<void> render(const RenderOptions& o) {
-  StageTimes times;
-  // Everything that can be wrong without a model is found before it is read.
-  const auto output = output_of(o);
-  if (!output) return output.error();
-  auto lines = line_file_of(o, output->turns ? output->frames : 0);
-  if (!lines) return lines.error();
-  if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
-  auto draw_with = draw_settings(o, kMostBandPixels);
-  if (!draw_with) return draw_with.error();
-  if (o.passes) want_passes(split(*o.passes), *draw_with);
-  const auto recipe = make_recipe(*draw_with);
-  if (!recipe) return recipe.error();
-  const auto capture_with = capture_settings(*draw_with, *recipe->look, kMostShadows, kMostBandPixels);
-  if (!capture_with) return capture_with.error();
-  if (o.passes)
-    if (auto fine = check_passes(split(*o.passes), *draw_with); !fine) return fine;
-  const std::string extension = output->is_video ? std::filesystem::path(o.output).extension().string().substr(1)
+/// What the file can hold. Errors: kUsage.
+Result<void> check_output(const RenderOptions& o, const Output& output) {
+  const std::string extension = output.is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
                                                               : *extension_of(o.output);
   if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
     return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", *o.passes);
   if (o.bits != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
-  if (*lines)
-    if (auto taken = take_recipe(o, *recipe, *lines); !taken) return taken;
-  if (lines->alone) draw_lines_alone(o, *draw_with);
+  return {};
+}
+
+/// Errors: kUsage; kFile for a file that cannot be written.
+Result<Order> order_of(const RenderOptions& o) {
+  Order order;
+  const auto output = output_of(o);
+  if (!output) return output.error();
+  order.output = *output;
+  auto lines = line_file_of(o, output->turns ? output->frames : 0);
+  if (!lines) return lines.error();
+  order.lines = std::move(*lines);
+  if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
+  auto recipe = make_recipe(o.request, kMostBandPixels);
+  if (!recipe) return recipe.error();
+  order.asked = order.recipe = std::move(*recipe);
+  if (auto fine = check_output(o, *output); !fine) return fine.error();
+  if (order.lines)
+    if (auto taken = take_recipe(o, order.asked, order.lines); !taken) return taken.error();
+  if (order.lines.alone) {
+    RenderRequest of_lines = o.request;
+    draw_lines_alone(of_lines);
+    auto alone = make_recipe(of_lines, kMostBandPixels);
+    if (!alone) return alone.error();
+    order.recipe = std::move(*alone);
+  }
+  keep_passes_alone(order.recipe);
+  if (order.recipe.wanted && order.lines)
+    order.recipe.wanted->insert(order.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
   if (output->is_video)
-    if (auto fine = check_video(o.output, video_settings(o, *output, *draw_with)); !fine) return fine;
-  const auto import_with = import_settings(o);
+    if (auto fine = check_video(o.output, video_settings(o, *output)); !fine) return fine.error();
+  const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
-  auto device = device_of(o);
-  if (!device) return device.error();
+  order.import_with = *import_with;
+  return order;
+}
+
+/// How the picture is drawn with so much memory, on the device or, where that is free to choose, another one that can.
+Result<BandPlan> planned_bands(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
-  auto plan = plan_bands(**device, *draw_with, *memory);
-  if (!plan && o.device == "auto" && !(*device)->draws_bands()) {
+  auto bands = plan_bands(*device, order.recipe, *memory);
+  if (!bands && o.request.device == "auto" && !device->draws_bands()) {
     RenderOptions on_cpu = o;
-    on_cpu.device = "cpu";
-    device = device_of(on_cpu);
-    if (!device) return device.error();
-    plan = plan_bands(**device, *draw_with, *memory);
+    on_cpu.request.device = "cpu";
+    auto other = device_of(on_cpu);
+    if (!other) return other.error();
+    device = std::move(*other);
+    bands = plan_bands(*device, order.recipe, *memory);
   }
-  if (!plan) return plan.error();
-  if (plan->rows > 0 && o.passes && *o.passes == "all")
-    return usage_error("--passes all of {} x {} pixels takes more than --memory {}: name the passes, or allow more",
-                       draw_with->width, draw_with->height, o.memory);
-  if (plan->rows > 0 && output->turns)
-    return usage_error(
-        "--turntable of {} x {} pixels takes more than --memory {}: allow more, or draw smaller pictures",
-        draw_with->width, draw_with->height, o.memory);
-
-  std::optional<ProgressLine> line(std::in_place);
-  const auto warn = [&](const std::string& warning) {
-    line->wipe();
-    fmt::print(stderr, "umbrage: warning: {}\n", warning);
+  if (!bands || bands->rows == 0) return bands;
+  const auto too_large = [&](std::string_view what, std::string_view advice) {
+    return usage_error("{} of {} x {} pixels takes more than --memory {}: {}", what, o.request.width, o.request.height,
+                       o.memory, advice);
   };
-  if (!draw_with->hdri.file.empty()) line->show("reading " + draw_with->hdri.file);
-  const auto hdri_warnings = read_hdri(draw_with->hdri);
+  if (o.passes && *o.passes == "all") return too_large("--passes all", "name the passes, or allow more");
+  if (order.output.turns) return too_large("--turntable", "allow more, or draw smaller pictures");
+  return bands;
+}
+
+/// Reads the model and what is around it, and says what is odd about them.
+Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& line) {
+  const auto warn = [&](const std::string& warning) {
+    line.wipe();
+    fmt::print(stderr, "umbrage: warning: {}\n", in_options(warning));
+  };
+  if (!order.recipe.hdri.file.empty()) line.show("reading " + order.recipe.hdri.file);
+  const auto hdri_warnings = read_hdri(order.recipe.hdri);
   if (!hdri_warnings) return hdri_warnings.error();
   for (const std::string& warning : *hdri_warnings) warn(warning);
-  line->show("reading " + o.models[0]);
-  auto scene = load_models(o.models, o.input_format, *import_with);
-  if (!scene) return scene.error();
-  if (draw_with->camera_index)
-    if (auto used = use_camera(*draw_with->camera_index, *scene); !used) return used;
+  line.show("reading " + o.models[0]);
+  auto scene = load_models(o.models, o.input_format, order.import_with);
+  if (!scene) return scene;
+  if (order.recipe.camera_index)
+    if (auto used = use_camera(*order.recipe.camera_index, *scene); !used) return used.error();
   for (const std::string& warning : scene->warnings) warn(warning);
-  for (const std::string& setting : useless_settings(o, *recipe, *scene)) warn(setting);
+  for (const std::string& setting : useless_settings(o, order.asked, *scene)) warn(setting);
+  return scene;
+}
+
+Result<void> render(const RenderOptions& given) {
+  RenderOptions o = given;
+  choose_line_look(o);
+  if (o.passes) o.request.passes = split(*o.passes);
+  StageTimes times;
+  auto order = order_of(o);
+  if (!order) return order.error();
+  auto opened = device_of(o);
+  if (!opened) return opened.error();
+  std::unique_ptr<Device> device = std::move(*opened);
+  const auto bands = planned_bands(o, *order, device);
+  if (!bands) return bands.error();
+
+  std::optional<ProgressLine> line(std::in_place);
+  auto scene = read_scene(o, *order, *line);
+  if (!scene) return scene.error();
   times.done("load");
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
-  furnish(*scene, *draw_with);
-  if (auto ready = (*device)->prepare(*scene); !ready) return ready;
+  furnish(*scene, order->recipe);
+  if (auto ready = device->prepare(*scene); !ready) return ready;
+  const auto plan = make_plan(order->recipe, *scene, device->threads());
+  if (!plan) return plan.error();
   line.reset();
   times.done("prepare");
-  if (plan->rows > 0 && o.verbose)
+  if (bands->rows > 0 && o.verbose)
     fmt::print(stderr, "drawn in bands of {} rows, by about {:.1f} GB; whole it would take more than --memory {}\n",
-               plan->rows, plan->bytes * 1e-9, o.memory);
-  if (auto drawn = draw_frames(o, *output, *recipe, *lines, **device, *scene, *draw_with, *plan, times); !drawn)
+               bands->rows, bands->bytes * 1e-9, o.memory);
+  ProgressLine drawing;
+  if (auto drawn = bands->rows > 0 ? draw_into_file(o, *order, *device, *scene, *plan, bands->rows, drawing, times)
+                                   : draw_frames(o, *order, *device, *scene, *plan, times);
+      !drawn)
     return drawn;
-  if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, (*device)->description());
-  if (o.verbose || o.json) print_times(times, added_up((*device)->take_pass_times()), o.json);
+  drawing.wipe();
+  if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, device->description());
+  if (o.verbose || o.json) print_times(times, added_up(device->take_pass_times()), o.json);
   return {};
 }
 
@@ -438,10 +502,8 @@ Result<void> render(const RenderOptions& o) {
 void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("render", "draw a model to a file");
   auto options = std::make_shared<RenderOptions>();
-  add_scene_options(*command, *options);
-  add_technique_options(*command, *options);
-  add_picture_options(*command, *options);
-  add_light_options(*command, *options);
+  add_model_options(*command, *options, kRender);
+  for (const char* group : {"Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
   const auto output = "Output";
   command
       ->add_option(
@@ -467,12 +529,8 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
                    "draw in bands what would take more memory at once, about, such as 6G or 500M [6G]")
       ->group(output);
   command->add_flag("--json", options->json, "print the time of each stage as JSON")->group(output);
-  add_device_options(*command, *options);
-  command->callback([options, command, &run] {
-    options->look_given = command->count("--look") > 0;
-    choose_line_look(*options);
-    run = [options] { return render(*options); };
-  });
+  add_device_options(*command, *options, kRender);
+  command->callback([options, &run] { run = with_options(options, render); });
 }
 
 }  // namespace umbrage::cli

@@ -12,7 +12,6 @@ struct RenderOptions : CommonOptions {
   std::optional<std::string> passes;
   int bits = 8;
   bool half = false, json = false;
-  bool look_given = false;
 };
 
 }  // namespace umbrage::cli

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/cli/options.h"
-#include "renderer/job.h"
+#include "renderer/models.h"
 
 namespace umbrage::cli {
 

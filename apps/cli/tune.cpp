@@ -83,12 +83,10 @@ Result<void> run_tune(const TuneOptions& o) {
   settings.runs = o.runs;
   settings.trials = o.trials;
   settings.budget_ms = o.budget_ms;
-  const auto import_with = import_settings(o);
+  const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   settings.import = *import_with;
-  const auto draw_with = draw_settings(o);
-  if (!draw_with) return draw_with.error();
-  settings.draw = *draw_with;
+  settings.draw = o.request;
   settings.load = loader_of(o);
   if (auto fine = check_standard_input(o.models, o.input_format); !fine) return fine;
   if (auto fine = check_tune(settings); !fine) return fine;
@@ -116,29 +114,25 @@ Result<void> run_tune(const TuneOptions& o) {
 void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
   CLI::App* command = app.add_subcommand("tune", "search the best settings for a scene, against ray-traced truth");
   auto options = std::make_shared<TuneOptions>();
-  options->resolution = "960,540";
-  add_scene_options(*command, *options);
+  std::tie(options->request.width, options->request.height) = std::pair(960, 540);
+  add_model_options(*command, *options, kTune);
   const auto search = "Search";
   command
       ->add_option("--time", options->budget_ms, "milliseconds that occlusion may take, with its filter [as it does]")
       ->group(search);
   command->add_option("--trials", options->trials, "settings that are tried, at most [100]")->group(search);
-  command->add_option("--resolution", options->resolution, "width,height in pixels [960,540]")->group(search);
-  command->add_option("--look", options->look, "recipe whose technique, filter and settings it begins with [studio]")
-      ->group(search);
-  command->add_option("--ao", options->occlusion, "occlusion technique [the look's]")->group(search);
-  command
-      ->add_option("--ao-scale", options->occlusion_scale,
-                   "resolution of occlusion: full, half or quarter [all are tried]")
-      ->group(search);
+  add_one(*command, *options, "width", search, "", "960,540");
+  add_one(*command, *options, "look", search, "recipe whose technique, filter and settings it begins with");
+  add_one(*command, *options, "occlusion", search);
+  add_one(*command, *options, "occlusion_scale", search, "", "all are tried");
   command->add_option("--cameras", options->cameras, "at most so many views of each scene [2]")->group(search);
   command->add_option("--samples", options->samples, "rays per pixel of the truth, an even number [256]")
       ->group(search);
   command->add_option("--runs", options->runs, "runs behind each time [3]")->group(search);
   command->add_flag("--json", options->json, "print all that was tried as JSON");
-  add_technique_options(*command, *options);
-  add_device_options(*command, *options);
-  command->callback([options, &run] { run = [options] { return run_tune(*options); }; });
+  add_group(*command, *options, kTune, "Technique");
+  add_device_options(*command, *options, kTune);
+  command->callback([options, &run] { run = with_options(options, run_tune); });
 }
 
 }  // namespace umbrage::cli

@@ -6,7 +6,6 @@
 #include <sstream>
 
 #include "apps/compare/compare.h"
-#include "renderer/job.h"
 
 namespace umbrage {
 namespace {

@@ -55,7 +55,7 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
 }
 
 /// What the device is to capture.
-Result<CaptureSettings> capture_with(const CompareSettings& settings, const DrawSettings& draw, const Look& look) {
+Result<CaptureSettings> capture_with(const CompareSettings& settings, const RenderRequest& draw, const Look& look) {
   Look wanted = look;
   auto capture = capture_settings(draw, wanted, settings.light ? kMostShadows : 0);
   if (!settings.light || !capture || capture->layers < 2) return capture;
@@ -66,9 +66,9 @@ Result<CaptureSettings> capture_with(const CompareSettings& settings, const Draw
 /// The look's settings with everything the user said, and what light needs: a filter that filters it, no ambient light
 /// and no highlights.
 Result<Recipe> recipe_of(const CompareSettings& settings) {
-  DrawSettings draw = settings.draw;
+  RenderRequest draw = settings.draw;
   draw.look = "ao";
-  draw.frames = 1;  // a technique is scored alone
+  draw.anti_aliasing = 1;  // a technique is scored alone
   if (const auto filter = filter_of(settings); !filter)
     return filter.error();
   else if (*filter && settings.light && find_parameter(**filter, "indirect"))
@@ -82,7 +82,7 @@ Result<Recipe> recipe_of(const CompareSettings& settings) {
 
 /// The radius as it would be written: the reference's own where nobody says.
 std::string radius_text(const CompareSettings& settings) {
-  return settings.draw.radius.empty() ? reference_radius() : settings.draw.radius;
+  return settings.draw.occlusion_radius.empty() ? reference_radius() : settings.draw.occlusion_radius;
 }
 
 /// A camera in numbers, rounded so that another compiler's last bits do not matter.
@@ -121,7 +121,7 @@ struct Run {
 double units_of(const Run& run, const Effect& effect) {
   constexpr double kQuick = 2.0;
   if (&effect != &reference_effect()) return kQuick;
-  return double(as<ReferenceParams>(run.recipe.settings.find(effect.name)->second).samples);
+  return double(as<ReferenceParams>(params_of(run.recipe.settings, effect.name)).samples);
 }
 
 /// What a picture takes.
@@ -163,7 +163,7 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
 /// The truths of a picture, one per quantity; light's is missing where it is not asked for, or where there is none.
 Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, const PictureInfo& info, float radius,
                                         const ClassMap& classes, const std::string& what) {
-  const auto& reference = as<ReferenceParams>(run.recipe.settings.find("reference")->second);
+  const auto& reference = as<ReferenceParams>(params_of(run.recipe.settings, "reference"));
   const int half = run.settings.samples / 2;
   auto occlusion = trace_truth(Quantity::kOcclusion, info, classes, [&](std::uint32_t seed) {
     auto traced_half = trace_occlusion(traced, info,
@@ -209,24 +209,24 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
 /// Lights the frame, all layers of it, as the user and recipe_of have it.
 Result<void> light_frame(const Run& run, Frame& frame) {
   const Effect& lighting = *find_effect("lighting");
-  const ParameterBytes& params = run.recipe.settings.find(lighting.name)->second;
+  const ParameterBytes& params = params_of(run.recipe.settings, lighting.name);
   for (int layer = 0; layer <= int(frame.info.more_layers.size()); ++layer)
-    if (auto done = run.device.run(lighting, params, frame, layer); !done) return done;
+    if (auto done = run.device.run(lighting, params, frame, layer); !done) return done.error();
   return {};
 }
 
 Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& traced, const std::string& model,
                              const CameraShot& shot, std::pair<int, int> size, bool keep) {
-  DrawSettings draw = run.settings.draw;
+  RenderRequest draw = run.settings.draw;
   std::tie(draw.width, draw.height) = size;
   const std::string what = fmt::format("{}, camera {}, {}x{}", model, shot.name, size.first, size.second);
   const auto wanted = capture_with(run.settings, draw, *run.recipe.look);
   if (!wanted) return wanted.error();
   auto frame = run.device.capture(frame_scene(scene, shot.framing, draw.width, draw.height), *wanted);
   if (!frame) return frame.error();
-  const auto length = parse_radius("--ao-radius", radius_text(run.settings));
+  const auto length = parse_length("occlusion_radius", radius_text(run.settings));
   if (!length) return length.error();
-  const auto radius = radius_in_scene("--ao-radius", *length, frame->info);
+  const auto radius = radius_in_scene("`occlusion_radius`", *length, frame->info);
   if (!radius) return radius.error();
 
   const ClassMap classes = classify(downloaded(run.device, *frame));
@@ -250,7 +250,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   for (const Effect* effect : run.techniques) {
     for (const std::string_view variant : effect->variants) {
       EffectSettings settings = run.recipe.settings;
-      ParameterBytes& params = settings.find(effect->name)->second;
+      ParameterBytes& params = params_of(settings, effect->name);
       if (effect->set_radius) effect->set_radius(*radius, frame->info, params);
       for (const std::string& setting : draw.settings)
         if (auto done = apply_setting(settings, setting, handed_in()); !done) return done;
@@ -262,7 +262,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
         reference.shadows = kReferenceCapturedShadows;
       }
       const std::string label = fmt::format("{}, {} {}", what, effect->name, variant);
-      if (!run.tell(label)) return Error{ErrorKind::kInterrupted, "interrupted"};
+      if (!run.tell(label)) return interrupted();
       const auto ms = run_technique(run, traced, *effect, settings, *frame, label);
       if (!ms) return ms.error();
       run.done += units_of(run, *effect);
@@ -292,7 +292,7 @@ Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) 
     for (const std::string_view variant : effect->variants) {
       EffectSettings with = recipe.settings;
       if (auto done = apply_variant(with, *effect, variant); !done) return done;
-      if (gathers_light(*effect, with.find(effect->name)->second)) return {};
+      if (gathers_light(*effect, params_of(with, effect->name))) return {};
     }
   return usage_error("--light needs a technique that gathers light, and {} does not: name hemisphere too",
                      fmt::join(settings.techniques, ", "));
@@ -310,7 +310,7 @@ Result<void> check_compare(const CompareSettings& settings) {
   if (settings.light)
     if (auto fine = check_light(settings, *recipe); !fine) return fine;
   for (const auto& [width, height] : settings.sizes) {
-    DrawSettings draw = settings.draw;
+    RenderRequest draw = settings.draw;
     draw.width = width;
     draw.height = height;
     if (const auto capture = capture_with(settings, draw, *recipe->look); !capture) return capture.error();
@@ -320,7 +320,7 @@ Result<void> check_compare(const CompareSettings& settings) {
 
 Terms terms_of(const CompareSettings& settings) {
   const auto recipe = recipe_of(settings);
-  const ParameterBytes& reference = recipe->settings.find("reference")->second;
+  const ParameterBytes& reference = params_of(recipe->settings, "reference");
   const auto said = [&](std::string_view name) {
     return parameter_text(*find_parameter(reference_effect(), name), reference);
   };
@@ -330,7 +330,7 @@ Terms terms_of(const CompareSettings& settings) {
           .normal = said("normal"),
           .samples = settings.samples,
           .settings = fmt::format("{}", fmt::join(settings.draw.settings, " ")),
-          .guard = fmt::format("{:g}%", settings.draw.guard_percent),
+          .guard = fmt::format("{:g}%", settings.draw.guard_band),
           .layers = captured ? captured->layers : 1,
           .extra_views = settings.draw.extra_views.value_or(recipe->look->extra_views),
           .scale = recipe->occlusion_every == 1   ? "full"
@@ -355,17 +355,17 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
   for (std::size_t m = 0; m < settings.models.size(); ++m) {
     const std::string& model = settings.models[m];
     const double model_span = 1.0 / double(settings.models.size()), model_start = double(m) * model_span;
-    if (!settings.progress("reading " + model, model_start)) return Error{ErrorKind::kInterrupted, "interrupted"};
+    if (!settings.progress("reading " + model, model_start)) return interrupted();
     auto scene = settings.load(model, settings.import);
     if (!scene) return scene.error();
-    if (settings.draw.camera_index)
-      if (auto used = use_camera(*settings.draw.camera_index, *scene); !used) return used.error();
+    if (settings.draw.camera.index)
+      if (auto used = use_camera(*settings.draw.camera.index, *scene); !used) return used.error();
     result.warnings.insert(result.warnings.end(), scene->warnings.begin(), scene->warnings.end());
     if (auto ready = device.prepare(*scene); !ready) return ready.error();
     const auto traced = trace_ready(*scene);
     if (!traced) return traced.error();
     const std::vector<Light> own_lights = scene->lights;
-    const std::vector<CameraShot> shots = shots_of(*scene, settings.draw.framing, settings.cameras);
+    const std::vector<CameraShot> shots = shots_of(*scene, framing_of(settings.draw.camera), settings.cameras);
     run.start = model_start;
     for (const CameraShot& shot : shots) {
       scene->views = shot.views;

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "reference/metrics.h"
-#include "renderer/job.h"
+#include "renderer/models.h"
+#include "renderer/recipe.h"
+#include "renderer/times.h"
 
 namespace umbrage {
 
@@ -30,7 +32,7 @@ struct CompareSettings {
   int runs = 3;          ///< behind each time, after one that does not count; the reference runs once
   bool light = false;    ///< compare Quantity::kLight too
   std::string filter;    ///< an effect of kind kFilter that follows each technique but the reference; empty: none
-  DrawSettings draw;     ///< framing, settings, guard band, scale, radius (the reference's own where empty)
+  RenderRequest draw;    ///< camera, settings, guard band, scale, radius (the reference's own where empty)
   bool pictures = true;  ///< keep the pictures of the first size
   /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
   std::function<Result<Scene>(const std::string&, const ImportSettings&)> load = load_scene;

@@ -113,7 +113,7 @@ Result<void> attempt(Search& search, Candidate candidate) {
   const double tried = double(search.trials.size()) / double(most);
   if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, most),
                                 kTruthShare + (1.0 - kTruthShare) * tried))
-    return Error{ErrorKind::kInterrupted, "interrupted"};
+    return interrupted();
 
   Look look{
       .name = "tune", .summary = "", .occlusion = search.technique->name, .effects = {"occlusion"}, .presets = {}};
@@ -164,7 +164,7 @@ void mark_frontier(std::vector<Trial>& trials) {
 }
 
 /// Whether the user said what it is to be.
-bool is_fixed(const DrawSettings& draw, std::string_view effect, std::string_view name) {
+bool is_fixed(const RenderRequest& draw, std::string_view effect, std::string_view name) {
   const std::string start = fmt::format("{}.{}=", effect, name);
   return std::any_of(draw.settings.begin(), draw.settings.end(),
                      [&](const std::string& setting) { return setting.starts_with(start); });
@@ -172,7 +172,7 @@ bool is_fixed(const DrawSettings& draw, std::string_view effect, std::string_vie
 
 /// The candidates one step away.
 Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate& from) {
-  const DrawSettings& draw = search.settings.draw;
+  const RenderRequest& draw = search.settings.draw;
   std::vector<Candidate> next;
   for (int every = 1; every <= 4; every *= 2)
     if (every != from.every && draw.occlusion_scale.empty()) next.push_back({from.settings, every});
@@ -193,8 +193,8 @@ Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate&
 }
 
 /// The radius as written: the user's, or else the technique's in this look, or else the reference's own.
-std::string radius_text(const DrawSettings& draw, const Recipe& recipe, const Effect& technique) {
-  if (!draw.radius.empty()) return draw.radius;
+std::string radius_text(const RenderRequest& draw, const Recipe& recipe, const Effect& technique) {
+  if (!draw.occlusion_radius.empty()) return draw.occlusion_radius;
   const Parameter* own = find_parameter(technique, "radius");
   if (own && own->type == ParameterType::kLength && technique.set_radius)
     return parameter_text(*own, recipe.settings.find(technique.name)->second);
@@ -202,15 +202,16 @@ std::string radius_text(const DrawSettings& draw, const Recipe& recipe, const Ef
 }
 
 Result<Recipe> recipe_of(const TuneSettings& settings) {
-  DrawSettings draw = settings.draw;
-  draw.frames = 1;
+  RenderRequest draw = settings.draw;
+  draw.anti_aliasing = 1;
   return make_recipe(draw);
 }
 
 Result<const Effect*> technique_of(const Recipe& recipe) {
   const Effect* technique = find_effect(recipe.occlusion);
   if (!technique || technique->tunable.empty())
-    return usage_error("--ao {} has no settings to search: name another technique, such as bitmask", recipe.occlusion);
+    return usage_error("`occlusion` {} has no settings to search: name another technique, such as bitmask",
+                       recipe.occlusion);
   return technique;
 }
 
@@ -224,9 +225,9 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
   if (!traced) return traced.error();
   const auto capture = capture_settings(settings.draw, *search.recipe.look, 0);
   if (!capture) return capture.error();
-  const auto length = parse_radius("--ao-radius", radius_as_written);
+  const auto length = parse_length("occlusion_radius", radius_as_written);
   if (!length) return length.error();
-  const std::vector<CameraShot> shots = shots_of(scene, settings.draw.framing, settings.cameras);
+  const std::vector<CameraShot> shots = shots_of(scene, framing_of(settings.draw.camera), settings.cameras);
   // Each truth is traced in two halves.
   const double half_span = kTruthShare / double(settings.models.size()) / double(2 * shots.size());
   double halves = double(2 * shots.size()) * double(model_index);
@@ -235,7 +236,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
     auto frame =
         search.device.capture(frame_scene(scene, shot.framing, settings.draw.width, settings.draw.height), *capture);
     if (!frame) return frame.error();
-    const auto radius = radius_in_scene("--ao-radius", *length, frame->info);
+    const auto radius = radius_in_scene("`occlusion_radius`", *length, frame->info);
     if (!radius) return radius.error();
     const std::string what = fmt::format("{}, camera {}, truth", model, shot.name);
     const TraceControl control{search.device.threads(),
@@ -257,7 +258,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
 
 /// Words for `umbrage render`.
 std::vector<std::string> options_of(const Search& search, const Trial& best, const std::string& radius) {
-  const DrawSettings& draw = search.settings.draw;
+  const RenderRequest& draw = search.settings.draw;
   std::vector<std::string> words = {"--look", draw.look};
   const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) words.insert(words.end(), {name, value});
@@ -268,7 +269,7 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
   add("--ao-scale", best.scale);
   if (draw.layers) add("--layers", fmt::format("{}", *draw.layers));
   if (draw.extra_views) add("--extra-views", fmt::format("{}", *draw.extra_views));
-  if (draw.guard_percent > 0.0f) add("--guard-band", fmt::format("{:g}%", draw.guard_percent));
+  if (draw.guard_band > 0.0f) add("--guard-band", fmt::format("{:g}%", draw.guard_band));
   for (const std::string& setting : draw.settings) add("--set", setting);
   for (const std::string& setting : best.settings) add("--set", setting);
   return words;
@@ -308,19 +309,19 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
   for (std::size_t m = 0; m < settings.models.size(); ++m) {
     const std::string& model = settings.models[m];
     if (!settings.progress("reading " + model, kTruthShare * double(m) / double(settings.models.size())))
-      return Error{ErrorKind::kInterrupted, "interrupted"};
+      return interrupted();
     auto scene = settings.load(model, settings.import);
     if (!scene) return scene.error();
-    if (settings.draw.camera_index)
-      if (auto used = use_camera(*settings.draw.camera_index, *scene); !used) return used.error();
+    if (settings.draw.camera.index)
+      if (auto used = use_camera(*settings.draw.camera.index, *scene); !used) return used.error();
     result.warnings.insert(result.warnings.end(), scene->warnings.begin(), scene->warnings.end());
     if (auto taken = take_pictures(search, m, *scene, result.radius); !taken) return taken.error();
   }
   Candidate start{recipe->settings, recipe->occlusion_every};
   const Frame& first = search.pictures[0].frame;
   if (technique->set_radius)
-    if (const auto length = parse_radius("--ao-radius", result.radius); length)
-      if (const auto radius = radius_in_scene("--ao-radius", *length, first.info); radius)
+    if (const auto length = parse_length("occlusion_radius", result.radius); length)
+      if (const auto radius = radius_in_scene("`occlusion_radius`", *length, first.info); radius)
         technique->set_radius(*radius, first.info, start.settings.find(technique->name)->second);
   if (auto done = attempt(search, start); !done) return done.error();
   result.budget_ms = settings.budget_ms > 0.0 ? settings.budget_ms : search.trials[0].ms;
@@ -364,7 +365,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     if (as_close(search.trials[k]) && (!as_close(search.trials[best]) || worse_than(best, k))) best = k;
   result.start = search.trials[0];
   result.best = search.trials[best];
-  result.options = options_of(search, result.best, settings.draw.radius);
+  result.options = options_of(search, result.best, settings.draw.occlusion_radius);
   result.trials = std::move(search.trials);
   return result;
 }

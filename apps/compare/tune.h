@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "renderer/job.h"
+#include "renderer/models.h"
+#include "renderer/recipe.h"
 
 namespace umbrage {
 
@@ -14,7 +15,7 @@ struct TuneSettings {
   ImportSettings import;
   /// Size, framing, look, technique, radius, and the settings to begin with. The filter is that of the look. The radius
   /// is that of the technique, if it has one, and else the reference's.
-  DrawSettings draw;
+  RenderRequest draw;
   int cameras = 2;         ///< at most so many per scene, as in a comparison
   int samples = 256;       ///< of the truth, per pixel; even
   int runs = 3;            ///< behind each time, after one that does not count

@@ -36,11 +36,11 @@ void write_centered(Image& image, float x, float y, std::string text, vec3 color
 }
 
 /// The tables that `hemisphere` reads with these settings.
-Result<HemisphereConstants> tables_of(const DrawSettings& draw, const PictureInfo& info) {
+Result<HemisphereConstants> tables_of(const RenderRequest& draw, const PictureInfo& info) {
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
   HemisphereConstants c;
-  find_effect("hemisphere")->constants(recipe->settings.find("hemisphere")->second, info, &c);
+  find_effect("hemisphere")->constants(params_of(recipe->settings, "hemisphere"), info, &c);
   return c;
 }
 
@@ -342,12 +342,12 @@ FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
 }  // namespace
 
 Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
-  studio.draw.framing = view;
+  studio.framing = view;
   const std::vector<std::string> planes = {"normal.x",  "normal.y",   "normal.z",   "tangent.x",  "tangent.y",
                                            "tangent.z", "indirect.r", "indirect.g", "indirect.b", "direct.r",
                                            "direct.g",  "direct.b",   "ao"};
   const int size = studio.draw.width;
-  DrawSettings many = studio.draw;  // more sample points make a clearer picture
+  RenderRequest many = studio.draw;  // more sample points make a clearer picture
   many.settings.push_back("hemisphere.samples=64");
   many.look = "bleeding";
   const auto ours = tables_of(many, PictureInfo{});

@@ -120,7 +120,7 @@ std::vector<FigurePicture> pictures_of(const FourWays& four, const std::string& 
 
 /// Figures 1, 7 and 8.
 Result<Figure> overview(Studio& studio, const Preset& preset) {
-  studio.draw.framing = {};
+  studio.framing = {};
   const auto four = shoot_four(studio);
   if (!four) return four.error();
   const Image& image = four->both.image;
@@ -152,7 +152,7 @@ Result<Figure> overview(Studio& studio, const Preset& preset) {
 Result<Figure> detail(Studio& studio, const Preset& preset, const Cloths& cloths, const Motif& motif,
                       const std::string& id, const std::string& file, const std::string& title,
                       std::array<const char*, 4> captions) {
-  studio.draw.framing = motif.framing;
+  studio.framing = motif.framing;
   const auto four = shoot_four(studio);
   if (!four) return four.error();
   const Image& image = four->both.image;
@@ -194,7 +194,7 @@ Result<Figure> tangents(Studio& studio) {
   Figure figure{"5", "Tangent vectors as colours, not blurred (middle, enlarged eight times)", {}, {}};
   for (const Preset& preset : kPresets) {
     studio.draw.look = std::string(preset.look);
-    studio.draw.framing = pillar_of(kOurs).framing;
+    studio.framing = pillar_of(kOurs).framing;
     const auto shot = studio.shoot({"hemisphere.tangents=on"}, "", planes);
     if (!shot) return shot.error();
     FigurePicture picture = shot->pass("tangent", fmt::format("bleeding-5-tangents{}.png", preset.tag),
@@ -282,7 +282,7 @@ Result<Figure> cuts(Studio& studio, const Cloths& cloths) {
       {"beyond-3-views", "two further cameras", kOurs.look, {"hemisphere.bleeding=3"}, 2}};
   std::vector<double> widths_px;
   Figure figure{"15,16", "Near a drape whose lit side faces away; bleeding strengthened", {}, {}};
-  studio.draw.framing = pillar_of(kOurs).framing;
+  studio.framing = pillar_of(kOurs).framing;
   for (const Way& way : ways) {
     studio.draw.look = std::string(way.look);
     studio.draw.extra_views = way.extra_views;
@@ -374,7 +374,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
     cases.push_back({"64 samples, both, at half resolution", preset.look, "", {"hemisphere.samples=64"}, "half"});
     for (int run = -1; run < runs; ++run)  // the first one brings planes and code in
       for (Case& each : cases) {
-        DrawSettings with = studio->draw;
+        RenderRequest with = studio->draw;
         with.look = std::string(each.look);
         with.occlusion = each.occlusion;
         with.settings = each.settings;

@@ -27,7 +27,7 @@ bool is_paper(const Preset& preset) { return preset.look == kPaper.look; }
 /// Draws in a preset from now on, one picture and no mean of several: what is measured of passes is of single pixels.
 void use_single(Studio& studio, const Preset& preset) {
   studio.draw.look = std::string(preset.look);
-  studio.draw.frames = is_paper(preset) ? std::nullopt : std::optional<int>(1);
+  studio.draw.anti_aliasing = is_paper(preset) ? std::nullopt : std::optional<int>(1);
 }
 
 const std::string kNoOutlines = "outline.opacity=0", kNoBlur = "gaussian.rounds=0";
@@ -460,7 +460,7 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
     table.rows.push_back({"capture", median(captures)});
     for (std::string_view name : recipe->look->effects) {
       if (name == "occlusion") name = recipe->occlusion;
-      const auto ms = time_of(device, *find_effect(name), recipe->settings.find(name)->second, *frame, runs);
+      const auto ms = time_of(device, *find_effect(name), params_of(recipe->settings, name), *frame, runs);
       if (!ms) return ms.error();
       table.rows.push_back({std::string(name), *ms});
     }
@@ -482,8 +482,8 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
     if (!frame) return frame.error();
     const auto recipe = make_recipe(terrain->draw);
     if (!recipe) return recipe.error();
-    const auto ms = time_of(device, *find_effect(recipe->occlusion), recipe->settings.find(recipe->occlusion)->second,
-                            *frame, runs);
+    const auto ms =
+        time_of(device, *find_effect(recipe->occlusion), params_of(recipe->settings, recipe->occlusion), *frame, runs);
     if (!ms) return ms.error();
     triangles.rows.push_back({fmt::format("{} triangles", terrain->scene.triangle_count()), *ms});
   }

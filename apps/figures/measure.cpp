@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "renderer/job.h"
+#include "renderer/times.h"
 
 namespace umbrage {
 

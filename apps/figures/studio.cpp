@@ -44,11 +44,14 @@ FigurePicture Shot::pass(const std::string& name, std::string file, std::string 
 
 Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::string& occlusion,
                            const std::vector<std::string>& planes) {
-  DrawSettings with = draw;
+  RenderRequest with = draw;
   with.settings.insert(with.settings.end(), settings.begin(), settings.end());
   with.occlusion = occlusion;
   StageTimes times;
-  auto frame = umbrage::draw(device, scene, with, times);
+  auto recipe = make_recipe(with);
+  if (!recipe) return recipe.error();
+  recipe->framing = framing;
+  auto frame = umbrage::draw(device, scene, *recipe, times);
   if (!frame) return frame.error();
   std::vector<std::string> names = {kChannels.begin(), kChannels.end()};
   names.push_back("depth");
@@ -57,11 +60,11 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   if (!image) return image.error();
   std::string command =
       fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
-  if (with.frames) command += fmt::format(" --anti-aliasing {}", *with.frames);
+  if (with.anti_aliasing) command += fmt::format(" --anti-aliasing {}", *with.anti_aliasing);
   if (!occlusion.empty()) command += " --ao " + occlusion;
-  if (with.framing.position) command += " --camera-position " + words(*with.framing.position);
-  if (with.framing.focal_point) command += " --camera-focal-point " + words(*with.framing.focal_point);
-  if (with.framing.view_angle_deg) command += fmt::format(" --camera-view-angle {}", *with.framing.view_angle_deg);
+  if (framing.position) command += " --camera-position " + words(*framing.position);
+  if (framing.focal_point) command += " --camera-focal-point " + words(*framing.focal_point);
+  if (framing.view_angle_deg) command += fmt::format(" --camera-view-angle {}", *framing.view_angle_deg);
   if (with.layers) command += fmt::format(" --layers {}", *with.layers);
   if (with.extra_views) command += fmt::format(" --extra-views {}", *with.extra_views);
   for (const std::string& setting : with.settings) command += " --set " + setting;

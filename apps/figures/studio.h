@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "apps/figures/figures.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 
 namespace umbrage {
 
@@ -28,7 +29,8 @@ struct Studio {
   Device& device;
   std::string model;
   Scene scene;
-  DrawSettings draw;
+  RenderRequest draw;
+  Framing framing;
 
   /// A picture with these settings besides the studio's own, and these planes besides color and depth. `occlusion`
   /// empty: the look's own.

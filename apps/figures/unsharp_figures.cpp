@@ -6,7 +6,8 @@
 
 #include "apps/figures/figures.h"
 #include "effects/effects.h"
-#include "renderer/job.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
 
 namespace umbrage {
 namespace {
@@ -39,30 +40,31 @@ struct Studio {
   Device& device;
   std::string model;
   Scene scene;
-  DrawSettings draw;
+  RenderRequest draw;
+  Framing framing;
 
   Result<Shot> shoot(const std::vector<std::string>& settings, const std::string& occlusion = "") {
-    DrawSettings with = draw;
+    RenderRequest with = draw;
     with.settings.insert(with.settings.end(), settings.begin(), settings.end());
     with.occlusion = occlusion;
     StageTimes times;
-    auto frame = umbrage::draw(device, scene, with, times);
+    auto recipe = make_recipe(with);
+    if (!recipe) return recipe.error();
+    recipe->framing = framing;
+    auto frame = umbrage::draw(device, scene, *recipe, times);
     if (!frame) return frame.error();
     auto image = device.download(*frame, {"color.r", "color.g", "color.b", "depth"});
     if (!image) return image.error();
     std::string command =
         fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
     if (!occlusion.empty()) command += " --ao " + occlusion;
-    if (with.framing.position)
+    if (framing.position)
       command += fmt::format(" --camera-position={},{},{} --camera-focal-point={},{},{} --camera-view-angle={}",
-                             with.framing.position->x, with.framing.position->y, with.framing.position->z,
-                             with.framing.focal_point->x, with.framing.focal_point->y, with.framing.focal_point->z,
-                             *with.framing.view_angle_deg);
-    if (with.framing.azimuth_deg != 0.0f)
-      command += fmt::format(" --camera-azimuth-angle={}", with.framing.azimuth_deg);
-    if (with.framing.elevation_deg != 0.0f)
-      command += fmt::format(" --camera-elevation-angle={}", with.framing.elevation_deg);
-    if (with.framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", with.framing.zoom);
+                             framing.position->x, framing.position->y, framing.position->z, framing.focal_point->x,
+                             framing.focal_point->y, framing.focal_point->z, *framing.view_angle_deg);
+    if (framing.azimuth_deg != 0.0f) command += fmt::format(" --camera-azimuth-angle={}", framing.azimuth_deg);
+    if (framing.elevation_deg != 0.0f) command += fmt::format(" --camera-elevation-angle={}", framing.elevation_deg);
+    if (framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", framing.zoom);
     for (const std::string& setting : with.settings) command += " --set " + setting;
     return Shot{std::move(*image), frame->info, std::move(command)};
   }
@@ -83,9 +85,9 @@ Result<void> ready(Studio& studio) { return studio.device.prepare(studio.scene);
 /// Looks from one of the scene's suggested views.
 void look_from(Studio& studio, std::size_t view) {
   const View& v = studio.scene.views.at(view);
-  studio.draw.framing.position = v.eye;
-  studio.draw.framing.focal_point = v.target;
-  studio.draw.framing.view_angle_deg = v.angle_deg;
+  studio.framing.position = v.eye;
+  studio.framing.focal_point = v.target;
+  studio.framing.view_angle_deg = v.angle_deg;
 }
 
 /// Mean of the absolute difference of two pictures.
@@ -144,7 +146,7 @@ Result<Figure> border_figure(Device& device, const std::string& bunny, int size)
   auto studio = open_studio(device, bunny, size);
   if (!studio) return studio.error();
   if (auto done = ready(*studio); !done) return done.error();
-  studio->draw.framing.zoom = 3.6f;  // the flank reaches past the picture's sides
+  studio->framing.zoom = 3.6f;  // the flank reaches past the picture's sides
   const std::string kernel = window(40, size);
   const auto off = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=zero"});
   const auto on = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=skip"});
@@ -174,8 +176,8 @@ Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) 
   if (!studio) return studio.error();
   if (auto done = ready(*studio); !done) return done.error();
   // From the front, where the chin hangs over the chest.
-  studio->draw.framing.azimuth_deg = -55.0f;
-  studio->draw.framing.elevation_deg = -10.0f;
+  studio->framing.azimuth_deg = -55.0f;
+  studio->framing.elevation_deg = -10.0f;
   const auto gouraud = studio->shoot({}, "none");
   const auto small = studio->shoot({window(15, size)});
   const auto large = studio->shoot({window(40, size)});

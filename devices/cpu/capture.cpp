@@ -376,7 +376,7 @@ std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const Rows& r
 }  // namespace
 
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
-                             const std::function<bool(double)>& go_on, bool scalar) {
+                             const ProgressMonitor& monitor, bool scalar) {
   const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings.shadows);
   const int all = 1 + int(info.more_layers.size());
   const Rows rows = settings.band ? held_rows(*settings.band, info.height) : Rows{0, info.height};
@@ -392,13 +392,13 @@ Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info,
   }
   const auto others = std::count_if(info.more_layers.begin(), info.more_layers.end(),
                                     [](const LayerInfo& layer) { return layer.kind == LayerKind::kOther; });
-  Watch watch(go_on, blocks_of(info, rows) * (1 + long(others)));
+  Watch watch(monitor, blocks_of(info, rows) * (1 + long(others)));
   std::vector<PenumbraRadii> penumbrae = penumbra_radii(info, rows, settings);
   draw_view(traced, info, rows, planes, settings, 0, own, &penumbrae, watch, image);
   for (int layer = 1; layer < all; ++layer)
     if (info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther)
       draw_view(traced, info, rows, planes, settings, layer, {.first = layer}, nullptr, watch, image);
-  if (watch.ended()) return watch.result().error();
+  if (watch.ended()) return interrupted();
   soften_shadows(info, rows, penumbrae, scalar, image);
   return image;
 }

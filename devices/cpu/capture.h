@@ -13,9 +13,9 @@ namespace umbrage {
 /// that the ray meets, one behind the other, fronts and backs alike. Surfaces nearer to each other than a hundred-
 /// thousandth of their distances from the eye and from the scene's middle, added up, are one; which of them it is,
 /// rounding decides. Of the settings only those of shadows and of a band count. Uses all threads of the calling task
-/// arena; the result does not depend on their number. `go_on`: see Device. `scalar`: kernels run in their plain form.
-/// Errors: kInterrupted.
+/// arena; the result does not depend on their number. `monitor`: see Device::capture. `scalar`: kernels run in their
+/// plain form. Errors: kInterrupted.
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
-                             const std::function<bool(double)>& go_on = {}, bool scalar = false);
+                             const ProgressMonitor& monitor = {}, bool scalar = false);
 
 }  // namespace umbrage

@@ -79,12 +79,10 @@ Rows divided(const Rows& rows, int factor) {
   return {reduced_side(rows.begin, factor), reduced_side(rows.end, factor)};
 }
 
-/// The band waits for others. Where not even its own rows are valid, they are, too, with so much more margin.
-Error unfinished(const Planes& planes, const Rows& valid, int reduced) {
+/// By how many rows of the picture a band's margin is too small, where these rows of a plane are valid.
+int missing_margin(const Planes& planes, const Rows& valid, int reduced) {
   const int above = valid.begin - planes.band->rows.begin, below = planes.band->rows.end - valid.end;
-  int& lacking = planes.band->wholes->lacking;
-  lacking = std::max({lacking, above * reduced, below * reduced});
-  return {ErrorKind::kUnfinished, "a band waits for others"};
+  return std::max({0, above * reduced, below * reduced});
 }
 
 template <int step>
@@ -119,14 +117,15 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
+  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
+                        const ProgressMonitor& monitor) override {
     if (!traced_) fail_check("capture before prepare");
     if (auto fine = check_capture(settings); !fine) return fine.error();
     Frame frame;
     frame.info = picture_info(*scene_, camera, settings);
     add_layers(*traced_, settings, frame.info);
     auto planes =
-        arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, go_on, settings_.scalar); });
+        arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar); });
     if (!planes) return planes.error();
     auto stored = std::make_shared<Planes>(Planes{std::move(*planes)});
     if (settings.band) {
@@ -170,10 +169,10 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer,
-                   PixelSet pixels) override {
+  Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+                          const ProgressMonitor& monitor) override {
     return run_passes(effect, params, frame, layer, pixels,
-                      [&](const PassRun& pass) { return run_pass(pass, planes_of(frame)); });
+                      [&](const PassRun& pass) { return run_pass(pass, planes_of(frame), monitor); });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -259,6 +258,15 @@ class CpuDevice final : public Device {
     return names;
   }
 
+  int missing_rows(const Frame& frame, const std::vector<std::string>& names) const override {
+    const Planes& planes = planes_of(frame);
+    int missing = 0;
+    for (const std::string& name : names)
+      if (const Held* held = planes.band ? find_held(planes, name) : nullptr; held && held->made)
+        missing = std::max(missing, missing_margin(planes, held->valid, frame.info.reduced));
+    return missing;
+  }
+
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
     const Planes& planes = planes_of(frame);
     const std::vector<std::string> wanted = names.empty() ? plane_names(frame) : names;
@@ -290,7 +298,7 @@ class CpuDevice final : public Device {
         plane = find_whole(planes, frame.info, name, held->version);
         first = 0;
       } else if (held) {
-        if (!held->valid.contains(own)) return unfinished(planes, held->valid, frame.info.reduced);
+        if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a band", name));
         first = held->first;
       }
       if (!plane) return usage_error("the picture has no plane '{}'", name);
@@ -307,11 +315,12 @@ class CpuDevice final : public Device {
     Rows rows;                     ///< for which the outputs can be made
     std::vector<std::string> far;  ///< planes that it reads anywhere
     bool done = false;             ///< all it would make is there as whole planes
+    Progression progression;       ///< not finished: it cannot run yet
   };
 
   /// Finds out on which rows of a band a pass can run. Where planes have to be whole that are not yet, the band's rows
-  /// become part of them. Errors: kUnfinished.
-  Result<BandRun> prepare_band(const PassRun& run, Planes& planes) {
+  /// become part of them.
+  BandRun prepare_band(const PassRun& run, Planes& planes) {
     const PictureInfo& info = run.info;
     BandRun of{.rows = planes.rows};
     const int version = ++planes.passes;
@@ -345,9 +354,10 @@ class CpuDevice final : public Device {
         of.rows = {std::max(of.rows.begin, ao->valid.begin), std::min(of.rows.end, ao->valid.end)};
     if (!wanted.empty()) {
       const Rows& own = planes.band->rows;
+      of.progression.finished = false;
       for (const std::string& name : wanted) {
-        const Held& held = *find_held(planes, name);
-        if (!held.valid.contains(own)) return unfinished(planes, held.valid, info.reduced);
+        of.progression.missing_rows = missing_margin(planes, find_held(planes, name)->valid, info.reduced);
+        if (of.progression.missing_rows > 0) return of;
       }
       for (const std::string& name : wanted) {
         const Held& held = *find_held(planes, name);
@@ -358,7 +368,7 @@ class CpuDevice final : public Device {
           std::copy_n(from.row(own.begin + y - held.first), info.width, whole.row(own.begin + y));
         });
       }
-      return unfinished(planes, own, info.reduced);
+      return of;
     }
     if (run.pass.host) return of;
     for (const std::string_view output : run.pass.outputs) {
@@ -399,7 +409,7 @@ class CpuDevice final : public Device {
   }
 
   /// Runs a host step, once for a whole picture. What it makes is that of all of its bands.
-  Result<void> run_host(const PassRun& run, Planes& planes) {
+  Result<Progression> run_host(const PassRun& run, Planes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
     std::list<Plane> whole_neutral;  // a band's own are as high as that
     std::vector<const Plane*> inputs;
@@ -413,8 +423,8 @@ class CpuDevice final : public Device {
       else
         inputs.push_back(find_plane(planes, name));
     }
-    Watch watch(go_on, 1);
-    if (watch.ended()) return watch.result();
+    Watch watch(monitor, 1);
+    if (watch.ended()) return interrupted();
     std::vector<Plane> outputs;
     arena_.execute([&] { outputs = run_host_step(run, inputs); });
     for (std::size_t k = 0; k < outputs.size(); ++k) {
@@ -428,10 +438,10 @@ class CpuDevice final : public Device {
       }
     }
     watch.done(1);
-    return watch.result();
+    return watch.ended() ? Result<Progression>(interrupted()) : Progression();
   }
 
-  Result<void> run_pass(const PassRun& run, Planes& planes) {
+  Result<Progression> run_pass(const PassRun& run, Planes& planes, const ProgressMonitor& monitor) {
     const Pass& pass = run.pass;
     const PictureInfo& info = run.info;
     for (std::string_view input : pass.inputs) {
@@ -447,15 +457,13 @@ class CpuDevice final : public Device {
     std::vector<KernelPlane> kernel_planes;
     BandRun band{.rows = {0, info.height}};
     if (planes.band) {
-      auto ready = prepare_band(run, planes);
-      if (!ready) return ready.error();
-      band = std::move(*ready);
-      if (band.done) return {};
+      band = prepare_band(run, planes);
+      if (band.done || !band.progression.finished) return band.progression;
     }
-    if (pass.host) return run_host(run, planes);
+    if (pass.host) return run_host(run, planes, monitor);
     for (std::string_view output : pass.outputs)
       if (run.is_there(output)) planes.image.add(run.plane(output));
-    if (band.rows.count() <= 0) return {};
+    if (band.rows.count() <= 0) return Progression();
     // A kernel stores to its outputs alone, which are nobody else's.
     for (std::string_view name : pass.inputs)
       kernel_planes.push_back({name, row_zero_of(run, planes, band, run.plane(name))});
@@ -480,7 +488,7 @@ class CpuDevice final : public Device {
     const int tile_height = all ? pass.tile_height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (band.rows.count() + tile_height - 1) / tile_height;
-    Watch watch(go_on, long(rows) * columns);
+    Watch watch(monitor, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<int>(0, rows * columns, 1),
@@ -495,7 +503,7 @@ class CpuDevice final : public Device {
           },
           tbb::simple_partitioner());
     });
-    return watch.result();
+    return watch.ended() ? Result<Progression>(interrupted()) : Progression();
   }
 
   CpuSettings settings_;

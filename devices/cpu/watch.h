@@ -2,20 +2,19 @@
 #pragma once
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <thread>
 
-#include "core/result.h"
+#include "core/progress.h"
 
 namespace umbrage {
 
-/// One piece of work of so many parts, which any threads do. The thread that made the watch asks `go_on`, as long as it
-/// does parts itself, after its own ones and no more often than people see.
+/// One piece of work of so many parts, which any threads do. The thread that made the watch asks the monitor, as long
+/// as it does parts itself, after its own ones and no more often than people see.
 class Watch {
  public:
-  /// `go_on` may be null. It lives longer than the watch.
-  Watch(const std::function<bool(double)>& go_on, long parts) : go_on_(go_on), parts_(double(parts)) {
-    if (go_on_ && !go_on_(0.0)) ended_ = true;
+  /// The monitor lives longer than the watch.
+  Watch(const ProgressMonitor& monitor, long parts) : monitor_(monitor), parts_(double(parts)) {
+    if (monitor_ && !monitor_(0.0)) ended_ = true;
   }
 
   /// Whether the work has been ended: parts need not be done any more. From any thread.
@@ -23,23 +22,18 @@ class Watch {
 
   /// So many parts have been done. From any thread.
   void done(long parts) {
-    if (!go_on_) return;
+    if (!monitor_) return;
     const long all = done_.fetch_add(parts, std::memory_order_relaxed) + parts;
     if (std::this_thread::get_id() != asking_) return;
     constexpr std::chrono::milliseconds kOften(40);
     const auto now = std::chrono::steady_clock::now();
     if (ended() || now - last_ < kOften) return;
     last_ = now;
-    if (!go_on_(double(all) / parts_)) ended_ = true;
-  }
-
-  /// Once all threads are through.
-  Result<void> result() const {
-    return ended() ? Result<void>(Error{ErrorKind::kInterrupted, "interrupted"}) : Result<void>();
+    if (!monitor_(double(all) / parts_)) ended_ = true;
   }
 
  private:
-  const std::function<bool(double)>& go_on_;
+  const ProgressMonitor& monitor_;
   const double parts_;
   const std::thread::id asking_ = std::this_thread::get_id();
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();

@@ -24,8 +24,8 @@ std::string PassRun::plane(std::string_view name) const { return layer_plane(lay
 
 bool PassRun::is_there(std::string_view output) const { return layer_of_plane(output) <= int(info.more_layers.size()); }
 
-Result<void> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                        PixelSet pixels, const std::function<Result<void>(const PassRun&)>& run) {
+Result<Progression> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
+                               PixelSet pixels, const std::function<Result<Progression>(const PassRun&)>& run) {
   check_equal(params.size(), effect.params_size, effect.name);
   if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
   if (pixels == PixelSet::kMissing && !runs_for_missing(effect, params))
@@ -38,9 +38,10 @@ Result<void> run_passes(const Effect& effect, const ParameterBytes& params, cons
     for (const Pass& pass : effect.passes) {
       if (pass.needed && !pass.needed(params)) continue;
       if (!(pixels == PixelSet::kAll ? pass.for_all : pass.for_missing)) continue;
-      if (auto done = run({effect, pass, params, constants, info, layer, round, pixels}); !done) return done;
+      auto done = run({effect, pass, params, constants, info, layer, round, pixels});
+      if (!done || !done->finished) return done;
     }
-  return {};
+  return Progression();
 }
 
 Error missing_plane(const PassRun& run, std::string_view plane) {

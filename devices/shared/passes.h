@@ -29,9 +29,10 @@ struct PassRun {
   bool is_there(std::string_view output) const;
 };
 
-/// Calls `run` for each pass that the effect needs with these params, in order. Ends with the first error.
-Result<void> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                        PixelSet pixels, const std::function<Result<void>(const PassRun&)>& run);
+/// Calls `run` for each pass that the effect needs with these params, in order. Ends with the first one that fails or
+/// is not finished.
+Result<Progression> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
+                               PixelSet pixels, const std::function<Result<Progression>(const PassRun&)>& run);
 
 /// The error of a pass that reads a plane which the picture does not have.
 Error missing_plane(const PassRun& run, std::string_view plane);

@@ -140,7 +140,7 @@ Result<std::vector<PhysicalGpu>> physical_gpus(const Instance& instance) {
   if (count == 0 || (listed != VK_SUCCESS && listed != VK_INCOMPLETE))
     return device_error(
         "there is no Vulkan driver here that has a device: install the graphics card's driver or use "
-        "--device cpu");
+        "`device` cpu");
   std::vector<PhysicalGpu> gpus;
   for (VkPhysicalDevice handle : handles) {
     VkPhysicalDeviceProperties properties{};

@@ -10,7 +10,7 @@ Result<PFN_vkGetInstanceProcAddr> load_vulkan(const std::string& library) {
   if (!found)
     return device_error(
         "there is no Vulkan here: {} cannot be loaded; install the Vulkan loader (libvulkan1) or use "
-        "--device cpu",
+        "`device` cpu",
         library);
   return reinterpret_cast<PFN_vkGetInstanceProcAddr>(found);
 }

@@ -124,11 +124,11 @@ class VulkanDevice final : public Device {
     return {};
   }
 
-  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings) override {
-    if (!capture_ && is_ended()) return interrupted();
+  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
+                        const ProgressMonitor& monitor) override {
+    if (!capture_ && is_ended(monitor)) return interrupted();
     if (!capture_) return capture_here(camera, settings);
-    capture_->go_on = go_on;
-    auto drawn = capture_->capture(camera, settings);
+    auto drawn = capture_->capture(camera, settings, monitor);
     if (!drawn) return drawn;
     Frame whole = *drawn;
     whole.info.guard = 0;  // all of it
@@ -155,10 +155,12 @@ class VulkanDevice final : public Device {
     return copy_to(planes, frame.info, planes_of(frame));
   }
 
-  Result<void> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer,
-                   PixelSet pixels) override {
-    return run_passes(effect, params, frame, layer, pixels, [&](const PassRun& pass) {
-      return is_ended() ? interrupted() : run_pass(pass, planes_of(frame));
+  Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+                          const ProgressMonitor& monitor) override {
+    return run_passes(effect, params, frame, layer, pixels, [&](const PassRun& pass) -> Result<Progression> {
+      if (is_ended(monitor)) return interrupted();
+      const auto done = run_pass(pass, planes_of(frame));
+      return done ? Result<Progression>(Progression()) : done.error();
     });
   }
 
@@ -270,8 +272,7 @@ class VulkanDevice final : public Device {
   }
 
  private:
-  bool is_ended() const { return go_on && !go_on(0.0); }
-  static Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
+  static bool is_ended(const ProgressMonitor& monitor) { return monitor && !monitor(0.0); }
 
   Result<void> convert(const Frame& frame, const TexelFormat& format, const ImageMeaning& meaning, bool to_image,
                        std::span<const VkDeviceAddress> table) {
@@ -843,7 +844,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   if (!chosen.lacks.empty())
     return device_error(
         "the device 'vulkan:{}' ({}) cannot be used: it lacks {}; a newer driver may have it, or use "
-        "--device cpu",
+        "`device` cpu",
         index, chosen.name, chosen.lacks);
   auto gpu = open_gpu(*instance, chosen);
   if (!gpu) return gpu.error();

@@ -298,6 +298,7 @@ const Effect& effect_bitmask() {
       .constants_size = sizeof(BitmaskConstants),
       .constants = fill_constants,
       .set_radius = set_radius,
+      .noise = "frame",
       .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
       .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
                    "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",

@@ -2,6 +2,9 @@
 #ifndef UMBRAGE_EFFECTS_GROUND_H
 #define UMBRAGE_EFFECTS_GROUND_H
 
+// Values of GroundParams::blend.
+const int kGroundBlendLight = 0, kGroundBlendDisplay = 1;
+
 // One row of the table in ground.cpp per field.
 struct GroundParams {
   float strength;  // of the shade on the ground

@@ -1,18 +1,16 @@
-// Makes the ground that a model stands on invisible but for the shade on it: where the ground is seen there is no
-// surface any more, and black covers the background by the share of the light that does not arrive.
+// Leaves of the ground that a model stands on the shade alone: black covers the background by the share of the light
+// that does not arrive.
 IN_REAL(open_light)
 IN_COLOR(indirect)
-INOUT_REAL(depth)
-INOUT_REAL(object_id)
-INOUT_REAL(material_id)
+IN_REAL(depth)
+IN_REAL(object_id)
 INOUT_COLOR(lit)
 OUT_REAL(cover)
 
 FN void ground_pixel(Int px, Int py) {
-  Real depth = own_depth();
+  Real depth = near_depth(0, 0);
   Vec3 lit = own_lit();
-  Real object = own_object_id();
-  Real material = own_material_id();
+  Real object = near_object_id(0, 0);
   Bool ground = is_surface(depth) && object == Real(C.object) && Real(C.object) >= 0.0f;
   Real open = near_open_light(0, 0);
   // The light that the model throws onto the ground would take away the shade where the two touch.
@@ -28,11 +26,7 @@ FN void ground_pixel(Int px, Int py) {
     shade = shade * outer * outer * mad(outer, Real(-2.0f), Real(3.0f));
   }
   shade = select(ground && open > 0.0f && is_finite(shade), shade, Real(0.0f));
-  Real infinity = real_of_bits(Uint(0x7f800000u));
   if (C.display != 0) shade = Real(1.0f) - display_from_linear(Real(1.0f) - shade);
   store_cover(shade);
-  store_object_id(select(ground, Real(-1.0f), finite_or_zero(object)));
-  store_material_id(select(ground, Real(-1.0f), finite_or_zero(material)));
-  store_depth(select(is_surface(depth) && !ground, depth, infinity));
   store_lit(select(ground, Vec3(Real(0.0f), Real(0.0f), Real(0.0f)), finite_or_zero(lit)));
 }

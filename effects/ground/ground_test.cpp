@@ -29,14 +29,10 @@ TEST(Ground, ShadeIsTheShareOfLightThatDoesNotArrive) {
   const std::vector<float> arrives = {0.3f, 0.0f, 0.4f, 0.8f, 1.6f};
   test::on_every_target("ground", row_of(arrives, 0.8f), {}, [&](const Image& image) {
     EXPECT_EQ(image.plane("cover").at(0, 0), 0.0f) << "the model itself";
-    EXPECT_EQ(image.plane("depth").at(0, 0), 2.0f);
     EXPECT_EQ(image.plane("lit.g").at(0, 0), 0.3f);
     for (int x = 1; x < image.width; ++x) {
       EXPECT_NEAR(image.plane("cover").at(x, 0), std::max(1.0 - arrives[x] / 0.8, 0.0), 1e-6) << x;
-      EXPECT_EQ(image.plane("depth").at(x, 0), std::numeric_limits<float>::infinity());
       EXPECT_EQ(image.plane("lit.g").at(x, 0), 0.0f);
-      EXPECT_EQ(image.plane("object_id").at(x, 0), -1.0f);
-      EXPECT_EQ(image.plane("material_id").at(x, 0), -1.0f);
     }
   });
   test::on_every_target("ground", row_of(arrives, 0.8f), {{"strength", "0.5"}}, [](const Image& image) {
@@ -66,7 +62,6 @@ TEST(Ground, NothingChangesWithoutOne) {
   test::on_every_target("ground", row_of({0.3f, 0.2f}, 0.8f, -1), {}, [](const Image& image) {
     for (int x : {0, 1}) {
       EXPECT_EQ(image.plane("cover").at(x, 0), 0.0f);
-      EXPECT_EQ(image.plane("depth").at(x, 0), 2.0f);
       EXPECT_EQ(image.plane("lit.r").at(x, 0), x == 0 ? 0.3f : 0.2f);
     }
   });

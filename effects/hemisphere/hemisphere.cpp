@@ -418,6 +418,7 @@ const Effect& effect_hemisphere() {
       .constants_size = sizeof(HemisphereConstants),
       .constants = fill_constants,
       .set_radius = set_radius,
+      .noise = "seed",
       .tunable = {"samples", "distribution", "range", "bias"},
       .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
       .quantum = kQuantum,

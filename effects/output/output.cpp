@@ -85,6 +85,19 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) 
                                          .background_alpha = opaque};
 }
 
+Exposure exposed_by(const ParameterBytes& params) {
+  switch (as<OutputParams>(params).metering) {
+    case kMeteringPicture:
+      return Exposure::kPicture;
+    case kMeteringLight:
+      return Exposure::kLights;
+    default:
+      return Exposure::kAsSet;
+  }
+}
+
+void add_stops(float stops, ParameterBytes& params) { as<OutputParams>(params).exposure += stops; }
+
 }  // namespace
 
 const Effect& effect_output() {
@@ -97,6 +110,8 @@ const Effect& effect_output() {
       .params_size = sizeof(OutputParams),
       .constants_size = sizeof(OutputConstants),
       .constants = fill_constants,
+      .exposed_by = exposed_by,
+      .add_stops = add_stops,
       .passes = {{.name = "output",
                   .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b", "cover",
                              "cover_for_eye", "sky.r", "sky.g", "sky.b"},

@@ -5,6 +5,9 @@
 // Values of OutputParams::metering.
 const int kMeteringNone = 0, kMeteringPicture = 1, kMeteringLight = 2;
 
+// Values of OutputParams::transfer.
+const int kTransferSrgb = 0, kTransferNone = 1;
+
 // One row of the table in output.cpp per field.
 struct OutputParams {
   float exposure;                                  // stops

@@ -64,6 +64,13 @@ bool ao_alone(const ParameterBytes& bytes) { return !light_too(bytes); }
 /// Two blocks below the pixel's own, which begins a block above it at most.
 int reach(const void* constants, int) { return 3 * static_cast<const UpsampleConstants*>(constants)->factor; }
 
+void set_reduction(const Reduction& reduction, ParameterBytes& bytes) {
+  auto& params = as<UpsampleParams>(bytes);
+  params.factor = reduction.factor == 4 ? kUpsampleQuarter : kUpsampleHalf;
+  params.indirect = reduction.indirect ? 1 : 0;
+  params.leave = reduction.leave ? 1 : 0;
+}
+
 }  // namespace
 
 const Effect& effect_upsample() {
@@ -76,6 +83,7 @@ const Effect& effect_upsample() {
       .params_size = sizeof(UpsampleParams),
       .constants_size = sizeof(UpsampleConstants),
       .constants = fill_constants,
+      .set_reduction = set_reduction,
       .variants = {"", "factor=4", "indirect=on"},
       .passes = {{.name = "ao",
                   .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},

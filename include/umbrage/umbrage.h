@@ -102,6 +102,7 @@ struct CameraRequest {
 /// What to draw. Everything but the model has a value that serves.
 struct RenderRequest {
   std::string model{};          ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
+  std::vector<std::string> more_models{};  ///< that stand beside it, as they are placed in their files
   std::string look = "studio";  ///< a recipe: see `umbrage list looks`
   std::string occlusion{};      ///< an occlusion technique, "reference" or "none"; empty: the look's own
   std::vector<std::string> settings{};  ///< "effect.parameter=value": see `umbrage list effects`

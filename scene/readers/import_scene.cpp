@@ -120,7 +120,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
 Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count) {
   if (!settings.scene_index) return {};
   if (*settings.scene_index >= 0 && std::size_t(*settings.scene_index) < count) return {};
-  return usage_error("--scene-index cannot be {}: {} has {}", *settings.scene_index, name,
+  return usage_error("`scene_index` cannot be {}: {} has {}", *settings.scene_index, name,
                      count == 1   ? "one scene, 0"
                      : count == 2 ? "two scenes, 0 and 1"
                                   : fmt::format("{} scenes, 0 to {}", count, count - 1));

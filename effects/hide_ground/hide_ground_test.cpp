@@ -1,0 +1,45 @@
+// `hide_ground`: where the ground was seen there is no surface any more.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "run_effect.h"
+#include "support.h"
+
+namespace umbrage {
+namespace {
+
+/// A pixel of the model, object 1, two of the ground, object 3, and one of nothing.
+GBuffer row_of(int ground_object) {
+  GBuffer g = test::empty_gbuffer(4, 1);
+  g.info.ground_object = ground_object;
+  Image& image = g.layers[0];
+  for (const char* name : {"depth", "object_id", "material_id"}) image.add(name) = Plane(4, 1, 2.0f);
+  const float objects[] = {1.0f, 3.0f, 3.0f, -1.0f};
+  for (int x = 0; x < 4; ++x) image.plane("object_id").at(x, 0) = objects[x];
+  image.plane("depth").at(3, 0) = std::numeric_limits<float>::infinity();
+  return g;
+}
+
+TEST(HideGround, TheGroundIsNoSurface) {
+  test::on_every_target("hide_ground", row_of(3), {}, [](const Image& image) {
+    EXPECT_EQ(image.plane("depth").at(0, 0), 2.0f) << "the model itself";
+    EXPECT_EQ(image.plane("object_id").at(0, 0), 1.0f);
+    for (int x = 1; x < 4; ++x) EXPECT_EQ(image.plane("depth").at(x, 0), std::numeric_limits<float>::infinity()) << x;
+    for (int x : {1, 2}) {
+      EXPECT_EQ(image.plane("object_id").at(x, 0), -1.0f);
+      EXPECT_EQ(image.plane("material_id").at(x, 0), -1.0f);
+    }
+  });
+}
+
+TEST(HideGround, WithoutOneAllStays) {
+  test::on_every_target("hide_ground", row_of(-1), {}, [](const Image& image) {
+    for (int x : {0, 1, 2}) EXPECT_EQ(image.plane("depth").at(x, 0), 2.0f) << x;
+    EXPECT_EQ(image.plane("object_id").at(3, 0), -1.0f) << "what shows nothing is no ground";
+    EXPECT_EQ(image.plane("material_id").at(2, 0), 2.0f);
+  });
+}
+
+}  // namespace
+}  // namespace umbrage

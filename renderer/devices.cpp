@@ -1,0 +1,49 @@
+#include "renderer/devices.h"
+
+#include <charconv>
+#include <cstdlib>
+
+#include "core/suggest.h"
+#include "devices/cpu/cpu_device.h"
+#include "devices/vulkan/vulkan_device.h"
+#include "renderer/isa_setting.h"
+
+namespace umbrage {
+namespace {
+
+/// Who captures for a Vulkan device, and how: UMBRAGE_VULKAN_CAPTURE; else the device decides.
+Result<VulkanCapture> vulkan_capture() {
+  const char* wish = std::getenv("UMBRAGE_VULKAN_CAPTURE");
+  if (!wish || *wish == '\0') return VulkanCapture::kAuto;
+  if (wish == std::string_view("cpu")) return VulkanCapture::kCpu;
+  if (wish == std::string_view("rays")) return VulkanCapture::kRays;
+  if (wish == std::string_view("raster") || wish == std::string_view("gpu")) return VulkanCapture::kRaster;
+  return usage_error("UMBRAGE_VULKAN_CAPTURE cannot be '{}': it takes raster, rays, gpu or cpu", wish);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads) {
+  if (auto valid = check_isa_setting(); !valid) return valid.error();
+  const auto cpu = [&] { return make_cpu_device({.threads = threads}); };
+  if (name == "cpu") return cpu();
+  const auto capture = vulkan_capture();
+  if (!capture) return capture.error();
+  if (name == "auto") {
+    auto gpu = make_vulkan_device({.real = true, .capture = *capture}, cpu());
+    return gpu ? std::move(gpu) : cpu();
+  }
+  if (name == "vulkan") return make_vulkan_device({.capture = *capture}, cpu());
+  if (const std::string prefix = "vulkan:"; name.starts_with(prefix)) {
+    const char* end = name.data() + name.size();
+    int index = -1;
+    const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, index);
+    if (failed == std::errc() && stop == end && index >= 0)
+      return make_vulkan_device({.index = index, .capture = *capture}, cpu());
+    return usage_error("there is no device '{}': a number follows vulkan:, such as vulkan:0", name);
+  }
+  constexpr std::string_view kNames[] = {"cpu", "vulkan", "auto"};
+  return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));
+}
+
+}  // namespace umbrage

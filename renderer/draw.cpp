@@ -1,0 +1,217 @@
+#include "renderer/draw.h"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "core/suggest.h"
+#include "reference/reference.h"
+#include "renderer/average.h"
+
+namespace umbrage {
+namespace {
+
+/// The reference tells whoever traces; this tells the thread that made it alone, and not more often than people see.
+std::function<bool(double)> own_thread_only(const ProgressMonitor& monitor) {
+  using Clock = std::chrono::steady_clock;
+  return [&monitor, own = std::this_thread::get_id(), last = Clock::time_point()](double done) mutable {
+    constexpr std::chrono::milliseconds kOften(40);
+    if (!monitor || std::this_thread::get_id() != own || Clock::now() - last < kOften) return true;
+    last = Clock::now();
+    return monitor(done);
+  };
+}
+
+/// What a device's share of one step is of the whole drawing.
+class DrawProgress {
+ public:
+  /// A frame has a step for its capture and one for each effect; others that come between are part of the next one's.
+  DrawProgress(const ProgressMonitor& monitor, std::size_t effects, int frames)
+      : monitor_(monitor), steps_(1 + double(effects)), frames_(frames) {}
+
+  /// Of each step.
+  ProgressMonitor of_step() {
+    return [this](double share) { return tell(share); };
+  }
+  void step_done() { ++step_; }
+  void frame_done() {
+    ++frame_;
+    step_ = 0;
+  }
+  /// Errors: kInterrupted.
+  Result<void> end() const { return !monitor_ || monitor_(1.0) ? Result<void>() : interrupted(); }
+
+ private:
+  bool tell(double share) {
+    const double of_frame = std::min((step_ + share) / steps_, 1.0);
+    // An effect of several passes, or on several layers, begins again with each: what was told stays.
+    told_ = std::max(told_, std::min((frame_ + of_frame) / frames_, 1.0));
+    return !monitor_ || monitor_(told_);
+  }
+
+  const ProgressMonitor& monitor_;
+  const double steps_;
+  const int frames_;
+  int step_ = 0, frame_ = 0;
+  double told_ = 0.0;
+};
+
+/// The recipe's look, whose effects are told to `times` and `progress` as they are done.
+LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& progress) {
+  LookRun run = look_run(recipe);
+  run.after = [&times, &progress](std::string_view name) {
+    times.done(name);
+    progress.step_done();
+  };
+  run.monitor = progress.of_step();
+  return run;
+}
+
+}  // namespace
+
+Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
+  if (!plan.recipe.hdri.shown()) return {};
+  const int height = frame.info.height;
+  const Rows rows = plan.capture.band ? held_rows(*plan.capture.band, height) : Rows{0, height};
+  return device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame.info, rows), frame);
+}
+
+Result<Drawn> draw(Device& device, Scene& scene, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor,
+                   std::optional<float> stops) {
+  const KeptPlanes kept;
+  Plan plan = planned;  // each frame has noise of its own
+  set_lighting(plan.lighting, scene);
+  DrawProgress progress(monitor, steps_of(look_run(plan.recipe)).size(), plan.recipe.frames);
+  const ProgressMonitor of_step = progress.of_step();
+  TracedScenePtr hierarchy;  // of the reference, for all frames
+  LookRun run = timed_look_run(plan.recipe, times, progress);
+  run.stops = stops;
+  run.run_handed_in = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
+    if (!hierarchy) {
+      auto traced = trace_ready(scene, device.threads());
+      if (!traced) return traced.error();
+      hierarchy = std::move(*traced);
+    }
+    const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), own_thread_only(of_step)});
+    return planes ? device.add(*planes, on) : planes.error();
+  };
+  PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
+  // The last frame stays.
+  for (int k = plan.recipe.frames - 1;; --k) {
+    const Camera camera = begin_frame(plan, k);
+    auto frame = device.capture(camera, plan.capture, of_step);
+    if (!frame) return frame.error();
+    times.done("capture");
+    progress.step_done();
+    if (auto added = add_sky(device, plan, *frame); !added) return added.error();
+    if (plan.recipe.hdri.shown()) times.done("sky");
+    const auto done = run_look(run, device, *frame);
+    if (!done) return done.error();
+    run.stops = done->stops;  // one exposure for all
+    if (plan.averages()) {
+      const auto picture = device.download(*frame, averaged_planes(plan));
+      if (!picture) return picture.error();
+      add_picture(total, *picture);
+      times.done("average");
+      if (auto drawn = draw_lines(device, plan, *frame, of_step, times); !drawn) return drawn.error();
+      progress.frame_done();
+      if (k > 0) continue;
+      if (auto finished = finish_average(device, total, plan, *frame); !finished) return finished.error();
+      times.done("average");
+    }
+    if (auto ended = progress.end(); !ended) return ended.error();
+    return Drawn{std::move(*frame), run.stops};
+  }
+}
+
+Result<Frame> draw(Device& device, Scene& scene, const Recipe& recipe, StageTimes& times) {
+  const auto plan = make_plan(recipe, scene, device.threads());
+  if (!plan) return plan.error();
+  auto drawn = draw(device, scene, *plan, times);
+  return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
+}
+
+Result<Frame> draw(Device& device, Scene& scene, const RenderRequest& request, StageTimes& times) {
+  const auto recipe = make_recipe(request);
+  return recipe ? draw(device, scene, *recipe, times) : recipe.error();
+}
+
+namespace {
+
+/// Uploads a G-buffer and makes the normals that it may lack.
+Result<Frame> uploaded(Device& device, const GBuffer& gbuffer, const EffectSettings& settings) {
+  auto frame = device.upload(gbuffer);
+  if (!frame) return frame;
+  const Effect& normals = *find_effect("normals");
+  for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
+    if (!gbuffer.layers[layer].find("normal.x"))
+      if (auto done = device.run(normals, params_of(settings, normals.name), *frame, int(layer)); !done)
+        return done.error();
+  return frame;
+}
+
+/// The effects of these names as a look's. Errors: kUsage.
+Result<Look> look_of(const std::vector<std::string>& names) {
+  Look look{.name = "effects"};
+  for (const std::string& name : names) {
+    const Effect* effect = find_effect(name);
+    if (effect) {
+      look.effects.push_back(effect->name);
+      continue;
+    }
+    std::vector<std::string_view> all;
+    for (const Effect* each : effects()) all.push_back(each->name);
+    return usage_error("there is no effect '{}'{}", name, suggestion(name, all));
+  }
+  return look;
+}
+
+/// A recipe of these effects alone: nothing of a look. Errors: kUsage.
+Result<Recipe> recipe_of_effects(const ShadeRequest& request, const Look& look) {
+  Recipe recipe{.look = &look, .occlusion = std::string(kNoOcclusion)};
+  auto settings = effect_settings(request.settings);
+  if (!settings) return settings.error();
+  recipe.settings = std::move(*settings);
+  for (const std::string& assignment : request.settings) {
+    const auto setting = parse_setting(assignment, handed_in());
+    recipe.said.push_back({setting->effect, setting->parameter, {}});
+  }
+  if (request.occlusion_radius.empty()) return recipe;
+  const auto radius = parse_length("occlusion_radius", request.occlusion_radius);
+  if (!radius) return radius.error();
+  recipe.radius = *radius;
+  return recipe;
+}
+
+}  // namespace
+
+Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const ShadeRequest& request, StageTimes& times,
+                           const ProgressMonitor& monitor) {
+  const auto own_look = look_of(request.effects);
+  if (!own_look) return own_look.error();
+  auto recipe = request.effects.empty() ? make_recipe(request) : recipe_of_effects(request, *own_look);
+  if (!recipe) return recipe.error();
+  if (gbuffer.info.lights.empty() && request.effects.empty()) {
+    // View space is the camera's own: what is above and to the left of it does not depend on where it stands.
+    Camera at_origin = gbuffer.info.camera;
+    at_origin.view_from_world = glm::mat4(1.0f);
+    gbuffer.info.lights = recipe->look->studio_lights ? studio_lights(at_origin) : default_lights({}, at_origin);
+    if (recipe->look->studio_lights) gbuffer.info.ambient = glm::vec3(kStudioAmbient);
+  }
+  DrawProgress progress(monitor, recipe->look->effects.size(), 1);
+  auto frame = uploaded(device, gbuffer, recipe->settings);
+  if (!frame) return frame;
+  progress.step_done();
+  times.done("upload");
+  if (recipe->radius) {
+    const auto radius = radius_in_scene("`occlusion_radius`", *recipe->radius, frame->info);
+    if (!radius) return radius.error();
+    apply_radius(*radius, frame->info, *recipe);
+  }
+  const LookRun run = timed_look_run(*recipe, times, progress);
+  if (const auto done = run_look(run, device, *frame); !done) return done.error();
+  if (auto ended = progress.end(); !ended) return ended.error();
+  return frame;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,38 @@
+// Drawing: a plan becomes a picture on a device.
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+
+#include "renderer/plan.h"
+#include "renderer/times.h"
+
+namespace umbrage {
+
+struct Drawn {
+  Frame frame;
+  std::optional<float> stops;  ///< what metering added to the exposure, for pictures that belong together
+};
+
+/// Draws a scene that the device was prepared with: captures, runs the look. The scene gets the plan's lights. `stops`:
+/// of another picture, in place of metering. Errors: kInterrupted; those of the device.
+Result<Drawn> draw(Device& device, Scene& scene, const Plan& plan, StageTimes& times,
+                   const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
+
+/// Plans and draws a furnished scene.
+Result<Frame> draw(Device& device, Scene& scene, const Recipe& recipe, StageTimes& times);
+
+/// Makes a recipe, plans and draws: a picture without an image around the scene. Errors: kUsage, too.
+Result<Frame> draw(Device& device, Scene& scene, const RenderRequest& request, StageTimes& times);
+
+/// Shades what another renderer drew, with the recipe's look, or with `effects` in its place, one after the other, with
+/// the request's settings and radius. Without normals they are made of the depth. Where gbuffer.info has no lights a
+/// look gets some, as they stand to the camera of a model without lights. Errors: kUsage for names that there are not,
+/// and planes that are missing; kInterrupted.
+Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const ShadeRequest& request, StageTimes& times,
+                           const ProgressMonitor& monitor = {});
+
+/// Adds the image around the scene to a frame, where it is to be seen.
+Result<void> add_sky(Device& device, const Plan& plan, Frame& frame);
+
+}  // namespace umbrage

@@ -1,0 +1,66 @@
+#include "renderer/models.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "generators/builtin.h"
+
+namespace umbrage {
+
+Result<Scene> load_scene(const std::string& model, const ImportSettings& settings) {
+  if (model.empty()) return usage_error("the name of a model is empty");
+  if (!model.starts_with("scene:")) return import_scene(model, settings);
+  if (auto fine = check_scene_index(settings, model, 1); !fine) return fine.error();
+  auto scene = make_builtin_scene(model);
+  if (scene && settings.up != glm::vec3(0.0f)) scene->up = settings.up;
+  return scene;
+}
+
+Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings) {
+  auto all = load_scene(models.at(0), settings);
+  for (std::size_t m = 1; all && m < models.size(); ++m) {
+    auto next = load_scene(models[m], settings);
+    if (!next) return next;
+    const int materials = int(all->materials.size()), textures = int(all->textures.size());
+    int objects = 0;
+    for (const Mesh& mesh : all->meshes) objects = std::max(objects, mesh.object + 1);
+    for (Material& material : next->materials) {
+      for (int* texture : {&material.texture, &material.emission_texture})
+        if (*texture != kNoTexture) *texture += textures;
+      all->materials.push_back(std::move(material));
+    }
+    for (Texture& texture : next->textures) all->textures.push_back(std::move(texture));
+    for (Mesh& mesh : next->meshes) {
+      mesh.material += materials;
+      mesh.object += objects;
+      all->meshes.push_back(std::move(mesh));
+    }
+    for (std::string& warning : next->warnings) all->warnings.push_back(std::move(warning));
+    all->bounds_min = glm::min(all->bounds_min, next->bounds_min);
+    all->bounds_max = glm::max(all->bounds_max, next->bounds_max);
+    all->views.clear();
+    all->scene_names.clear();
+    all->cameras.insert(all->cameras.end(), next->cameras.begin(), next->cameras.end());
+    all->name += " + " + next->name;
+  }
+  return all;
+}
+
+Result<void> use_camera(int index, Scene& scene) {
+  const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
+  if (index < 0 || std::size_t(index) >= cameras.size())
+    return usage_error("`camera.index` cannot be '{}': {} has {}", index, scene.name,
+                       cameras.empty()       ? "no cameras"
+                       : cameras.size() == 1 ? "one camera, 0"
+                                             : fmt::format("cameras 0 to {}", cameras.size() - 1));
+  View view = cameras[std::size_t(index)];
+  // It turns around what is in the middle of the scene, as far as it looks there.
+  const glm::vec3 along = glm::normalize(view.target - view.eye);
+  const float distance = glm::dot(scene.center() - view.eye, along);
+  if (!scene.cameras.empty())
+    view.target = view.eye + along * (distance > 0.0f ? distance : std::max(scene.radius(), 1e-6f));
+  scene.views = {view};
+  return {};
+}
+
+}  // namespace umbrage

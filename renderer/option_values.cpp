@@ -1,0 +1,267 @@
+// Values of options: from text, and checked.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <tuple>
+
+#include "renderer/options.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kMaxPosition = 1e15f;  // as for models: rays beyond leave what Embree takes
+
+/// Numbers of a list parted by commas. Errors: kUsage.
+std::optional<Vector3> parse_three(std::string_view text) {
+  Vector3 v{};
+  std::size_t start = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t end = i == 2 ? text.size() : text.find(',', start);
+    if (end == std::string_view::npos) return std::nullopt;
+    const std::string_view part = text.substr(start, end - start);
+    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), v[i]);
+    if (part.empty() || error != std::errc() || stop != part.data() + part.size()) return std::nullopt;
+    start = end + 1;
+  }
+  return v;
+}
+
+bool is_zero(const Vector3& v) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
+
+/// Whether a vector is what such an option takes.
+bool is_within(OptionForm form, const Vector3& v) {
+  const auto all = [&](auto fits) { return std::all_of(v.begin(), v.end(), fits); };
+  if (form == OptionForm::kColor) return all([](float x) { return x >= 0.0f && x <= 1.0f; });
+  return all([](float x) { return std::abs(x) <= kMaxPosition; }) && (form != OptionForm::kDirection || !is_zero(v));
+}
+
+std::string joined(const std::vector<std::string_view>& words) {
+  std::string text;
+  for (std::size_t k = 0; k < words.size(); ++k)
+    text += std::string(k == 0 ? "" : k + 1 == words.size() ? " or " : ", ") + std::string(words[k]);
+  return text;
+}
+
+/// What an option takes, in words.
+std::string taken(const Option& o) {
+  if (!o.choices.empty()) return joined(o.choices);
+  switch (o.form) {
+    case OptionForm::kLength:
+      return "a length above 0 in scene units, or a share such as 5%";
+    case OptionForm::kPercent:
+      return fmt::format("{:g}% to {:g}% of the picture's longer side", o.min, o.max);
+    case OptionForm::kPosition:
+      return fmt::format("three numbers up to {:g}, such as 1,2.5,-3", kMaxPosition);
+    case OptionForm::kDirection:
+      return "+X, -X, +Y, -Y, +Z, -Z or three numbers that are not all 0";
+    case OptionForm::kColor:
+      return "three numbers from 0 to 1, such as 0.2,0.3,0.5";
+    default:
+      break;
+  }
+  const bool whole =
+      std::holds_alternative<FieldOf<int>>(o.where) || std::holds_alternative<FieldOf<std::optional<int>>>(o.where);
+  return whole ? fmt::format("a whole number from {} to {}", long(o.min), long(o.max))
+               : fmt::format("a number from {:g} to {:g}", o.min, o.max);
+}
+
+template <class T>
+Error wrong(const Option& o, const T& value) {
+  return usage_error("`{}` cannot be '{}': it takes {}", o.field, value, taken(o));
+}
+
+std::optional<double> number_in(std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// The value of an option in a request, checked. Errors: kUsage.
+class CheckValue {
+ public:
+  CheckValue(const Option& option, RenderRequest& request) : o_(option), request_(request) {}
+
+  Result<void> operator()(std::monostate) { return {}; }
+  Result<void> operator()(FieldOf<bool>) { return {}; }
+  Result<void> operator()(FieldOf<std::vector<std::string>>) { return {}; }
+  Result<void> operator()(FieldOf<int> of) { return number(of(request_)); }
+  Result<void> operator()(FieldOf<float> of) { return number(of(request_)); }
+  Result<void> operator()(FieldOf<std::optional<int>> of) {
+    return of(request_) ? number(*of(request_)) : Result<void>();
+  }
+  Result<void> operator()(FieldOf<std::optional<float>> of) {
+    return of(request_) ? number(*of(request_)) : Result<void>();
+  }
+  Result<void> operator()(FieldOf<std::string> of) {
+    const std::string& text = of(request_);
+    if (text.empty()) return {};
+    if (o_.form == OptionForm::kLength) {
+      const auto length = parse_length(o_.field, text);
+      return length ? Result<void>() : length.error();
+    }
+    const bool known = std::find(o_.choices.begin(), o_.choices.end(), text) != o_.choices.end();
+    return o_.choices.empty() || known ? Result<void>() : wrong(o_, text);
+  }
+  Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
+    const auto& v = of(request_);
+    if (!v || is_within(o_.form, *v)) return {};
+    return wrong(o_, fmt::format("{},{},{}", (*v)[0], (*v)[1], (*v)[2]));
+  }
+
+ private:
+  Result<void> number(double value) { return value >= o_.min && value <= o_.max ? Result<void>() : wrong(o_, value); }
+
+  const Option& o_;
+  RenderRequest& request_;
+};
+
+/// Sets an option's field from text. Errors: kUsage.
+class SetValue {
+ public:
+  SetValue(const Option& option, std::string_view text, RenderRequest& request)
+      : o_(option), text_(text), request_(request) {}
+
+  Result<void> operator()(std::monostate) { return {}; }
+  Result<void> operator()(FieldOf<bool> of) {
+    if (text_ != "true" && text_ != "false")
+      return usage_error("`{}` cannot be '{}': it takes true or false", o_.field, text_);
+    of(request_) = text_ == "true";
+    return {};
+  }
+  Result<void> operator()(FieldOf<std::vector<std::string>> of) {
+    of(request_).emplace_back(text_);
+    return {};
+  }
+  Result<void> operator()(FieldOf<std::string> of) {
+    of(request_) = text_;
+    return CheckValue(o_, request_)(of);
+  }
+  Result<void> operator()(FieldOf<int> of) { return whole(of(request_)); }
+  Result<void> operator()(FieldOf<std::optional<int>> of) { return whole(of(request_)); }
+  Result<void> operator()(FieldOf<float> of) { return real(of(request_)); }
+  Result<void> operator()(FieldOf<std::optional<float>> of) { return real(of(request_)); }
+  Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
+    const auto v = vector();
+    if (!v || !is_within(o_.form, *v)) return wrong(o_, text_);
+    of(request_) = v;
+    return {};
+  }
+
+ private:
+  Result<void> whole(auto& to) {
+    const auto value = number_in(text_);
+    if (!value || *value != std::floor(*value) || !(*value >= o_.min && *value <= o_.max)) return wrong(o_, text_);
+    to = int(*value);
+    return {};
+  }
+  Result<void> real(auto& to) {
+    const bool percent = o_.form == OptionForm::kPercent;
+    const auto value = number_in(percent && text_.ends_with('%') ? text_.substr(0, text_.size() - 1) : text_);
+    if (!value || percent != text_.ends_with('%') || !(*value >= o_.min && *value <= o_.max)) return wrong(o_, text_);
+    to = float(*value);
+    return {};
+  }
+  std::optional<Vector3> vector() const {
+    const bool axis = o_.form == OptionForm::kDirection && text_.size() == 2 && (text_[0] == '+' || text_[0] == '-');
+    if (!axis) return parse_three(text_);
+    const int index = (text_[1] | 0x20) - 'x';  // in lower case
+    if (index < 0 || index > 2) return std::nullopt;
+    Vector3 v{};
+    v[std::size_t(index)] = text_[0] == '+' ? 1.0f : -1.0f;
+    return v;
+  }
+
+  const Option& o_;
+  std::string_view text_;
+  RenderRequest& request_;
+};
+
+/// What two options say of the same thing. Errors: kUsage.
+Result<void> check_together(const RenderRequest& r) {
+  const CameraRequest& camera = r.camera;
+  if (camera.index && (camera.position || camera.focal_point || camera.direction))
+    return usage_error("`camera.index` and `camera.{}` both say where the camera is: give one of them",
+                       camera.position      ? "position"
+                       : camera.focal_point ? "focal_point"
+                                            : "direction");
+  if (camera.position && camera.focal_point && *camera.position == *camera.focal_point) {
+    const Vector3& v = *camera.position;
+    return usage_error(
+        "`camera.position` and `camera.focal_point` are both '{},{},{}': a camera cannot look at its own place", v[0],
+        v[1], v[2]);
+  }
+  if (r.hdri_skybox && r.hdri_file.empty())
+    return usage_error("`hdri_skybox` needs an image: `hdri_file` FILE, or `hdri_file` sky:");
+  if (r.hdri_skybox && r.transparent)
+    return usage_error("`hdri_skybox` and `transparent` both say what is behind the scene: give one of them");
+  return {};
+}
+
+}  // namespace
+
+Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request) {
+  if (option.form == OptionForm::kSize) {
+    const auto size = parse_size(option.field, text, kMostBandPixels);
+    if (!size) return size.error();
+    std::tie(request.width, request.height) = *size;
+    return {};
+  }
+  return std::visit(SetValue(option, text, request), option.where);
+}
+
+Result<void> check_request(const RenderRequest& request, long most_pixels) {
+  // Fields are found in requests that may be written, and only read here.
+  auto& fields = const_cast<RenderRequest&>(request);
+  for (const Option& option : options())
+    if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
+  if (long(request.width) * request.height > most_pixels)
+    return usage_error("a picture cannot have {} x {} pixels: {} together are the most", request.width, request.height,
+                       most_pixels);
+  return check_together(request);
+}
+
+Result<double> parse_number(std::string_view field, std::string_view text, double min, double max) {
+  const auto value = number_in(text);
+  if (value && *value >= min && *value <= max) return *value;
+  return usage_error("{} cannot be '{}': it takes a number from {:g} to {:g}", field, text, min, max);
+}
+
+Result<int> parse_whole(std::string_view field, std::string_view text, int min, int max) {
+  const auto value = number_in(text);
+  if (value && *value == std::floor(*value) && *value >= min && *value <= max) return int(*value);
+  return usage_error("{} cannot be '{}': it takes a whole number from {} to {}", field, text, min, max);
+}
+
+Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long most_pixels) {
+  const std::size_t part = text.find_first_of(",x");
+  const auto side = [&](std::string_view number) {
+    int pixels = 0;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), pixels);
+    return error == std::errc() && end == number.data() + number.size() && pixels <= kLargestSide ? pixels : 0;
+  };
+  const int width = side(text.substr(0, part)), height = part == text.npos ? 0 : side(text.substr(part + 1));
+  if (width >= 1 && height >= 1 && long(width) * height <= most_pixels) return std::pair(width, height);
+  return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, together at most {}", field, text,
+                     kLargestSide, std::min(most_pixels, long(kLargestSide) * kLargestSide));
+}
+
+Result<Length> parse_length(std::string_view field, std::string_view text) {
+  const bool share = text.ends_with('%');
+  const std::string_view digits = text.substr(0, text.size() - (share ? 1 : 0));
+  float value = 0.0f;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0f) || !std::isfinite(value))
+    return usage_error("`{}` cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%", field,
+                       text);
+  return Length{value, share ? 1 : 0};
+}
+
+Result<int> parse_scale(std::string_view field, std::string_view text) {
+  const auto& names = option_of("occlusion_scale").choices;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (names[k] == text) return 1 << k;
+  return usage_error("`{}` cannot be '{}': it takes full, half or quarter", field, text);
+}
+
+}  // namespace umbrage

@@ -1,0 +1,87 @@
+// The table of what a RenderRequest can say: one row per option. From it come the command line with its help, manual
+// page and completion, the checks of the library and what both say of a wrong value.
+//
+// Messages name a field in backquotes, `camera.zoom`; who speaks to people in other words puts them in its place.
+#pragma once
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/length.h"
+#include "core/result.h"
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+
+/// Where a field is.
+template <class T>
+using FieldOf = T& (*)(RenderRequest&);
+using Vector3 = std::array<float, 3>;
+using Field = std::variant<std::monostate, FieldOf<bool>, FieldOf<int>, FieldOf<float>, FieldOf<std::optional<int>>,
+                           FieldOf<std::optional<float>>, FieldOf<std::string>, FieldOf<std::vector<std::string>>,
+                           FieldOf<std::optional<Vector3>>>;
+
+/// How a value is written, where its type alone does not say it.
+enum class OptionForm {
+  kPlain,
+  kSize,       ///< width and height: "640,480" or "640x480"
+  kPercent,    ///< "5%"
+  kLength,     ///< "0.3" scene units, or "5%" of the scene
+  kPosition,   ///< "1,2.5,-3"
+  kDirection,  ///< the same, or "+Y"; not 0
+  kColor,      ///< three numbers from 0 to 1
+};
+
+/// The commands that have an option, as bits.
+enum OptionCommand : unsigned { kRender = 1, kCompare = 2, kTune = 4, kInfo = 8, kBench = 16, kFigures = 32 };
+
+struct Option {
+  std::string_view field;  ///< its name in a program: "camera.zoom"
+  std::string_view
+      option;  ///< and on a command line, without dashes: "camera-zoom-factor"; empty: it has none of its own
+  std::string_view group, help;
+  std::string_view initial;  ///< what holds where nobody says, as help shows it; empty: it does not
+  Field where;
+  unsigned commands = kRender;
+  double min = 0.0, max = 0.0;  ///< inclusive range of numbers
+  OptionForm form = OptionForm::kPlain;
+  std::vector<std::string_view> choices = {};  ///< all that it takes
+  std::string_view environment = {};           ///< the variable that stands for it on a command line
+};
+
+std::span<const Option> options();
+
+/// The row of that field, which must be there.
+const Option& option_of(std::string_view field);
+
+/// A message with what `rename` makes of each field that it names in backquotes.
+std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&));
+
+/// Sets a field from text; flags take "true" and "false". Errors: kUsage.
+Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request);
+
+/// Checks everything of a request that can be wrong by itself: ranges, choices, and what contradicts each other. Of
+/// names nothing. `most_pixels`: of the picture. Errors: kUsage.
+Result<void> check_request(const RenderRequest& request, long most_pixels);
+
+/// Numbers as people write them. `field` is named in errors. Errors: kUsage.
+Result<double> parse_number(std::string_view field, std::string_view text, double min, double max);
+Result<int> parse_whole(std::string_view field, std::string_view text, int min, int max);
+/// "640,480" or "640x480".
+Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long most_pixels);
+/// "0.3" or "5%", above 0.
+Result<Length> parse_length(std::string_view field, std::string_view text);
+/// Of "full", "half" or "quarter": every how manieth pixel is computed, across and down.
+Result<int> parse_scale(std::string_view field, std::string_view text);
+
+/// The largest picture, and how many pixels, of all layers together, may be held at once: more need more memory than
+/// most machines have (64 million take 8 GB and more). See renderer/bands.h for larger pictures.
+inline constexpr int kLargestSide = 16384;
+inline constexpr long kMostPixels = 8192L * 8192L;
+inline constexpr long kMostBandPixels = 2L * kLargestSide * kLargestSide;
+
+}  // namespace umbrage

@@ -1,0 +1,197 @@
+#include "renderer/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/trigonometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "core/check.h"
+#include "devices/shared/capture_info.h"
+#include "effects/outline/outline.h"
+#include "effects/output/output.h"
+#include "rays/interior_lights.h"
+#include "reference/reference.h"
+#include "renderer/accumulation.h"
+#include "scene/ground.h"
+
+namespace umbrage {
+namespace {
+
+/// Whether the camera stands inside the scene.
+bool stands_inside(const Camera& camera, const Scene& scene) {
+  const glm::vec3 eye = camera.eye();
+  return glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
+}
+
+/// How high above the horizon the lowest light stands, of those above it; nothing where there is none.
+std::optional<float> lowest_light_deg(const Scene& scene) {
+  std::optional<float> lowest;
+  for (const Light& light : scene.lights) {
+    const float sine = glm::dot(light.direction, glm::normalize(scene.up));
+    const float height = glm::degrees(std::asin(std::clamp(sine, -1.0f, 1.0f)));
+    if (height > 0.0f) lowest = std::min(lowest.value_or(height), height);
+  }
+  return lowest;
+}
+
+/// Gives lights to a scene that has none.
+Result<void> add_lights(const Scene& scene, int threads, Plan& plan) {
+  // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
+  constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
+  const Recipe& recipe = plan.recipe;
+  Lighting& lighting = plan.lighting;
+  if (recipe.look->studio_lights) {
+    lighting.lights = studio_lights(plan.camera);
+    lighting.ambient = glm::vec3(kStudioAmbient);
+  } else {
+    lighting.lights = default_lights(scene, plan.camera);
+  }
+  bool seen = recipe.occlusion == reference_effect().name;
+  for (const std::string_view name : recipe.look->effects) {
+    const Effect* effect = find_effect(name);
+    seen = seen || (effect && by_scene_lights(*effect, recipe.settings));
+  }
+  const bool inside = stands_inside(plan.camera, scene);
+  plan.lit_from_camera = !inside;
+  if (!inside || !seen) return {};
+  const auto traced = trace_ready(scene, threads);
+  if (!traced) return traced.error();
+  const PictureInfo info{.width = recipe.width, .height = recipe.height, .camera = plan.camera};
+  std::vector<Light> lights = interior_lights(**traced, info, lighting.lights);
+  if (lights.empty()) return {};
+  lighting.lights = std::move(lights);
+  lighting.ambient = kAmbientInside;
+  return {};
+}
+
+/// In a court or a hall little of an image's light arrives: there a look that was to be exposed for the light, unless
+/// the request says so, is exposed by the picture.
+void meter_inside(const Scene& scene, Plan& plan) {
+  if (!plan.recipe.hdri.lights() || !stands_inside(plan.camera, scene)) return;
+  for (const Setting& said : plan.recipe.said)
+    if (said.effect->exposed_by && said.parameter->name == "metering") return;
+  auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
+  if (output.metering == kMeteringLight) output.metering = kMeteringPicture;
+}
+
+/// The key light's disc or ball, as wide as that many degrees of what the scene's middle sees.
+void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
+  if (lighting.lights.empty()) return;
+  Light& key = lighting.lights[0];
+  key.angle_deg = angle_deg;
+  key.radius = glm::distance(key.position, scene.center()) * std::tan(glm::radians(0.5f * angle_deg));
+}
+
+/// Makes lengths that are shares of the scene, or may be larger than it, scene units. Errors: kUsage.
+Result<void> measure_lengths(const Scene& scene, Plan& plan) {
+  Recipe& recipe = plan.recipe;
+  const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
+  if (recipe.radius) {
+    const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, info);
+    if (!radius) return radius.error();
+    apply_radius(*radius, info, recipe);
+  }
+  if (recipe.occlusion != reference_effect().name) return {};
+  const auto& reference = as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion));
+  const auto radius = radius_in_scene("reference.radius", reference.radius, info);
+  return radius ? Result<void>() : radius.error();
+}
+
+/// The technique's parameter of noise, or null.
+const Parameter* noise_of(const Recipe& recipe) {
+  const Effect* technique = find_in(every_effect(), recipe.occlusion);
+  return technique && !technique->noise.empty() ? find_parameter(*technique, technique->noise) : nullptr;
+}
+
+/// Sets the parameters of lines aside that are drawn once, over the average; each frame goes without. Those of the
+/// paper's rule are in each.
+void keep_lines(Plan& plan) {
+  const auto& effects = plan.recipe.look->effects;
+  if (std::find(effects.begin(), effects.end(), "outline") == effects.end()) return;
+  ParameterBytes& params = params_of(plan.recipe.settings, "outline");
+  auto& outline = as<OutlineParams>(params);
+  if (outline.mode == kOutlinePaper || !(outline.opacity > 0.0f)) return;
+  plan.lines = params;
+  outline.opacity = 0.0f;
+}
+
+}  // namespace
+
+void furnish(Scene& scene, const Recipe& recipe) {
+  if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
+  if (!recipe.look->ground || recipe.ground == Ground::kOff) return;
+  const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
+  const glm::vec3 eye = camera.eye();
+  const bool inside = stands_inside(camera, scene);
+  // From below a ground would hide the model.
+  const glm::vec3 looks_along = -glm::vec3(glm::transpose(camera.view_from_world)[2]);
+  const glm::vec3 lowest = scene.center() - glm::normalize(scene.up) * scene.radius();
+  const bool below = camera.projection == Projection::kOrthographic
+                         ? glm::dot(looks_along, scene.up) > 0.0f
+                         : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
+                                                                       glm::dot(eye - scene.center(), scene.up) < 0.0f);
+  if (recipe.ground == Ground::kOn || (!inside && !below && lacks_ground(scene)))
+    add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
+}
+
+Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads) {
+  Plan plan{.recipe = recipe,
+            .camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height),
+            .lighting = lighting_of(scene),
+            .capture = recipe.capture,
+            .up = scene.up,
+            .sky_gain = recipe.hdri.intensity};
+  EffectSettings& settings = plan.recipe.settings;
+  if (scene.lights.empty() && !recipe.hdri.lights())
+    if (auto added = add_lights(scene, threads, plan); !added) return added.error();
+  meter_inside(scene, plan);
+  if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting);
+  if (auto measured = measure_lengths(scene, plan); !measured) return measured.error();
+  // Looks that do not show how bright lights are show a sky as if white lay in it.
+  if (const float usual = plan.lighting.usual_light; !shows_light(recipe) && usual > 0.0f) plan.sky_gain /= usual;
+  if (const Parameter* noise = noise_of(recipe))
+    plan.first_noise = whole_value(*noise, params_of(settings, recipe.occlusion));
+  plan.output = params_of(settings, "output");
+  if (!plan.averages()) return plan;
+  // Light with alpha, so that edges mix with the background as light does, or for the eye.
+  auto& output = as<OutputParams>(params_of(settings, "output"));
+  output.transfer = kTransferNone;
+  if (!recipe.hdri.shown()) output.transparent = 1;
+  keep_lines(plan);
+  return plan;
+}
+
+Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
+  Plan plan = first;
+  if (angle_deg == 0.0f) return plan;
+  Recipe& recipe = plan.recipe;
+  recipe.framing.turn_deg += angle_deg;
+  recipe.hdri.rotation_deg += angle_deg;
+  plan.camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
+  if (recipe.hdri.lights()) {
+    plan.lighting = image_lighting(recipe.hdri, scene.up);
+  } else if (plan.lit_from_camera) {
+    const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), glm::normalize(scene.up)));
+    const glm::vec3 center = turn_center(scene, first.recipe.framing);
+    for (Light& light : plan.lighting.lights) {
+      light.direction = glm::normalize(turn * light.direction);
+      light.position = center + turn * (light.position - center);
+    }
+  }
+  if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting);
+  if (auto measured = measure_lengths(scene, plan); !measured) fail_check(measured.error().message);
+  return plan;
+}
+
+Camera begin_frame(Plan& plan, int frame) {
+  plan.capture.sample = frame;
+  Recipe& recipe = plan.recipe;
+  if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
+    set_whole(*noise, (plan.first_noise + frame) % kMostFrames, params_of(recipe.settings, recipe.occlusion));
+  return shifted_camera(plan.camera, frame_offset(frame, recipe.frames), recipe.width, recipe.height);
+}
+
+}  // namespace umbrage

@@ -1,0 +1,308 @@
+#include "renderer/recipe.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "core/light_rig.h"
+#include "core/suggest.h"
+#include "effects/ground/ground.h"
+#include "effects/output/output.h"
+#include "looks/quality.h"
+#include "reference/reference.h"
+#include "renderer/passes.h"
+
+namespace umbrage {
+namespace {
+
+/// The quality that the request or else the look names, or null.
+const Quality* quality_of(const RenderRequest& request, const Look& look) {
+  return find_quality(request.quality.empty() ? look.quality : std::string_view(request.quality));
+}
+
+bool is_lit_by_image(const RenderRequest& request) { return !request.hdri_file.empty() && request.hdri_ambient; }
+
+/// The index of a text among what an option takes.
+int choice_of(std::string_view field, std::string_view text) {
+  const auto& choices = option_of(field).choices;
+  return int(std::find(choices.begin(), choices.end(), text) - choices.begin());
+}
+
+glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+/// Whether the look's own technique gathers light that surfaces send each other.
+bool gathers_light(const Look& look, const EffectSettings& settings) {
+  const Effect* technique = find_effect(look.occlusion);
+  if (!technique) return false;
+  const ParameterBytes& params = settings.find(technique->name)->second;
+  return std::any_of(technique->passes.begin(), technique->passes.end(), [&](const Pass& pass) {
+    const bool runs = !pass.needed || pass.needed(params);
+    return runs && std::find(pass.outputs.begin(), pass.outputs.end(), "indirect.r") != pass.outputs.end();
+  });
+}
+
+/// What an image around the scene changes in a look: one that it lights takes its light as it is, and is exposed for
+/// it.
+void use_image(const RenderRequest& request, Recipe& recipe) {
+  const Look& look = *recipe.look;
+  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  if (recipe.hdri.shown()) output.sky = 1;
+  if (!is_lit_by_image(request) || !shows_light(recipe)) return;
+  apply_presets(look.name, look.image_lit_presets, recipe.settings);
+  if (output.metering == kMeteringNone) apply_presets(look.name, look.image_exposed_presets, recipe.settings);
+}
+
+/// Applies what the request sets by options and by "effect.parameter=value". Errors: kUsage.
+Result<void> apply_request(const RenderRequest& request, Recipe& recipe) {
+  auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
+  if (request.background) {
+    output.background_r = (*request.background)[0];
+    output.background_g = (*request.background)[1];
+    output.background_b = (*request.background)[2];
+  }
+  if (request.transparent) output.transparent = 1;
+  for (const std::string& assignment : request.settings) {
+    const auto setting = parse_setting(assignment, handed_in());
+    if (!setting) return setting.error();
+    const Effect& effect = *setting->effect;
+    const Parameter& row = *setting->parameter;
+    if (effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
+      return usage_error("`settings` {}: {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
+    if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
+      return done;
+    recipe.said.push_back({&effect, &row, {}});
+  }
+  // The shade on an unseen ground that is written with alpha is mixed by who shows it, in the file's values.
+  if (output.transparent && output.transfer == kTransferSrgb)
+    as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
+  return {};
+}
+
+/// The look and the technique. Errors: kUsage.
+Result<void> find_names(const RenderRequest& request, Recipe& recipe) {
+  recipe.look = find_look(request.look);
+  if (!recipe.look) {
+    std::vector<std::string_view> names;
+    for (const Look* look : looks()) names.push_back(look->name);
+    return usage_error("there is no look '{}'{}", request.look, suggestion(request.look, names));
+  }
+  recipe.occlusion = request.occlusion.empty() ? std::string(recipe.look->occlusion) : request.occlusion;
+  const auto techniques = occlusion_names(handed_in());
+  if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
+    return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
+                       suggestion(recipe.occlusion, techniques));
+  if (request.ground == "on" && !recipe.look->ground)
+    return usage_error("`ground` on is for looks that show the shade alone, such as studio, not '{}'", request.look);
+  if (request.quality.empty() || find_quality(request.quality)) return {};
+  std::vector<std::string_view> names;
+  for (const Quality& each : qualities()) names.push_back(each.name);
+  return usage_error("`quality` cannot be '{}'{}", request.quality, suggestion(request.quality, names));
+}
+
+/// At which resolution occlusion is computed. Errors: kUsage.
+Result<void> choose_scale(const RenderRequest& request, const Quality* quality, Recipe& recipe) {
+  const bool traced = !find_effect(recipe.occlusion);  // or none at all
+  recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
+  if (traced) recipe.occlusion_every = 1;
+  if (request.occlusion_scale.empty()) return {};
+  const auto every = parse_scale("occlusion_scale", request.occlusion_scale);
+  if (!every) return every.error();
+  if (traced && *every > 1)
+    return usage_error("`occlusion_scale` cannot be '{}' with `occlusion` {}: it takes full, or another technique",
+                       request.occlusion_scale, recipe.occlusion);
+  recipe.occlusion_every = *every;
+  return {};
+}
+
+/// What a request for shading says of its picture.
+RenderRequest picture_request(const ShadeRequest& request) {
+  RenderRequest picture;
+  picture.look = request.look;
+  picture.occlusion = request.occlusion;
+  picture.occlusion_radius = request.occlusion_radius;
+  picture.occlusion_scale = request.occlusion_scale;
+  picture.quality = request.quality;
+  picture.settings = request.settings;
+  picture.background = request.background;
+  picture.transparent = request.transparent;
+  picture.width = request.width;
+  picture.height = request.height;
+  picture.threads = request.threads;
+  picture.device = request.device;
+  picture.anti_aliasing = 1;  // the camera that would be moved is another's
+  return picture;
+}
+
+}  // namespace
+
+std::span<const Effect* const> handed_in() {
+  static const Effect* const all[] = {&reference_effect()};
+  return all;
+}
+
+LookRun look_run(const Recipe& recipe) {
+  return {.look = recipe.look,
+          .occlusion = recipe.occlusion,
+          .occlusion_every = recipe.occlusion_every,
+          .settings = &recipe.settings,
+          .wanted = recipe.wanted,
+          .handed_in = handed_in()};
+}
+
+int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
+  int wanted = 0;
+  for (const Effect* effect : steps) {
+    if (find_in(handed_in(), effect->name)) continue;
+    const ParameterBytes& params = params_of(recipe.settings, effect->name);
+    const Parameter* strength = find_parameter(*effect, "shadow");
+    if (strength && real_value(*strength, params) == 0.0f) continue;
+    if (find_parameter(*effect, "rig") && !by_scene_lights(*effect, recipe.settings)) continue;
+    for (const Pass& pass : effect->passes)
+      for (int light = wanted; light < kMostShadows; ++light)
+        if (std::find(pass.inputs.begin(), pass.inputs.end(), shadow_plane(light)) != pass.inputs.end())
+          wanted = light + 1;
+  }
+  return wanted;
+}
+
+std::vector<const Effect*> every_effect() { return all_effects(handed_in()); }
+
+bool by_scene_lights(const Effect& effect, const EffectSettings& settings) {
+  const Parameter* rig = find_parameter(effect, "rig");
+  return rig && whole_value(*rig, params_of(settings, effect.name)) == int(Rig::kScene);
+}
+
+bool shows_light(const Recipe& recipe) {
+  const Effect* lighting = find_effect(recipe.look->lit_by);
+  return lighting && by_scene_lights(*lighting, recipe.settings);
+}
+
+Framing framing_of(const CameraRequest& camera) {
+  Framing framing;
+  const auto vector = [](const std::optional<Vector3>& from, bool direction) -> std::optional<glm::vec3> {
+    if (!from) return std::nullopt;
+    return direction ? glm::normalize(vector_of(*from)) : vector_of(*from);
+  };
+  framing.position = vector(camera.position, false);
+  framing.focal_point = vector(camera.focal_point, false);
+  framing.view_up = vector(camera.view_up, true);
+  framing.direction = vector(camera.direction, true);
+  framing.view_angle_deg = camera.view_angle_deg;
+  framing.azimuth_deg = camera.azimuth_deg;
+  framing.elevation_deg = camera.elevation_deg;
+  framing.zoom = camera.zoom;
+  framing.orthographic = camera.orthographic;
+  return framing;
+}
+
+Result<ImportSettings> import_settings(const RenderRequest& request) {
+  ImportSettings settings;
+  if (auto fine = check_request(request, kMostBandPixels); !fine) return fine.error();
+  if (request.up) settings.up = glm::normalize(vector_of(*request.up));
+  settings.scene_index = request.scene_index;
+  if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);
+  settings.points.shape = PointShape(choice_of("point_sprites", request.point_sprites));
+  if (request.crease_angle_deg) settings.crease_angle_deg = *request.crease_angle_deg;
+  return settings;
+}
+
+Result<CaptureSettings> capture_settings(const RenderRequest& request, const Look& look, int shadows,
+                                         long most_pixels) {
+  const int guard = int(std::ceil(request.guard_band / 100.0f * float(std::max(request.width, request.height))));
+  const long width = request.width + 2L * guard, height = request.height + 2L * guard;
+  const Quality* quality = quality_of(request, look);
+  int shadow_rays = quality ? quality->shadow_rays : look.shadow_rays;
+  // Lights that are given a size show it.
+  if ((is_lit_by_image(request) && !look.lit_by.empty()) || request.light_size_deg.value_or(0.0f) > 0.0f)
+    shadow_rays = std::max(shadow_rays, 1);
+  CaptureSettings settings{.width = request.width,
+                           .height = request.height,
+                           .shadows = shadows,
+                           .layers = request.layers.value_or(std::max(look.layers, quality ? quality->layers : 1)),
+                           .back_sides = look.back_sides,
+                           .extra_views = request.extra_views.value_or(look.extra_views),
+                           .guard = guard,
+                           .shadow_rays = shadow_rays};
+  // A quality wants no more layers than there is room for.
+  while (!request.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
+  const auto layers = layer_count(settings);
+  if (!layers) return layers.error();
+  if (width * height * *layers > most_pixels)
+    return usage_error("{} of {} x {} pixels {} too many: together at most {} pixels",
+                       *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
+                       *layers == 1 ? "is" : "are", most_pixels);
+  return settings;
+}
+
+Result<Recipe> make_recipe(const RenderRequest& request, long most_pixels) {
+  if (auto fine = check_request(request, most_pixels); !fine) return fine.error();
+  Recipe recipe{.width = request.width, .height = request.height};
+  if (auto found = find_names(request, recipe); !found) return found.error();
+  const Look& look = *recipe.look;
+  const Quality* quality = quality_of(request, look);
+  recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
+  if (auto fine = choose_scale(request, quality, recipe); !fine) return fine.error();
+  if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
+  recipe.framing = framing_of(request.camera);
+  recipe.camera_index = request.camera.index;
+  recipe.ground = Ground(choice_of("ground", request.ground));
+  recipe.hdri = {.file = request.hdri_file,
+                 .ambient = request.hdri_ambient,
+                 .skybox = request.hdri_skybox,
+                 .rotation_deg = request.hdri_rotation_deg,
+                 .intensity = request.hdri_intensity,
+                 .panorama = nullptr};
+  recipe.light_size_deg = request.light_size_deg;
+  recipe.settings = look_settings(look, handed_in());
+  if (quality)
+    for (const std::string_view setting : recipe.frames > 1 ? quality->settings_of_frames : quality->settings)
+      if (auto done = apply_setting(recipe.settings, setting); !done) return done.error();
+  use_image(request, recipe);
+  // A look whose own technique gathers light gets it from the reference too, unless the request says otherwise.
+  if (recipe.occlusion == reference_effect().name && gathers_light(look, recipe.settings))
+    as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
+  if (auto done = apply_request(request, recipe); !done) return done.error();
+  const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), most_pixels);
+  if (!capture) return capture.error();
+  recipe.capture = *capture;
+  if (auto fine = take_passes(request, recipe); !fine) return fine.error();
+  return recipe;
+}
+
+Result<void> check_shade(const ShadeRequest& request) { return check_request(picture_request(request), kMostPixels); }
+
+Result<Recipe> make_recipe(const ShadeRequest& request) {
+  auto recipe = make_recipe(picture_request(request));
+  if (!recipe) return recipe;
+  if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
+    return usage_error("`occlusion` {} needs the model: it cannot shade a G-buffer", recipe->occlusion);
+  return recipe;
+}
+
+Result<EffectSettings> effect_settings(std::span<const std::string> assignments) {
+  EffectSettings settings = initial_settings(handed_in());
+  for (const std::string& assignment : assignments)
+    if (auto done = apply_setting(settings, assignment, handed_in()); !done) return done.error();
+  return settings;
+}
+
+Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::string_view variant) {
+  for (std::size_t start = 0; start < variant.size();) {
+    const std::size_t end = std::min(variant.find(' ', start), variant.size());
+    const std::string setting = fmt::format("{}.{}", effect.name, variant.substr(start, end - start));
+    if (auto set = apply_setting(settings, setting, handed_in()); !set) return set;
+    start = end + 1;
+  }
+  return {};
+}
+
+void apply_radius(float radius, const PictureInfo& info, Recipe& recipe) {
+  const EffectSettings before = recipe.settings;
+  for (const Effect* effect : every_effect())
+    if (effect->set_radius) effect->set_radius(radius, info, params_of(recipe.settings, effect->name));
+  for (const Setting& said : recipe.said)
+    copy_parameter(*said.parameter, params_of(before, said.effect->name),
+                   params_of(recipe.settings, said.effect->name));
+}
+
+}  // namespace umbrage
