@@ -105,6 +105,20 @@ float length_px(const Length& length, float whole_px, const PictureInfo& info);
 /// Errors: kUsage where it is not above 0, or larger than the scene, whose diameter is twice its radius.
 Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info);
 
+/// The row of a technique's radius in the scene, which set_radius_of<field> sets: in scene units, or a share of the
+/// scene's radius, at first 10 %.
+template <class Params>
+Parameter radius_row(std::string_view name, Length Params::*field, std::string_view help) {
+  return length_row(name, field, {.initial_percent = 10, .max = 1e12, .unit = "scene units", .above_zero = true}, help);
+}
+
+/// Effect::set_radius of a technique with a length in the scene, such as &HbaoParams::radius.
+template <auto field>
+void set_radius_of(float radius, const PictureInfo&, ParameterBytes& bytes) {
+  const auto set = [&]<class Params>(Length Params::*length) { as<Params>(bytes).*length = {radius, 0}; };
+  set(field);
+}
+
 /// The row of that name, or null.
 const Parameter* find_parameter(const Effect& effect, std::string_view name);
 

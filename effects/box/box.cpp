@@ -1,7 +1,6 @@
 #include "effects/box/box.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
@@ -29,29 +28,12 @@ constexpr std::uint32_t kIndirectDownSpirv[] = {
 };
 
 const std::vector<Parameter> kTable = {
-    {.name = "size",
-     .help = "side of the window: that of the noise's tile, whose noise then leaves no trace on flat surfaces",
-     .type = ParameterType::kInt,
-     .offset = offsetof(BoxParams, size),
-     .initial = 4,
-     .least = 1,
-     .most = 15,
-     .unit = "px"},
-    {.name = "background",
-     .help = "what lies where there is no surface: left out of the mean, or mixed in as in the paper",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(BoxParams, background),
-     .choices = {"skip", "mix"}},
-    {.name = "ao",
-     .help = "blur the occlusion",
-     .type = ParameterType::kBool,
-     .offset = offsetof(BoxParams, ao),
-     .initial = 1},
-    {.name = "indirect",
-     .help = "blur the reflected light",
-     .type = ParameterType::kBool,
-     .offset = offsetof(BoxParams, indirect),
-     .initial = 1},
+    int_row("size", &BoxParams::size, {.initial = 4, .min = 1, .max = 15, .unit = "px"},
+            "side of the window: that of the noise's tile, whose noise then leaves no trace on flat surfaces"),
+    choice_row("background", &BoxParams::background, 0, {"skip", "mix"},
+               "what lies where there is no surface: left out of the mean, or mixed in as in the paper"),
+    bool_row("ao", &BoxParams::ao, true, "blur the occlusion"),
+    bool_row("indirect", &BoxParams::indirect, true, "blur the reflected light"),
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/effect.h"
@@ -34,54 +33,20 @@ constexpr int kMostRounds = 6;                 // 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
-    {.name = "rounds",
-     .help = "how often the 5x5 filter is applied, each time with its pixels twice as far apart",
-     .type = ParameterType::kInt,
-     .offset = offsetof(DenoiseParams, rounds),
-     .initial = 1,
-     .least = 0,
-     .most = kMostRounds},
-    {.name = "occlusion",
-     .help = "share of the occlusion's noise that is filtered",
-     .offset = offsetof(DenoiseParams, occlusion),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "indirect",
-     .help = "share of the reflected light's noise that is filtered",
-     .offset = offsetof(DenoiseParams, indirect),
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "distance",
-     .help = "how far a pixel may lie off another's plane to join it fully",
-     .offset = offsetof(DenoiseParams, distance),
-     .initial = 1.0,
-     .least = 0.01,
-     .most = 100.0,
-     .unit = "px"},
-    {.name = "angle",
-     .help = "by how much normals may differ for pixels to join fully",
-     .offset = offsetof(DenoiseParams, angle),
-     .initial = 25.0,
-     .least = 1.0,
-     .most = 180.0,
-     .unit = "deg"},
-    {.name = "light_rounds",
-     .help = "how often reflected light is filtered, if not as often as occlusion",
-     .type = ParameterType::kInt,
-     .offset = offsetof(DenoiseParams, light_rounds),
-     .least = 0,
-     .most = kMostRounds,
-     .zero_means = "as rounds"},
-    {.name = "for_height",
-     .help =
-         "height of the picture that the rounds are meant for: one twice as high takes one more, rounded, up to six",
-     .type = ParameterType::kInt,
-     .offset = offsetof(DenoiseParams, for_height),
-     .least = 0,
-     .most = 65536,
-     .unit = "px",
-     .zero_means = "any"},
+    int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMostRounds},
+            "how often the 5x5 filter is applied, each time with its pixels twice as far apart"),
+    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1},
+             "share of the occlusion's noise that is filtered"),
+    real_row("indirect", &DenoiseParams::indirect, {.max = 1}, "share of the reflected light's noise that is filtered"),
+    real_row("distance", &DenoiseParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
+             "how far a pixel may lie off another's plane to join it fully"),
+    real_row("angle", &DenoiseParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
+             "by how much normals may differ for pixels to join fully"),
+    int_row("light_rounds", &DenoiseParams::light_rounds, {.max = kMostRounds, .zero_means = "as rounds"},
+            "how often reflected light is filtered, if not as often as occlusion"),
+    int_row(
+        "for_height", &DenoiseParams::for_height, {.max = 65536, .unit = "px", .zero_means = "any"},
+        "height of the picture that the rounds are meant for: one twice as high takes one more, rounded, up to six"),
 };
 
 int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }

@@ -1,7 +1,6 @@
 #include "effects/gaussian/gaussian.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
@@ -24,17 +23,9 @@ constexpr float kSide = 0.25f;  // [1 2 1]/4
 
 const std::vector<Parameter> kTable = {
     // "Several times" [Lajzer and Nottingham]. Each round halves noise that repeats every 4 pixels: 6 % of it are left.
-    {.name = "rounds",
-     .help = "how often the 3x3 Gaussian is applied",
-     .type = ParameterType::kInt,
-     .offset = offsetof(GaussianParams, rounds),
-     .initial = 4,
-     .least = 0,
-     .most = 64},
-    {.name = "edges",
-     .help = "blur along each surface only, not across its silhouette or into the background",
-     .type = ParameterType::kBool,
-     .offset = offsetof(GaussianParams, edges)},
+    int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64}, "how often the 3x3 Gaussian is applied"),
+    bool_row("edges", &GaussianParams::edges, false,
+             "blur along each surface only, not across its silhouette or into the background"),
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {

@@ -1,7 +1,5 @@
 #include "effects/ground/ground.h"
 
-#include <cstddef>
-
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
 
@@ -16,16 +14,9 @@ constexpr std::uint32_t kSpirv[] = {
 };
 
 const std::vector<Parameter> kTable = {
-    {.name = "strength",
-     .help = "how dark the shade on the ground is",
-     .offset = offsetof(GroundParams, strength),
-     .initial = 1.0,
-     .most = 2.0},
-    {.name = "blend",
-     .help = "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(GroundParams, blend),
-     .choices = {"light", "display"}},
+    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "how dark the shade on the ground is"),
+    choice_row("blend", &GroundParams::blend, 0, {"light", "display"},
+               "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone"),
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {

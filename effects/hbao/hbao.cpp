@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/absolute_length.h"
@@ -20,48 +19,16 @@ constexpr std::uint32_t kSpirv[] = {
 };
 
 const std::vector<Parameter> kTable = {
-    {.name = "directions",
-     .help = "directions in the picture in which the horizon is sought",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HbaoParams, directions),
-     .initial = 6,
-     .least = 1,
-     .most = 64},
-    {.name = "steps",
-     .help = "depths that are read in each direction",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HbaoParams, steps),
-     .initial = 6,
-     .least = 1,
-     .most = 256},
-    {.name = "radius",
-     .help = "how far away occluders are sought, in scene units or as a share of the scene's radius",
-     .type = ParameterType::kLength,
-     .offset = offsetof(HbaoParams, radius),
-     .initial = 10.0,
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .initially_relative = true,
-     .above_zero = true},
-    {.name = "angle_bias",
-     .help = "what rises less above the tangent plane does not occlude",
-     .offset = offsetof(HbaoParams, angle_bias),
-     .initial = 10.0,
-     .least = 0.0,
-     .most = 89.0,
-     .unit = "deg"},
-    {.name = "attenuation",
-     .help = "occluders count less the farther they are, by 1 - r^2",
-     .type = ParameterType::kBool,
-     .offset = offsetof(HbaoParams, attenuation),
-     .initial = 1},
-    {.name = "strength",
-     .help = "factor of the occlusion",
-     .offset = offsetof(HbaoParams, strength),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 10.0},
+    int_row("directions", &HbaoParams::directions, {.initial = 6, .min = 1, .max = 64},
+            "directions in the picture in which the horizon is sought"),
+    int_row("steps", &HbaoParams::steps, {.initial = 6, .min = 1, .max = 256},
+            "depths that are read in each direction"),
+    radius_row("radius", &HbaoParams::radius,
+               "how far away occluders are sought, in scene units or as a share of the scene's radius"),
+    real_row("angle_bias", &HbaoParams::angle_bias, {.initial = 10, .max = 89, .unit = "deg"},
+             "what rises less above the tangent plane does not occlude"),
+    bool_row("attenuation", &HbaoParams::attenuation, true, "occluders count less the farther they are, by 1 - r^2"),
+    real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),
 };
 
 // One tap of one may be the whole horizon: two quanta.
@@ -93,8 +60,6 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.factor = params.strength / float(params.directions);
 }
 
-void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) { as<HbaoParams>(bytes).radius = {radius, 0}; }
-
 }  // namespace
 
 const Effect& effect_hbao() {
@@ -107,7 +72,7 @@ const Effect& effect_hbao() {
       .params_size = sizeof(HbaoParams),
       .constants_size = sizeof(HbaoConstants),
       .constants = fill_constants,
-      .set_radius = set_radius,
+      .set_radius = set_radius_of<&HbaoParams::radius>,
       .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
       .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
       .quantum = kQuantum,

@@ -1,7 +1,6 @@
 #include "effects/lighting/lighting.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "core/effect.h"
 #include "core/light_rig.h"
@@ -25,47 +24,23 @@ constexpr std::uint32_t kOpenSpirv[] = {
 };
 
 const std::vector<Parameter> kTable = {
-    {.name = "ambient",
-     .help = "factor on the light from everywhere",
-     .offset = offsetof(LightingParams, ambient),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "diffuse",
-     .help = "factor on diffuse reflection of the lights",
-     .offset = offsetof(LightingParams, diffuse),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "specular",
-     .help = "factor on highlights",
-     .offset = offsetof(LightingParams, specular),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "emission",
-     .help = "factor on the light that surfaces send out by themselves",
-     .offset = offsetof(LightingParams, emission),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "shadow",
-     .help = "how dark shadows are",
-     .offset = offsetof(LightingParams, shadow),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "material",
-     .help =
-         "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
-         "(for output.transfer=none)",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(LightingParams, material),
-     .choices = {"scene", "clay", "display"}},
-    {.name = "open",
-     .help = "write also how bright a white surface is where nothing is in the lights' way, which `ground` reads",
-     .type = ParameterType::kBool,
-     .offset = offsetof(LightingParams, open)},
-    {.name = "rig",
-     .help = "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(LightingParams, rig),
-     .choices = {"scene", "head", "key"}},
+    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMostFactor},
+             "factor on the light from everywhere"),
+    real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMostFactor},
+             "factor on diffuse reflection of the lights"),
+    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMostFactor}, "factor on highlights"),
+    real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMostFactor},
+             "factor on the light that surfaces send out by themselves"),
+    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "how dark shadows are"),
+    choice_row(
+        "material", &LightingParams::material, 0, {"scene", "clay", "display"},
+        "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
+        "(for output.transfer=none)"),
+    bool_row("open", &LightingParams::open, false,
+             "write also how bright a white surface is where nothing is in the lights' way, which `ground` reads"),
+    choice_row(
+        "rig", &LightingParams::rig, 0, {"scene", "head", "key"},
+        "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera"),
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {

@@ -1,7 +1,5 @@
 #include "effects/normals/normals.h"
 
-#include <cstddef>
-
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
 
@@ -16,11 +14,8 @@ constexpr std::uint32_t kSpirv[] = {
 };
 
 const std::vector<Parameter> kTable = {
-    {.name = "sides",
-     .help = "of a pixel's neighbours on two sides: the one on its own surface, or the mean of both",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(NormalsParams, sides),
-     .choices = {"better", "mean"}},
+    choice_row("sides", &NormalsParams::sides, 0, {"better", "mean"},
+               "of a pixel's neighbours on two sides: the one on its own surface, or the mean of both"),
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {

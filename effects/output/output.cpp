@@ -1,7 +1,6 @@
 #include "effects/output/output.h"
 
 #include <cmath>
-#include <cstddef>
 
 #include "core/effect.h"
 #include "core/srgb.h"
@@ -20,51 +19,24 @@ constexpr std::uint32_t kSpirv[] = {
 constexpr double kMostStops = 20.0;
 
 const std::vector<Parameter> kTable = {
-    {.name = "exposure",
-     .help = "brightness, in stops: 1 doubles the light",
-     .offset = offsetof(OutputParams, exposure),
-     .least = -kMostStops,
-     .most = kMostStops,
-     .unit = "stops"},
-    {.name = "metering",
-     .help = "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "
-             "bright the light is that --hdri-file gives",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(OutputParams, metering),
-     .choices = {"none", "picture", "light"}},
-    {.name = "shoulder",
-     .help = "light from which on it is compressed, so that nothing exceeds white; 1: nothing is",
-     .offset = offsetof(OutputParams, shoulder),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "transfer",
-     .help = "from linear light to 8-bit values: the sRGB curve, or the values as they are",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(OutputParams, transfer),
-     .choices = {"srgb", "none"}},
-    {.name = "background_r",
-     .help = "red where there is no surface, as written to the file",
-     .offset = offsetof(OutputParams, background_r),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "background_g",
-     .help = "green where there is no surface, as written to the file",
-     .offset = offsetof(OutputParams, background_g),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "background_b",
-     .help = "blue where there is no surface, as written to the file",
-     .offset = offsetof(OutputParams, background_b),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "transparent",
-     .help = "alpha 0 and black where there is no surface",
-     .type = ParameterType::kBool,
-     .offset = offsetof(OutputParams, transparent)},
-    {.name = "sky",
-     .help = "show the light of the planes `sky`, which --hdri-skybox makes, where there is no surface",
-     .type = ParameterType::kBool,
-     .offset = offsetof(OutputParams, sky)},
+    real_row("exposure", &OutputParams::exposure, {.min = -kMostStops, .max = kMostStops, .unit = "stops"},
+             "brightness, in stops: 1 doubles the light"),
+    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
+               "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "
+               "bright the light is that --hdri-file gives"),
+    real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
+             "light from which on it is compressed, so that nothing exceeds white; 1: nothing is"),
+    choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},
+               "from linear light to 8-bit values: the sRGB curve, or the values as they are"),
+    real_row("background_r", &OutputParams::background_r, {.initial = 1, .max = 1},
+             "red where there is no surface, as written to the file"),
+    real_row("background_g", &OutputParams::background_g, {.initial = 1, .max = 1},
+             "green where there is no surface, as written to the file"),
+    real_row("background_b", &OutputParams::background_b, {.initial = 1, .max = 1},
+             "blue where there is no surface, as written to the file"),
+    bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
+    bool_row("sky", &OutputParams::sky, false,
+             "show the light of the planes `sky`, which --hdri-skybox makes, where there is no surface"),
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {

@@ -1,7 +1,6 @@
 #include "effects/upsample/upsample.h"
 
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/effect.h"
@@ -22,33 +21,16 @@ constexpr std::uint32_t kLightSpirv[] = {
 };
 
 const std::vector<Parameter> kTable = {
-    {.name = "factor",
-     .help = "pixels across and down that one at reduced resolution stands for; --ao-scale sets it",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(UpsampleParams, factor),
-     .choices = {"2", "4"}},
-    {.name = "indirect",
-     .help = "upsample the reflected light too, not the occlusion alone; --ao-scale sets it",
-     .type = ParameterType::kBool,
-     .offset = offsetof(UpsampleParams, indirect)},
-    {.name = "leave",
-     .help = "leave pixels that too few others fit for the technique to compute; --ao-scale sets it",
-     .type = ParameterType::kBool,
-     .offset = offsetof(UpsampleParams, leave)},
-    {.name = "distance",
-     .help = "how far a pixel may lie off another's plane to join it fully",
-     .offset = offsetof(UpsampleParams, distance),
-     .initial = 1.0,
-     .least = 0.01,
-     .most = 100.0,
-     .unit = "px"},
-    {.name = "angle",
-     .help = "by how much normals may differ for pixels to join fully",
-     .offset = offsetof(UpsampleParams, angle),
-     .initial = 25.0,
-     .least = 1.0,
-     .most = 180.0,
-     .unit = "deg"},
+    choice_row("factor", &UpsampleParams::factor, 0, {"2", "4"},
+               "pixels across and down that one at reduced resolution stands for; --ao-scale sets it"),
+    bool_row("indirect", &UpsampleParams::indirect, false,
+             "upsample the reflected light too, not the occlusion alone; --ao-scale sets it"),
+    bool_row("leave", &UpsampleParams::leave, false,
+             "leave pixels that too few others fit for the technique to compute; --ao-scale sets it"),
+    real_row("distance", &UpsampleParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
+             "how far a pixel may lie off another's plane to join it fully"),
+    real_row("angle", &UpsampleParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
+             "by how much normals may differ for pixels to join fully"),
 };
 
 void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
