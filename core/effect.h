@@ -18,6 +18,13 @@ struct HostFrame;    // what a host step gets: see kernel/host_frame.h
 /// A compiled kernel: computes the outputs of its pass for one tile. Tiles may run at the same time.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
 
+/// A kernel text compiled three times. The build writes `kernels/NAME.h` with NAME_kernel() for every NAME.comp that
+/// has a NAME.cpu.cpp beside it.
+struct Kernel {
+  CpuKernel scalar = nullptr, lanes = nullptr;  ///< as plain C++ and as SIMD lanes
+  std::span<const std::uint32_t> spirv;         ///< as a compute shader
+};
+
 /// A pass that is a function of whole planes on the host. It may use all threads of its oneTBB arena.
 using HostStep = void (*)(const HostFrame&);
 
@@ -44,11 +51,10 @@ enum class PixelSet { kAll, kMissing };
 struct Pass {
   std::string_view name;
   /// An effect that reads `shadow` leaves it out where it has a parameter of that name and it is 0.
-  std::vector<std::string_view> inputs, outputs;           ///< planes; a colour or vector counts as its three planes
-  std::vector<std::string_view> later_inputs;              ///< those of the inputs that the first round does not read
-  CpuKernel scalar = nullptr, lanes = nullptr;             ///< the kernel text as plain C++ and as SIMD lanes
+  std::vector<std::string_view> inputs, outputs;  ///< planes; a colour or vector counts as its three planes
+  std::vector<std::string_view> later_inputs;     ///< those of the inputs that the first round does not read
+  Kernel kernel;
   CpuKernel tuned = nullptr;                               ///< another way to the same bits, or null
-  std::span<const std::uint32_t> spirv;                    ///< the kernel text as a compute shader
   std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs in place of it
   HostStep host = nullptr;                                 ///< in place of kernels; such a pass has no `reach`
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always

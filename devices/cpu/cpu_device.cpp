@@ -472,7 +472,7 @@ class CpuDevice final : public Device {
       kernel_frame.last_row = planes.rows.end - 1;
     }
     const bool tuned = settings_.tuned && pass.tuned && all;
-    const CpuKernel kernel = settings_.scalar ? pass.scalar : tuned ? pass.tuned : pass.lanes;
+    const CpuKernel kernel = settings_.scalar ? pass.kernel.scalar : tuned ? pass.tuned : pass.kernel.lanes;
 
     // Missing pixels are few: each tile leaves lanes over, but pixels far from each other share no cache lines.
     constexpr int kMissingTile = 128;

@@ -6,17 +6,10 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/alchemy.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(alchemy)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/alchemy.inc"
-};
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &AlchemyParams::samples, {.initial = 12, .min = 1, .max = kAlchemyMostSamples},
@@ -86,9 +79,7 @@ const Effect& effect_alchemy() {
       .passes = {{.name = "alchemy",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_alchemy,
-                  .lanes = run_lanes_alchemy,
-                  .spirv = kSpirv,
+                  .kernel = alchemy_kernel(),
                   .tile_width = 128,
                   .tile_height = 32,
                   .reach = own_row,

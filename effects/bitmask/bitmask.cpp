@@ -7,40 +7,16 @@
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
+#include "kernels/bitmask_bent.h"
+#include "kernels/bitmask_bleeding.h"
+#include "kernels/bitmask_horizon.h"
+#include "kernels/bitmask_layers.h"
+#include "kernels/bitmask_mips.h"
+#include "kernels/bitmask_occlusion.h"
+#include "kernels/bitmask_sent.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(bitmask_mips)
-UMBRAGE_DECLARE_KERNEL(bitmask_sent)
-UMBRAGE_DECLARE_KERNEL(bitmask_horizon)
-UMBRAGE_DECLARE_KERNEL(bitmask_occlusion)
-UMBRAGE_DECLARE_KERNEL(bitmask_layers)
-UMBRAGE_DECLARE_KERNEL(bitmask_bleeding)
-UMBRAGE_DECLARE_KERNEL(bitmask_bent)
-
 namespace {
-
-constexpr std::uint32_t kMipsSpirv[] = {
-#include "spirv/bitmask_mips.inc"
-};
-constexpr std::uint32_t kSentSpirv[] = {
-#include "spirv/bitmask_sent.inc"
-};
-constexpr std::uint32_t kHorizonSpirv[] = {
-#include "spirv/bitmask_horizon.inc"
-};
-constexpr std::uint32_t kOcclusionSpirv[] = {
-#include "spirv/bitmask_occlusion.inc"
-};
-constexpr std::uint32_t kLayersSpirv[] = {
-#include "spirv/bitmask_layers.inc"
-};
-constexpr std::uint32_t kBleedingSpirv[] = {
-#include "spirv/bitmask_bleeding.inc"
-};
-constexpr std::uint32_t kBentSpirv[] = {
-#include "spirv/bitmask_bent.inc"
-};
 
 constexpr float kOpenness = 0.7f;  // of ambient light, where nobody has measured it: typical of a room
 
@@ -225,24 +201,18 @@ const Effect& effect_bitmask() {
       .passes = {{.name = "mips",
                   .inputs = {"depth"},
                   .outputs = {"bitmask_mips"},
-                  .scalar = run_scalar_bitmask_mips,
-                  .lanes = run_lanes_bitmask_mips,
-                  .spirv = kMipsSpirv,
+                  .kernel = bitmask_mips_kernel(),
                   .needed = has_mips},
                  {.name = "sent",
                   .inputs = sent_inputs(),
                   .outputs = packed_planes(),
-                  .scalar = run_scalar_bitmask_sent,
-                  .lanes = run_lanes_bitmask_sent,
-                  .spirv = kSentSpirv,
+                  .kernel = bitmask_sent_kernel(),
                   .needed = bleeds,
                   .reach = own_row},
                  {.name = "horizon",
                   .inputs = kSurface,
                   .outputs = {"ao"},
-                  .scalar = run_scalar_bitmask_horizon,
-                  .lanes = run_lanes_bitmask_horizon,
-                  .spirv = kHorizonSpirv,
+                  .kernel = bitmask_horizon_kernel(),
                   .needed = by_horizon,
                   .tile_width = 128,
                   .tile_height = 32,
@@ -251,9 +221,7 @@ const Effect& effect_bitmask() {
                  {.name = "occlusion",
                   .inputs = kSurface,
                   .outputs = {"ao"},
-                  .scalar = run_scalar_bitmask_occlusion,
-                  .lanes = run_lanes_bitmask_occlusion,
-                  .spirv = kOcclusionSpirv,
+                  .kernel = bitmask_occlusion_kernel(),
                   .needed = by_bits,
                   .tile_width = 128,
                   .tile_height = 32,
@@ -262,9 +230,7 @@ const Effect& effect_bitmask() {
                  {.name = "layers",
                   .inputs = joined(of_all_layers({"depth"}), kOwn),
                   .outputs = {"ao"},
-                  .scalar = run_scalar_bitmask_layers,
-                  .lanes = run_lanes_bitmask_layers,
-                  .spirv = kLayersSpirv,
+                  .kernel = bitmask_layers_kernel(),
                   .needed = through_layers,
                   .tile_width = 128,
                   .tile_height = 32,
@@ -274,9 +240,7 @@ const Effect& effect_bitmask() {
                   .inputs = joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}),
                                    kOwn),
                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_bitmask_bleeding,
-                  .lanes = run_lanes_bitmask_bleeding,
-                  .spirv = kBleedingSpirv,
+                  .kernel = bitmask_bleeding_kernel(),
                   .needed = bleeds,
                   .tile_width = 128,
                   .tile_height = 32,
@@ -285,9 +249,7 @@ const Effect& effect_bitmask() {
                  {.name = "bent",
                   .inputs = joined(of_all_layers({"depth"}), kOwn),
                   .outputs = {"ao", "bent.x", "bent.y", "bent.z"},
-                  .scalar = run_scalar_bitmask_bent,
-                  .lanes = run_lanes_bitmask_bent,
-                  .spirv = kBentSpirv,
+                  .kernel = bitmask_bent_kernel(),
                   .needed = bends,
                   .tile_width = 128,
                   .tile_height = 32,

@@ -3,29 +3,13 @@
 #include <algorithm>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/box_ao_across.h"
+#include "kernels/box_ao_down.h"
+#include "kernels/box_indirect_across.h"
+#include "kernels/box_indirect_down.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(box_ao_across)
-UMBRAGE_DECLARE_KERNEL(box_ao_down)
-UMBRAGE_DECLARE_KERNEL(box_indirect_across)
-UMBRAGE_DECLARE_KERNEL(box_indirect_down)
-
 namespace {
-
-constexpr std::uint32_t kAoAcrossSpirv[] = {
-#include "spirv/box_ao_across.inc"
-};
-constexpr std::uint32_t kAoDownSpirv[] = {
-#include "spirv/box_ao_down.inc"
-};
-constexpr std::uint32_t kIndirectAcrossSpirv[] = {
-#include "spirv/box_indirect_across.inc"
-};
-constexpr std::uint32_t kIndirectDownSpirv[] = {
-#include "spirv/box_indirect_down.inc"
-};
 
 const std::vector<Parameter> kTable = {
     int_row("size", &BoxParams::size, {.initial = 4, .min = 1, .max = 15, .unit = "px"},
@@ -67,33 +51,25 @@ const Effect& effect_box() {
       .passes = {{.name = "ao across",
                   .inputs = {"ao", "depth"},
                   .outputs = {"box_ao", "box_count"},
-                  .scalar = run_scalar_box_ao_across,
-                  .lanes = run_lanes_box_ao_across,
-                  .spirv = kAoAcrossSpirv,
+                  .kernel = box_ao_across_kernel(),
                   .needed = blurs_ao,
                   .reach = own_row},
                  {.name = "ao down",
                   .inputs = {"box_ao", "box_count"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_box_ao_down,
-                  .lanes = run_lanes_box_ao_down,
-                  .spirv = kAoDownSpirv,
+                  .kernel = box_ao_down_kernel(),
                   .needed = blurs_ao,
                   .reach = reach},
                  {.name = "indirect across",
                   .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
                   .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
-                  .scalar = run_scalar_box_indirect_across,
-                  .lanes = run_lanes_box_indirect_across,
-                  .spirv = kIndirectAcrossSpirv,
+                  .kernel = box_indirect_across_kernel(),
                   .needed = blurs_indirect,
                   .reach = own_row},
                  {.name = "indirect down",
                   .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
                   .outputs = {"indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_box_indirect_down,
-                  .lanes = run_lanes_box_indirect_down,
-                  .spirv = kIndirectDownSpirv,
+                  .kernel = box_indirect_down_kernel(),
                   .needed = blurs_indirect,
                   .reach = reach}},
   };

@@ -1,17 +1,10 @@
 #include "effects/composite/composite.h"
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/composite.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(composite)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/composite.inc"
-};
 
 constexpr double kMostFactor = 10.0;
 constexpr double kDamping = 0.1;  // the paper gives no number: what is lit by ambient light alone has none
@@ -59,9 +52,7 @@ const Effect& effect_composite() {
                   .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
                              "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
                   .outputs = {"lit.r", "lit.g", "lit.b"},
-                  .scalar = run_scalar_composite,
-                  .lanes = run_lanes_composite,
-                  .spirv = kSpirv,
+                  .kernel = composite_kernel(),
                   .reach = own_row}},
   };
   return effect;

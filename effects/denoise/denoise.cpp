@@ -5,29 +5,13 @@
 #include <numbers>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/denoise_ao_across.h"
+#include "kernels/denoise_ao_down.h"
+#include "kernels/denoise_light_across.h"
+#include "kernels/denoise_light_down.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(denoise_ao_across)
-UMBRAGE_DECLARE_KERNEL(denoise_ao_down)
-UMBRAGE_DECLARE_KERNEL(denoise_light_across)
-UMBRAGE_DECLARE_KERNEL(denoise_light_down)
-
 namespace {
-
-constexpr std::uint32_t kAoAcrossSpirv[] = {
-#include "spirv/denoise_ao_across.inc"
-};
-constexpr std::uint32_t kAoDownSpirv[] = {
-#include "spirv/denoise_ao_down.inc"
-};
-constexpr std::uint32_t kLightAcrossSpirv[] = {
-#include "spirv/denoise_light_across.inc"
-};
-constexpr std::uint32_t kLightDownSpirv[] = {
-#include "spirv/denoise_light_down.inc"
-};
 
 constexpr int kMostRounds = 6;                 // 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
@@ -105,35 +89,27 @@ const Effect& effect_denoise() {
       .passes = {{.name = "ao_across",
                   .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"denoise_ao"},
-                  .scalar = run_scalar_denoise_ao_across,
-                  .lanes = run_lanes_denoise_ao_across,
-                  .spirv = kAoAcrossSpirv,
+                  .kernel = denoise_ao_across_kernel(),
                   .needed = ao_alone,
                   .reach = own_row},
                  {.name = "ao_down",
                   .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_denoise_ao_down,
-                  .lanes = run_lanes_denoise_ao_down,
-                  .spirv = kAoDownSpirv,
+                  .kernel = denoise_ao_down_kernel(),
                   .needed = ao_alone,
                   .reach = reach},
                  {.name = "light_across",
                   .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
                              "normal.z"},
                   .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
-                  .scalar = run_scalar_denoise_light_across,
-                  .lanes = run_lanes_denoise_light_across,
-                  .spirv = kLightAcrossSpirv,
+                  .kernel = denoise_light_across_kernel(),
                   .needed = light_too,
                   .reach = own_row},
                  {.name = "light_down",
                   .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b", "depth",
                              "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_denoise_light_down,
-                  .lanes = run_lanes_denoise_light_down,
-                  .spirv = kLightDownSpirv,
+                  .kernel = denoise_light_down_kernel(),
                   .needed = light_too,
                   .reach = reach}},
       .rounds = rounds,

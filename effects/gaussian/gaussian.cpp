@@ -3,21 +3,11 @@
 #include <algorithm>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/gaussian_across.h"
+#include "kernels/gaussian_down.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(gaussian_across)
-UMBRAGE_DECLARE_KERNEL(gaussian_down)
-
 namespace {
-
-constexpr std::uint32_t kAcrossSpirv[] = {
-#include "spirv/gaussian_across.inc"
-};
-constexpr std::uint32_t kDownSpirv[] = {
-#include "spirv/gaussian_down.inc"
-};
 
 constexpr float kSide = 0.25f;  // [1 2 1]/4
 
@@ -55,16 +45,12 @@ const Effect& effect_gaussian() {
       .passes = {{.name = "across",
                   .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"gaussian_ao"},
-                  .scalar = run_scalar_gaussian_across,
-                  .lanes = run_lanes_gaussian_across,
-                  .spirv = kAcrossSpirv,
+                  .kernel = gaussian_across_kernel(),
                   .reach = own_row},
                  {.name = "down",
                   .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_gaussian_down,
-                  .lanes = run_lanes_gaussian_down,
-                  .spirv = kDownSpirv,
+                  .kernel = gaussian_down_kernel(),
                   .reach = reach}},
       .rounds = rounds,
   };

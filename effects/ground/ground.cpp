@@ -1,17 +1,10 @@
 #include "effects/ground/ground.h"
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/ground.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(ground)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/ground.inc"
-};
 
 const std::vector<Parameter> kTable = {
     real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "how dark the shade on the ground is"),
@@ -46,9 +39,7 @@ const Effect& effect_ground() {
                   .inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
                              "material_id", "lit.r", "lit.g", "lit.b"},
                   .outputs = {"depth", "object_id", "material_id", "lit.r", "lit.g", "lit.b", "cover"},
-                  .scalar = run_scalar_ground,
-                  .lanes = run_lanes_ground,
-                  .spirv = kSpirv,
+                  .kernel = ground_kernel(),
                   .reach = own_row}},
   };
   return effect;

@@ -6,17 +6,10 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/hbao.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(hbao)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/hbao.inc"
-};
 
 const std::vector<Parameter> kTable = {
     int_row("directions", &HbaoParams::directions, {.initial = 6, .min = 1, .max = 64},
@@ -79,9 +72,7 @@ const Effect& effect_hbao() {
       .passes = {{.name = "hbao",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_hbao,
-                  .lanes = run_lanes_hbao,
-                  .spirv = kSpirv,
+                  .kernel = hbao_kernel(),
                   .tile_width = 128,
                   .tile_height = 32,
                   .reach = own_row,

@@ -10,28 +10,13 @@
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
+#include "kernels/hemisphere_bleeding.h"
+#include "kernels/hemisphere_occlusion.h"
+#include "kernels/hemisphere_sent.h"
+#include "kernels/hemisphere_tangents.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(hemisphere_sent)
-UMBRAGE_DECLARE_KERNEL(hemisphere_occlusion)
-UMBRAGE_DECLARE_KERNEL(hemisphere_bleeding)
-UMBRAGE_DECLARE_KERNEL(hemisphere_tangents)
-
 namespace {
-
-constexpr std::uint32_t kSentSpirv[] = {
-#include "spirv/hemisphere_sent.inc"
-};
-constexpr std::uint32_t kOcclusionSpirv[] = {
-#include "spirv/hemisphere_occlusion.inc"
-};
-constexpr std::uint32_t kBleedingSpirv[] = {
-#include "spirv/hemisphere_bleeding.inc"
-};
-constexpr std::uint32_t kTangentsSpirv[] = {
-#include "spirv/hemisphere_tangents.inc"
-};
 
 // The paper's switches: its sample and noise tables, comparison of depths alone, a range in window depth that falls
 // with the square of the depth, a fixed size of fragment.
@@ -320,17 +305,13 @@ const Effect& effect_hemisphere() {
                   .inputs = sent_inputs(),
                   .outputs = packed_planes(),
                   .later_inputs = sent_later_inputs(),
-                  .scalar = run_scalar_hemisphere_sent,
-                  .lanes = run_lanes_hemisphere_sent,
-                  .spirv = kSentSpirv,
+                  .kernel = hemisphere_sent_kernel(),
                   .needed = bleeds,
                   .reach = own_row},
                  {.name = "occlusion",
                   .inputs = occlusion_inputs(),
                   .outputs = {"ao"},
-                  .scalar = run_scalar_hemisphere_occlusion,
-                  .lanes = run_lanes_hemisphere_occlusion,
-                  .spirv = kOcclusionSpirv,
+                  .kernel = hemisphere_occlusion_kernel(),
                   .needed = occludes_alone,
                   .tile_width = 128,
                   .tile_height = 32,
@@ -339,9 +320,7 @@ const Effect& effect_hemisphere() {
                  {.name = "bleeding",
                   .inputs = bleeding_inputs(),
                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_hemisphere_bleeding,
-                  .lanes = run_lanes_hemisphere_bleeding,
-                  .spirv = kBleedingSpirv,
+                  .kernel = hemisphere_bleeding_kernel(),
                   .needed = bleeds,
                   .tile_width = 256,
                   .tile_height = 32,
@@ -351,9 +330,7 @@ const Effect& effect_hemisphere() {
                  {.name = "missing",
                   .inputs = occlusion_inputs(),
                   .outputs = {"ao"},
-                  .scalar = run_scalar_hemisphere_occlusion,
-                  .lanes = run_lanes_hemisphere_occlusion,
-                  .spirv = kOcclusionSpirv,
+                  .kernel = hemisphere_occlusion_kernel(),
                   .reach = own_row,
                   .far_inputs = of_all_layers({"depth"}),
                   .for_all = false,
@@ -361,9 +338,7 @@ const Effect& effect_hemisphere() {
                  {.name = "tangents",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"tangent.x", "tangent.y", "tangent.z"},
-                  .scalar = run_scalar_hemisphere_tangents,
-                  .lanes = run_lanes_hemisphere_tangents,
-                  .spirv = kTangentsSpirv,
+                  .kernel = hemisphere_tangents_kernel(),
                   .needed = shows_tangents,
                   .reach = own_row}},
       .rounds = rounds,

@@ -4,24 +4,13 @@
 
 #include "core/effect.h"
 #include "core/light_rig.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/lighting.h"
+#include "kernels/lighting_open.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(lighting)
-UMBRAGE_DECLARE_KERNEL(lighting_open)
-
 namespace {
 
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/lighting.inc"
-};
-
 constexpr double kMostFactor = 100.0;
-
-constexpr std::uint32_t kOpenSpirv[] = {
-#include "spirv/lighting_open.inc"
-};
 
 const std::vector<Parameter> kTable = {
     real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMostFactor},
@@ -97,16 +86,12 @@ const Effect& effect_lighting() {
                              "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
                              "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
-                  .scalar = run_scalar_lighting,
-                  .lanes = run_lanes_lighting,
-                  .spirv = kSpirv,
+                  .kernel = lighting_kernel(),
                   .reach = own_row},
                  {.name = "lighting_open",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"open_light"},
-                  .scalar = run_scalar_lighting_open,
-                  .lanes = run_lanes_lighting_open,
-                  .spirv = kOpenSpirv,
+                  .kernel = lighting_open_kernel(),
                   .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
                   .reach = own_row}},
   };

@@ -1,17 +1,10 @@
 #include "effects/normals/normals.h"
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/normals.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(normals)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/normals.inc"
-};
 
 const std::vector<Parameter> kTable = {
     choice_row("sides", &NormalsParams::sides, 0, {"better", "mean"},
@@ -42,9 +35,7 @@ const Effect& effect_normals() {
       .passes = {{.name = "normals",
                   .inputs = {"depth"},
                   .outputs = {"normal.x", "normal.y", "normal.z"},
-                  .scalar = run_scalar_normals,
-                  .lanes = run_lanes_normals,
-                  .spirv = kSpirv,
+                  .kernel = normals_kernel(),
                   .reach = reach}},
   };
   return effect;

@@ -7,33 +7,14 @@
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "effects/outline/outline_draw.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/outline_breaks.h"
+#include "kernels/outline_color.h"
+#include "kernels/outline_edges.h"
+#include "kernels/outline_paper.h"
+#include "kernels/outline_turns.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(outline_breaks)
-UMBRAGE_DECLARE_KERNEL(outline_turns)
-UMBRAGE_DECLARE_KERNEL(outline_edges)
-UMBRAGE_DECLARE_KERNEL(outline_paper)
-UMBRAGE_DECLARE_KERNEL(outline_color)
-
 namespace {
-
-constexpr std::uint32_t kBreaksSpirv[] = {
-#include "spirv/outline_breaks.inc"
-};
-constexpr std::uint32_t kTurnsSpirv[] = {
-#include "spirv/outline_turns.inc"
-};
-constexpr std::uint32_t kEdgesSpirv[] = {
-#include "spirv/outline_edges.inc"
-};
-constexpr std::uint32_t kPaperSpirv[] = {
-#include "spirv/outline_paper.inc"
-};
-constexpr std::uint32_t kColorSpirv[] = {
-#include "spirv/outline_color.inc"
-};
 
 // Automatic planes of the paper's window depth, as `unsharp` has them: the farthest corner at 90 % of the range, and
 // the ratio of 2 to 15 between near and far.
@@ -139,26 +120,20 @@ const Effect& effect_outline() {
       .passes = {{.name = "outline_breaks",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
                   .outputs = {"outline_break_right", "outline_break_below"},
-                  .scalar = run_scalar_outline_breaks,
-                  .lanes = run_lanes_outline_breaks,
-                  .spirv = kBreaksSpirv,
+                  .kernel = outline_breaks_kernel(),
                   .needed = is_robust,
                   .reach = breaks_reach},
                  {.name = "outline_turns",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below"},
                   .outputs = {"outline_turn_right", "outline_turn_below"},
-                  .scalar = run_scalar_outline_turns,
-                  .lanes = run_lanes_outline_turns,
-                  .spirv = kTurnsSpirv,
+                  .kernel = outline_turns_kernel(),
                   .needed = is_robust,
                   .reach = turns_reach},
                  {.name = "outline_edges",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below",
                              "outline_turn_right", "outline_turn_below"},
                   .outputs = {"outline_edge_right", "outline_edge_below"},
-                  .scalar = run_scalar_outline_edges,
-                  .lanes = run_lanes_outline_edges,
-                  .spirv = kEdgesSpirv,
+                  .kernel = outline_edges_kernel(),
                   .needed = is_robust,
                   .reach = turns_reach},
                  {.name = "outline_strokes",
@@ -169,16 +144,12 @@ const Effect& effect_outline() {
                  {.name = "outline_paper",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"outline"},
-                  .scalar = run_scalar_outline_paper,
-                  .lanes = run_lanes_outline_paper,
-                  .spirv = kPaperSpirv,
+                  .kernel = outline_paper_kernel(),
                   .needed = is_paper,
                   .reach = paper_reach},
                  {.name = "outline_color",
                   .outputs = {"line.r", "line.g", "line.b"},
-                  .scalar = run_scalar_outline_color,
-                  .lanes = run_lanes_outline_color,
-                  .spirv = kColorSpirv,
+                  .kernel = outline_color_kernel(),
                   .needed = is_coloured,
                   .reach = own_row}},
   };

@@ -4,17 +4,10 @@
 
 #include "core/effect.h"
 #include "core/srgb.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/output.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(output)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/output.inc"
-};
 
 constexpr double kMostStops = 20.0;
 
@@ -73,9 +66,7 @@ const Effect& effect_output() {
                   .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b", "cover",
                              "cover_for_eye", "sky.r", "sky.g", "sky.b"},
                   .outputs = {"color.r", "color.g", "color.b", "color.a"},
-                  .scalar = run_scalar_output,
-                  .lanes = run_lanes_output,
-                  .spirv = kSpirv,
+                  .kernel = output_kernel(),
                   .reach = own_row}},
   };
   return effect;

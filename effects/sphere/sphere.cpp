@@ -6,17 +6,10 @@
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/sphere.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(sphere)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/sphere.inc"
-};
 
 // The listing: 16 pixels of a picture 512 wide; 5 of 8 samples.
 constexpr double kRadiusPercent = 100.0 * 16.0 / 512.0;
@@ -149,9 +142,7 @@ const Effect& effect_sphere() {
       .passes = {{.name = "sphere",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_sphere,
-                  .lanes = run_lanes_sphere,
-                  .spirv = kSpirv,
+                  .kernel = sphere_kernel(),
                   .tile_width = 128,
                   .tile_height = 32,
                   .reach = own_row,

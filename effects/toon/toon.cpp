@@ -6,21 +6,11 @@
 
 #include "core/effect.h"
 #include "core/light_rig.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/toon.h"
+#include "kernels/toon_light.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(toon_light)
-UMBRAGE_DECLARE_KERNEL(toon)
-
 namespace {
-
-constexpr std::uint32_t kLightSpirv[] = {
-#include "spirv/toon_light.inc"
-};
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/toon.inc"
-};
 
 constexpr double kMostFactor = 100.0;
 constexpr double kPaperBands = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
@@ -159,17 +149,13 @@ const Effect& effect_toon() {
       .passes = {{.name = "light",
                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
                   .outputs = {"toon_intensity", "toon_highlight"},
-                  .scalar = run_scalar_toon_light,
-                  .lanes = run_lanes_toon_light,
-                  .spirv = kLightSpirv,
+                  .kernel = toon_light_kernel(),
                   .reach = light_reach},
                  {.name = "bands",
                   .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b",
                              "specular"},
                   .outputs = {"lit.r", "lit.g", "lit.b"},
-                  .scalar = run_scalar_toon,
-                  .lanes = run_lanes_toon,
-                  .spirv = kSpirv,
+                  .kernel = toon_kernel(),
                   .reach = bands_reach}},
   };
   return effect;

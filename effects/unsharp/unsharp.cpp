@@ -6,39 +6,20 @@
 #include "core/effect.h"
 #include "effects/unsharp/unsharp_sums.h"
 #include "kernel/kernel_frame.h"
+#include "kernels/linearize.h"
+#include "kernels/unsharp.h"
+#include "spirv/unsharp_across.h"
+#include "spirv/unsharp_blocks.h"
+#include "spirv/unsharp_blocks16.h"
+#include "spirv/unsharp_blocks4.h"
+#include "spirv/unsharp_blocks8.h"
+#include "spirv/unsharp_down.h"
 
 namespace umbrage {
 
-UMBRAGE_DECLARE_KERNEL(linearize)
-UMBRAGE_DECLARE_KERNEL(unsharp)
 void run_tuned_unsharp(const KernelFrame&, const Tile&);  // unsharp.tuned.cpp
 
 namespace {
-
-constexpr std::uint32_t kLinearizeSpirv[] = {
-#include "spirv/linearize.inc"
-};
-constexpr std::uint32_t kUnsharpSpirv[] = {
-#include "spirv/unsharp.inc"
-};
-constexpr std::uint32_t kAcrossSpirv[] = {
-#include "spirv/unsharp_across.inc"
-};
-constexpr std::uint32_t kDownSpirv[] = {
-#include "spirv/unsharp_down.inc"
-};
-constexpr std::uint32_t kBlocks4Spirv[] = {
-#include "spirv/unsharp_blocks4.inc"
-};
-constexpr std::uint32_t kBlocks8Spirv[] = {
-#include "spirv/unsharp_blocks8.inc"
-};
-constexpr std::uint32_t kBlocks16Spirv[] = {
-#include "spirv/unsharp_blocks16.inc"
-};
-constexpr std::uint32_t kBlocksSpirv[] = {
-#include "spirv/unsharp_blocks.inc"
-};
 
 // The automatic far plane leaves the farthest geometry at 90 % of the depth range, the paper's largest threshold away
 // from the end; the near plane keeps the listing's ratio of 2 to 15.
@@ -138,13 +119,13 @@ const std::vector<GpuWay> kGpuWays = {
      .steps = {{.name = "across",
                 .inputs = {"unsharp_depth"},
                 .outputs = {"unsharp_row_high", "unsharp_row_low"},
-                .spirv = kAcrossSpirv,
+                .spirv = unsharp_across_spirv(),
                 .group_width = kUnsharpSegment,
                 .group_height = 1},
                {.name = "down",
                 .inputs = {"depth", "unsharp_depth", "unsharp_row_high", "unsharp_row_low"},
                 .outputs = {"ao"},
-                .spirv = kDownSpirv,
+                .spirv = unsharp_down_spirv(),
                 .group_width = kUnsharpStripWidth,
                 .group_height = kUnsharpStripHeight}}},
     {.fits = has_blocks,
@@ -152,20 +133,20 @@ const std::vector<GpuWay> kGpuWays = {
          {.name = "blocks of 4",
           .inputs = {"unsharp_depth"},
           .outputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
-          .spirv = kBlocks4Spirv},
+          .spirv = unsharp_blocks4_spirv()},
          {.name = "blocks of 8",
           .inputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
           .outputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
-          .spirv = kBlocks8Spirv},
+          .spirv = unsharp_blocks8_spirv()},
          {.name = "blocks of 16",
           .inputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
           .outputs = {"unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
-          .spirv = kBlocks16Spirv},
+          .spirv = unsharp_blocks16_spirv()},
          {.name = "unsharp",
           .inputs = {"depth", "unsharp_depth", "unsharp_least4", "unsharp_greatest4", "unsharp_sum4", "unsharp_least8",
                      "unsharp_greatest8", "unsharp_sum8", "unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
           .outputs = {"ao"},
-          .spirv = kBlocksSpirv}}}};
+          .spirv = unsharp_blocks_spirv()}}}};
 
 }  // namespace
 
@@ -186,17 +167,13 @@ const Effect& effect_unsharp() {
       .passes = {{.name = "linearize",
                   .inputs = {"depth"},
                   .outputs = {"unsharp_depth"},
-                  .scalar = run_scalar_linearize,
-                  .lanes = run_lanes_linearize,
-                  .spirv = kLinearizeSpirv,
+                  .kernel = linearize_kernel(),
                   .reach = own_row},
                  {.name = "unsharp",
                   .inputs = {"depth", "unsharp_depth"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_unsharp,
-                  .lanes = run_lanes_unsharp,
+                  .kernel = unsharp_kernel(),
                   .tuned = run_tuned_unsharp,
-                  .spirv = kUnsharpSpirv,
                   .gpu_ways = kGpuWays,
                   .tile_width = 128,
                   .tile_height = 32,

@@ -4,21 +4,11 @@
 #include <numbers>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/upsample_ao.h"
+#include "kernels/upsample_light.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(upsample_ao)
-UMBRAGE_DECLARE_KERNEL(upsample_light)
-
 namespace {
-
-constexpr std::uint32_t kAoSpirv[] = {
-#include "spirv/upsample_ao.inc"
-};
-constexpr std::uint32_t kLightSpirv[] = {
-#include "spirv/upsample_light.inc"
-};
 
 const std::vector<Parameter> kTable = {
     choice_row("factor", &UpsampleParams::factor, 0, {"2", "4"},
@@ -62,18 +52,14 @@ const Effect& effect_upsample() {
       .passes = {{.name = "ao",
                   .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao"},
-                  .scalar = run_scalar_upsample_ao,
-                  .lanes = run_lanes_upsample_ao,
-                  .spirv = kAoSpirv,
+                  .kernel = upsample_ao_kernel(),
                   .needed = ao_alone,
                   .reach = reach},
                  {.name = "light",
                   .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b", "depth",
                              "normal.x", "normal.y", "normal.z"},
                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_upsample_light,
-                  .lanes = run_lanes_upsample_light,
-                  .spirv = kLightSpirv,
+                  .kernel = upsample_light_kernel(),
                   .needed = light_too,
                   .reach = reach}},
   };
