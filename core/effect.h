@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/gbuffer.h"
@@ -47,6 +48,13 @@ struct GpuWay {
 /// all, and nothing else; the others keep theirs.
 enum class PixelSet { kAll, kMissing };
 
+/// Pixels that the CPU takes at a time, a width that is a multiple of 16: whole rows, or what lies close together where
+/// a pass reads all around.
+struct TileSize {
+  int width = 1 << 20, height = 16;
+};
+inline constexpr TileSize kSquareTile = {128, 32};
+
 /// One run over all pixels.
 struct Pass {
   std::string_view name;
@@ -58,7 +66,7 @@ struct Pass {
   std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs in place of it
   HostStep host = nullptr;                                 ///< in place of kernels; such a pass has no `reach`
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always
-  int tile_width = 1 << 20, tile_height = 16;              ///< tile that the CPU likes
+  TileSize tile;
   /// How many rows above and below a pixel's own it reads, at most, with these constants; null: it may read any.
   int (*reach)(const void* constants, int round) = nullptr;
   /// Inputs that it may read anywhere, whatever its reach. Of a layer that is not there nothing is read.
@@ -97,8 +105,30 @@ struct Effect {
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
 };
 
+/// The effect with this table, and with the structs that `fill_constants` takes, which gets the constants zeroed: used
+/// as effect_of<fill_constants>(kTable, {...}) of void fill_constants(const BoxParams&, const PictureInfo&,
+/// BoxConstants&).
+template <auto fill_constants>
+Effect effect_of(std::vector<Parameter> table, Effect effect) {
+  effect.parameters = std::move(table);
+  const auto complete = [&]<class Params, class Constants>(void (*)(const Params&, const PictureInfo&, Constants&)) {
+    effect.params_size = sizeof(Params);
+    effect.constants_size = sizeof(Constants);
+    effect.constants = [](const ParameterBytes& params, const PictureInfo& info, void* out) {
+      auto& constants = *static_cast<Constants*>(out);
+      constants = {};
+      fill_constants(as<Params>(params), info, constants);
+    };
+  };
+  complete(fill_constants);
+  return effect;
+}
+
 /// Pass::reach of a pass that reads its own row alone.
 inline int own_row(const void*, int) { return 0; }
+
+/// The pass of an occlusion technique that reads depth all around each pixel, and the normal at it alone.
+Pass sampling_pass(std::string_view name, const Kernel& kernel);
 
 /// Whether an effect can be run for missing pixels: it needs a pass for them with these params.
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params);

@@ -1,7 +1,6 @@
 // Look: a recipe, as data: which effects, in which order, with which settings, give a finished picture.
 #pragma once
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace umbrage {
@@ -11,8 +10,7 @@ struct Look {
   std::string_view occlusion;  ///< the occlusion technique that it uses unless another is chosen
   /// Names of effects in the order in which they run; "occlusion" stands for the technique.
   std::vector<std::string_view> effects;
-  /// Settings that differ from the effects' own: "effect.parameter" and its text.
-  std::vector<std::pair<std::string_view, std::string_view>> presets;
+  std::vector<std::string_view> presets;  ///< settings that differ from the effects' own: "effect.parameter=value"
   // What it wants captured unless the user says otherwise: see CaptureSettings.
   int layers = 1;
   bool back_sides = false;

@@ -24,27 +24,27 @@ enum class ParameterType {
 struct Parameter {
   std::string_view name, help;
   ParameterType type = ParameterType::kReal;
-  std::size_t offset = 0;                 ///< in bytes, from the start of the struct
-  double initial = 0.0;                   ///< the value when nobody sets it (index of the choice; absolute length)
-  double least = 0.0, most = 0.0;         ///< inclusive range; of the number before % for a relative length: 0 to 1000
-  std::string_view unit;                  ///< "px", "deg", "" for a plain number
-  std::vector<std::string_view> choices;  ///< for kChoice
-  bool initially_relative = false;        ///< for kLength: `initial` is in percent
-  bool above_zero = false;                ///< 0 itself is refused, of a share too
-  std::string_view zero_means;            ///< what 0 stands for, such as "automatic"; empty: nothing special
+  std::size_t offset = 0;          ///< in bytes, from the start of the struct
+  double initial = 0.0;            ///< the value when nobody sets it (index of the choice; absolute length)
+  double least = 0.0, most = 0.0;  ///< inclusive range; of the number before % for a relative length: 0 to 1000
+  std::string_view unit = {};      ///< "px", "deg", "" for a plain number
+  std::vector<std::string_view> choices = {};  ///< for kChoice
+  bool initially_relative = false;             ///< for kLength: `initial` is in percent
+  bool above_zero = false;                     ///< 0 itself is refused, of a share too
+  std::string_view zero_means = {};            ///< what 0 stands for, such as "automatic"; empty: nothing special
 };
 
 /// What a row of numbers takes, ends included, and starts with.
 struct NumberRange {
   double initial = 0.0, min = 0.0, max = 0.0;
-  std::string_view unit, zero_means;
+  std::string_view unit = {}, zero_means = {};
 };
 
 /// What a row of a length takes: absolute from `min` to `max`, or any share. It starts with a share where
 /// `initial_percent` is not 0.
 struct LengthRange {
   double initial = 0.0, initial_percent = 0.0, min = 0.0, max = 0.0;
-  std::string_view unit, zero_means;
+  std::string_view unit = {}, zero_means = {};
   bool above_zero = false;
 };
 

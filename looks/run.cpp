@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/check.h"
+#include "core/registry.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "effects/output/output.h"
@@ -10,24 +11,21 @@
 namespace umbrage {
 
 // looks.inc is made by CMake: one line per file.
-#define UMBRAGE_LOOK(name) const Look& look_##name();
+#define UMBRAGE_LOOK(name) Look look_##name();
 #include "looks.inc"
 #undef UMBRAGE_LOOK
 
 std::span<const Look* const> looks() {
-  static const std::vector<const Look*> all = {
-#define UMBRAGE_LOOK(name) &look_##name(),
+  static const Look list[] = {
+#define UMBRAGE_LOOK(name) look_##name(),
 #include "looks.inc"
 #undef UMBRAGE_LOOK
   };
+  static const std::vector<const Look*> all = pointers_to(list);
   return all;
 }
 
-const Look* find_look(std::string_view name) {
-  for (const Look* look : looks())
-    if (look->name == name) return look;
-  return nullptr;
-}
+const Look* find_look(std::string_view name) { return find_named(looks(), name); }
 
 namespace {
 
@@ -35,12 +33,6 @@ std::vector<const Effect*> all_effects(std::span<const Effect* const> handed_in)
   std::vector<const Effect*> all(effects().begin(), effects().end());
   all.insert(all.end(), handed_in.begin(), handed_in.end());
   return all;
-}
-
-const Effect* find_in(std::span<const Effect* const> list, std::string_view name) {
-  for (const Effect* effect : list)
-    if (effect->name == name) return effect;
-  return nullptr;
 }
 
 }  // namespace
@@ -57,8 +49,8 @@ EffectSettings look_settings(const Look& look, std::span<const Effect* const> ha
   EffectSettings settings;
   for (const Effect* effect : all_effects(handed_in))
     settings[std::string(effect->name)] = initial_parameters(effect->parameters, effect->params_size);
-  for (const auto& [name, value] : look.presets)
-    if (const auto done = apply_setting(settings, fmt::format("{}={}", name, value), handed_in); !done)
+  for (const std::string_view preset : look.presets)
+    if (const auto done = apply_setting(settings, preset, handed_in); !done)
       fail_check(fmt::format("look {}: {}", look.name, done.error().message));
   return settings;
 }
@@ -72,7 +64,7 @@ Result<void> apply_setting(EffectSettings& settings, std::string_view assignment
   const std::string_view owner = assignment.substr(0, dot);
   const std::string_view name = assignment.substr(dot + 1, equals - dot - 1);
   const auto all = all_effects(handed_in);
-  const Effect* effect = find_in(all, owner);
+  const Effect* effect = find_named<Effect>(all, owner);
   if (!effect) {
     std::vector<std::string_view> names;
     names.reserve(all.size());
@@ -112,7 +104,7 @@ const ParameterBytes& params_of(const LookRun& run, const Effect& effect) {
 Result<void> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
   const Effect& effect = *steps[step];
   const ParameterBytes& params = params_of(run, effect);
-  if (find_in(run.handed_in, effect.name)) {
+  if (find_named(run.handed_in, effect.name)) {
     if (auto done = run.run_handed_in(effect, params, frame); !done) return done;
   } else {
     const bool on_layers = std::any_of(steps.begin() + long(step) + 1, steps.end(), [&](const Effect* later) {
@@ -205,13 +197,13 @@ Result<float> run_look(const LookRun& run, Device& device, Frame& frame) {
       name = run.occlusion;
       technique = steps.size();
     }
-    const Effect* of_others = find_in(run.handed_in, name);
+    const Effect* of_others = find_named(run.handed_in, name);
     steps.push_back(of_others ? of_others : find_effect(name));
     if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", name));
     if (!steps.back()) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
   }
   for (std::size_t step = 0; step < steps.size();) {
-    if (step == technique && run.occlusion_every > 1 && !find_in(run.handed_in, run.occlusion)) {
+    if (step == technique && run.occlusion_every > 1 && !find_named(run.handed_in, run.occlusion)) {
       std::size_t last = step + 1;
       while (last < steps.size() && steps[last]->kind == EffectKind::kFilter) ++last;
       if (auto done = run_reduced(run, steps, step, last, device, frame); !done) return done.error();

@@ -56,7 +56,7 @@ TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
       EXPECT_NE(pass.kernel.lanes, nullptr) << effect->name;
       ASSERT_GT(pass.kernel.spirv.size(), 5u) << effect->name;
       EXPECT_EQ(pass.kernel.spirv[0], 0x07230203u) << effect->name << ": not SPIR-V";
-      EXPECT_EQ(pass.tile_width % 16, 0) << effect->name;
+      EXPECT_EQ(pass.tile.width % 16, 0) << effect->name;
     }
 }
 

@@ -476,8 +476,8 @@ class CpuDevice final : public Device {
 
     // Missing pixels are few: each tile leaves lanes over, but pixels far from each other share no cache lines.
     constexpr int kMissingTile = 128;
-    const int tile_width = std::min(all ? pass.tile_width : kMissingTile, stride);
-    const int tile_height = all ? pass.tile_height : kMissingTile;
+    const int tile_width = std::min(all ? pass.tile.width : kMissingTile, stride);
+    const int tile_height = all ? pass.tile.height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (band.rows.count() + tile_height - 1) / tile_height;
     Watch watch(go_on, long(rows) * columns);

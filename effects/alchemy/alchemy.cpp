@@ -32,17 +32,12 @@ const std::vector<Parameter> kTable = {
 // A tap that falls into the next pixel may add a large term: two quanta.
 constexpr double kQuantum = 0.5;
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<AlchemyParams>(bytes);
-  auto& c = *static_cast<AlchemyConstants*>(out);
-  c = {};
+void fill_constants(const AlchemyParams& params, const PictureInfo& info, AlchemyConstants& c) {
   c.samples = params.samples;
   const float radius = absolute_length(params.radius, info.scene_radius);
   c.radius = std::clamp(radius, 1e-12f, 1e12f);
   c.radius2 = c.radius * c.radius;
-  const Camera& camera = info.camera;
-  const float column = (camera.right - camera.left) / float(info.width);
-  const float row = (camera.top - camera.bottom) / float(info.height);
+  const float column = info.pixel_width(), row = info.pixel_height();
   c.reach = c.radius / column;
   c.rows = -column / row;
   c.scalable = params.formula;
@@ -62,31 +57,17 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
 
 }  // namespace
 
-const Effect& effect_alchemy() {
-  static const Effect effect = {
-      .name = "alchemy",
-      .summary = "points in a disc: darker by how high what they see stands over the surface",
-      .source = "McGuire et al. 2011",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(AlchemyParams),
-      .constants_size = sizeof(AlchemyConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius_of<&AlchemyParams::radius>,
-      .tunable = {"samples", "strength", "contrast", "bias"},
-      .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
-      .quantum = kQuantum,
-      .passes = {{.name = "alchemy",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .kernel = alchemy_kernel(),
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth"},
-                  .for_missing = true}},
-  };
-  return effect;
+Effect effect_alchemy() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "alchemy",
+               .summary = "points in a disc: darker by how high what they see stands over the surface",
+               .source = "McGuire et al. 2011",
+               .kind = EffectKind::kOcclusion,
+               .set_radius = set_radius_of<&AlchemyParams::radius>,
+               .tunable = {"samples", "strength", "contrast", "bias"},
+               .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
+               .quantum = kQuantum,
+               .passes = {sampling_pass("alchemy", alchemy_kernel())}});
 }
 
 }  // namespace umbrage

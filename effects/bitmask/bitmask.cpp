@@ -98,10 +98,7 @@ void fill_mips(const PictureInfo& info, BitmaskConstants& c) {
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<BitmaskParams>(bytes);
-  auto& c = *static_cast<BitmaskConstants*>(out);
-  c = {};
+void fill_constants(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
   c.slices = params.slices;
   c.steps = params.steps;
   c.one_over_steps = 1.0f / float(params.steps);
@@ -113,9 +110,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const float radius = absolute_length(params.radius, info.scene_radius);
   c.radius = std::clamp(radius, 1e-15f, 1e15f);  // its square stays a number
   c.radius2 = c.radius * c.radius;
-  const Camera& camera = info.camera;
-  const float column = (camera.right - camera.left) / float(info.width);
-  const float row = -(camera.top - camera.bottom) / float(info.height);
+  const float column = info.pixel_width(), row = -info.pixel_height();
   c.reach = c.radius / column;
   c.step_y = column / row;
   c.along_y = row / column;
@@ -181,83 +176,73 @@ Planes far_planes() {
 
 }  // namespace
 
-const Effect& effect_bitmask() {
-  static const Effect effect = {
-      .name = "bitmask",
-      .summary =
-          "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
-      .source = "Therrien et al. 2023",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(BitmaskParams),
-      .constants_size = sizeof(BitmaskConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius_of<&BitmaskParams::radius>,
-      .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
-      .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
-                   "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
-                   "mode=layers bleeding=1"},
-      .quantum = kQuantum,
-      .passes = {{.name = "mips",
-                  .inputs = {"depth"},
-                  .outputs = {"bitmask_mips"},
-                  .kernel = bitmask_mips_kernel(),
-                  .needed = has_mips},
-                 {.name = "sent",
-                  .inputs = sent_inputs(),
-                  .outputs = packed_planes(),
-                  .kernel = bitmask_sent_kernel(),
-                  .needed = bleeds,
-                  .reach = own_row},
-                 {.name = "horizon",
-                  .inputs = kSurface,
-                  .outputs = {"ao"},
-                  .kernel = bitmask_horizon_kernel(),
-                  .needed = by_horizon,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth", "bitmask_mips"}},
-                 {.name = "occlusion",
-                  .inputs = kSurface,
-                  .outputs = {"ao"},
-                  .kernel = bitmask_occlusion_kernel(),
-                  .needed = by_bits,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth", "bitmask_mips"}},
-                 {.name = "layers",
-                  .inputs = joined(of_all_layers({"depth"}), kOwn),
-                  .outputs = {"ao"},
-                  .kernel = bitmask_layers_kernel(),
-                  .needed = through_layers,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()},
-                 {.name = "bleeding",
-                  .inputs = joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}),
-                                   kOwn),
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .kernel = bitmask_bleeding_kernel(),
-                  .needed = bleeds,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()},
-                 {.name = "bent",
-                  .inputs = joined(of_all_layers({"depth"}), kOwn),
-                  .outputs = {"ao", "bent.x", "bent.y", "bent.z"},
-                  .kernel = bitmask_bent_kernel(),
-                  .needed = bends,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_bitmask() {
+  return effect_of<fill_constants>(
+      kTable,
+      {.name = "bitmask",
+       .summary =
+           "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
+       .source = "Therrien et al. 2023",
+       .kind = EffectKind::kOcclusion,
+       .set_radius = set_radius_of<&BitmaskParams::radius>,
+       .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
+       .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
+                    "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
+                    "mode=layers bleeding=1"},
+       .quantum = kQuantum,
+       .passes = {{.name = "mips",
+                   .inputs = {"depth"},
+                   .outputs = {"bitmask_mips"},
+                   .kernel = bitmask_mips_kernel(),
+                   .needed = has_mips},
+                  {.name = "sent",
+                   .inputs = sent_inputs(),
+                   .outputs = packed_planes(),
+                   .kernel = bitmask_sent_kernel(),
+                   .needed = bleeds,
+                   .reach = own_row},
+                  {.name = "horizon",
+                   .inputs = kSurface,
+                   .outputs = {"ao"},
+                   .kernel = bitmask_horizon_kernel(),
+                   .needed = by_horizon,
+                   .tile = kSquareTile,
+                   .reach = own_row,
+                   .far_inputs = {"depth", "bitmask_mips"}},
+                  {.name = "occlusion",
+                   .inputs = kSurface,
+                   .outputs = {"ao"},
+                   .kernel = bitmask_occlusion_kernel(),
+                   .needed = by_bits,
+                   .tile = kSquareTile,
+                   .reach = own_row,
+                   .far_inputs = {"depth", "bitmask_mips"}},
+                  {.name = "layers",
+                   .inputs = joined(of_all_layers({"depth"}), kOwn),
+                   .outputs = {"ao"},
+                   .kernel = bitmask_layers_kernel(),
+                   .needed = through_layers,
+                   .tile = kSquareTile,
+                   .reach = own_row,
+                   .far_inputs = far_planes()},
+                  {.name = "bleeding",
+                   .inputs = joined(
+                       of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}), kOwn),
+                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                   .kernel = bitmask_bleeding_kernel(),
+                   .needed = bleeds,
+                   .tile = kSquareTile,
+                   .reach = own_row,
+                   .far_inputs = far_planes()},
+                  {.name = "bent",
+                   .inputs = joined(of_all_layers({"depth"}), kOwn),
+                   .outputs = {"ao", "bent.x", "bent.y", "bent.z"},
+                   .kernel = bitmask_bent_kernel(),
+                   .needed = bends,
+                   .tile = kSquareTile,
+                   .reach = own_row,
+                   .far_inputs = far_planes()}},
+       .rounds = rounds});
 }
 
 }  // namespace umbrage

@@ -20,11 +20,10 @@ const std::vector<Parameter> kTable = {
     bool_row("indirect", &BoxParams::indirect, true, "blur the reflected light"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<BoxParams>(bytes);
+void fill_constants(const BoxParams& params, const PictureInfo&, BoxConstants& c) {
   // A window of even size reaches one pixel farther to the left and upwards.
   const int first = -(params.size / 2);
-  *static_cast<BoxConstants*>(out) = {first, first + params.size - 1, params.background == 0 ? 1 : 0};
+  c = {first, first + params.size - 1, params.background == 0 ? 1 : 0};
 }
 
 bool blurs_ao(const ParameterBytes& bytes) { return as<BoxParams>(bytes).ao != 0; }
@@ -37,43 +36,37 @@ int reach(const void* constants, int) {
 
 }  // namespace
 
-const Effect& effect_box() {
-  static const Effect effect = {
-      .name = "box",
-      .summary = "averages occlusion and reflected light over a small square",
-      .source = "Colliander and Törnquist 2015",
-      .kind = EffectKind::kFilter,
-      .parameters = kTable,
-      .params_size = sizeof(BoxParams),
-      .constants_size = sizeof(BoxConstants),
-      .constants = fill_constants,
-      .variants = {"", "indirect=off", "size=8"},
-      .passes = {{.name = "ao across",
-                  .inputs = {"ao", "depth"},
-                  .outputs = {"box_ao", "box_count"},
-                  .kernel = box_ao_across_kernel(),
-                  .needed = blurs_ao,
-                  .reach = own_row},
-                 {.name = "ao down",
-                  .inputs = {"box_ao", "box_count"},
-                  .outputs = {"ao"},
-                  .kernel = box_ao_down_kernel(),
-                  .needed = blurs_ao,
-                  .reach = reach},
-                 {.name = "indirect across",
-                  .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
-                  .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
-                  .kernel = box_indirect_across_kernel(),
-                  .needed = blurs_indirect,
-                  .reach = own_row},
-                 {.name = "indirect down",
-                  .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
-                  .outputs = {"indirect.r", "indirect.g", "indirect.b"},
-                  .kernel = box_indirect_down_kernel(),
-                  .needed = blurs_indirect,
-                  .reach = reach}},
-  };
-  return effect;
+Effect effect_box() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "box",
+               .summary = "averages occlusion and reflected light over a small square",
+               .source = "Colliander and Törnquist 2015",
+               .kind = EffectKind::kFilter,
+               .variants = {"", "indirect=off", "size=8"},
+               .passes = {{.name = "ao across",
+                           .inputs = {"ao", "depth"},
+                           .outputs = {"box_ao", "box_count"},
+                           .kernel = box_ao_across_kernel(),
+                           .needed = blurs_ao,
+                           .reach = own_row},
+                          {.name = "ao down",
+                           .inputs = {"box_ao", "box_count"},
+                           .outputs = {"ao"},
+                           .kernel = box_ao_down_kernel(),
+                           .needed = blurs_ao,
+                           .reach = reach},
+                          {.name = "indirect across",
+                           .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
+                           .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                           .kernel = box_indirect_across_kernel(),
+                           .needed = blurs_indirect,
+                           .reach = own_row},
+                          {.name = "indirect down",
+                           .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                           .outputs = {"indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = box_indirect_down_kernel(),
+                           .needed = blurs_indirect,
+                           .reach = reach}}});
 }
 
 }  // namespace umbrage

@@ -30,32 +30,25 @@ const std::vector<Parameter> kTable = {
              "surfaces of the same colour"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<CompositeParams>(bytes);
-  *static_cast<CompositeConstants*>(out) = {params.mode,    params.darkness, params.chroma, params.contrast,
-                                            params.damping, params.albedo,   params.tint};
+void fill_constants(const CompositeParams& params, const PictureInfo&, CompositeConstants& c) {
+  c = {params.mode, params.darkness, params.chroma, params.contrast, params.damping, params.albedo, params.tint};
 }
 
 }  // namespace
 
-const Effect& effect_composite() {
-  static const Effect effect = {
-      .name = "composite",
-      .summary = "joins direct, ambient and bounced light with occlusion",
-      .source = "Luft 2006",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(CompositeParams),
-      .constants_size = sizeof(CompositeConstants),
-      .constants = fill_constants,
-      .passes = {{.name = "composite",
-                  .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
-                             "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
-                  .outputs = {"lit.r", "lit.g", "lit.b"},
-                  .kernel = composite_kernel(),
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_composite() {
+  return effect_of<fill_constants>(
+      kTable,
+      {.name = "composite",
+       .summary = "joins direct, ambient and bounced light with occlusion",
+       .source = "Luft 2006",
+       .kind = EffectKind::kShading,
+       .passes = {{.name = "composite",
+                   .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
+                              "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
+                   .outputs = {"lit.r", "lit.g", "lit.b"},
+                   .kernel = composite_kernel(),
+                   .reach = own_row}}});
 }
 
 }  // namespace umbrage

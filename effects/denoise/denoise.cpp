@@ -42,17 +42,16 @@ int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   return std::min(rounds + std::max(more, 0), kMostRounds);
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<DenoiseParams>(bytes);
+void fill_constants(const DenoiseParams& params, const PictureInfo& info, DenoiseConstants& c) {
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
-  *static_cast<DenoiseConstants*>(out) = {kNear,
-                                          kFar,
-                                          params.occlusion,
-                                          params.indirect,
-                                          params.distance,
-                                          float(1.0 / (1.0 - cosine)),
-                                          grown(params.rounds, params, info),
-                                          grown(light_rounds(params), params, info)};
+  c = {kNear,
+       kFar,
+       params.occlusion,
+       params.indirect,
+       params.distance,
+       float(1.0 / (1.0 - cosine)),
+       grown(params.rounds, params, info),
+       grown(light_rounds(params), params, info)};
 }
 
 bool light_too(const ParameterBytes& bytes) {
@@ -74,47 +73,41 @@ int reach(const void*, int round) { return 2 << round; }
 
 }  // namespace
 
-const Effect& effect_denoise() {
-  static const Effect effect = {
-      .name = "denoise",
-      .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
-      .source = "Dammertz et al. 2010",
-      .kind = EffectKind::kFilter,
-      .parameters = kTable,
-      .params_size = sizeof(DenoiseParams),
-      .constants_size = sizeof(DenoiseConstants),
-      .constants = fill_constants,
-      .tunable = {"rounds", "distance", "angle"},
-      .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
-      .passes = {{.name = "ao_across",
-                  .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"denoise_ao"},
-                  .kernel = denoise_ao_across_kernel(),
-                  .needed = ao_alone,
-                  .reach = own_row},
-                 {.name = "ao_down",
-                  .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .kernel = denoise_ao_down_kernel(),
-                  .needed = ao_alone,
-                  .reach = reach},
-                 {.name = "light_across",
-                  .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
-                             "normal.z"},
-                  .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
-                  .kernel = denoise_light_across_kernel(),
-                  .needed = light_too,
-                  .reach = own_row},
-                 {.name = "light_down",
-                  .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b", "depth",
-                             "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .kernel = denoise_light_down_kernel(),
-                  .needed = light_too,
-                  .reach = reach}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_denoise() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "denoise",
+               .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
+               .source = "Dammertz et al. 2010",
+               .kind = EffectKind::kFilter,
+               .tunable = {"rounds", "distance", "angle"},
+               .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
+               .passes = {{.name = "ao_across",
+                           .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"denoise_ao"},
+                           .kernel = denoise_ao_across_kernel(),
+                           .needed = ao_alone,
+                           .reach = own_row},
+                          {.name = "ao_down",
+                           .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao"},
+                           .kernel = denoise_ao_down_kernel(),
+                           .needed = ao_alone,
+                           .reach = reach},
+                          {.name = "light_across",
+                           .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
+                                      "normal.z"},
+                           .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
+                           .kernel = denoise_light_across_kernel(),
+                           .needed = light_too,
+                           .reach = own_row},
+                          {.name = "light_down",
+                           .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b",
+                                      "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = denoise_light_down_kernel(),
+                           .needed = light_too,
+                           .reach = reach}},
+               .rounds = rounds});
 }
 
 }  // namespace umbrage

@@ -18,9 +18,8 @@ const std::vector<Parameter> kTable = {
              "blur along each surface only, not across its silhouette or into the background"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<GaussianParams>(bytes);
-  *static_cast<GaussianConstants*>(out) = {params.rounds > 0 ? kSide : 0.0f, params.edges};
+void fill_constants(const GaussianParams& params, const PictureInfo&, GaussianConstants& c) {
+  c = {params.rounds > 0 ? kSide : 0.0f, params.edges};
 }
 
 /// No round is one that changes nothing.
@@ -30,31 +29,25 @@ int reach(const void*, int) { return 1; }
 
 }  // namespace
 
-const Effect& effect_gaussian() {
-  static const Effect effect = {
-      .name = "gaussian",
-      .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kFilter,
-      .parameters = kTable,
-      .params_size = sizeof(GaussianParams),
-      .constants_size = sizeof(GaussianConstants),
-      .constants = fill_constants,
-      .tunable = {"rounds"},
-      .variants = {"", "rounds=1", "edges=on"},
-      .passes = {{.name = "across",
-                  .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"gaussian_ao"},
-                  .kernel = gaussian_across_kernel(),
-                  .reach = own_row},
-                 {.name = "down",
-                  .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .kernel = gaussian_down_kernel(),
-                  .reach = reach}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_gaussian() {
+  return effect_of<fill_constants>(kTable,
+                                   {.name = "gaussian",
+                                    .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
+                                    .source = "Lajzer and Nottingham",
+                                    .kind = EffectKind::kFilter,
+                                    .tunable = {"rounds"},
+                                    .variants = {"", "rounds=1", "edges=on"},
+                                    .passes = {{.name = "across",
+                                                .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                                                .outputs = {"gaussian_ao"},
+                                                .kernel = gaussian_across_kernel(),
+                                                .reach = own_row},
+                                               {.name = "down",
+                                                .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                                                .outputs = {"ao"},
+                                                .kernel = gaussian_down_kernel(),
+                                                .reach = reach}},
+                                    .rounds = rounds});
 }
 
 }  // namespace umbrage

@@ -12,37 +12,30 @@ const std::vector<Parameter> kTable = {
                "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<GroundParams>(bytes);
-  *static_cast<GroundConstants*>(out) = {.object = float(info.ground_object),
-                                         .strength = params.strength,
-                                         .display = params.blend,
-                                         .middle_x = info.ground_middle.x,
-                                         .middle_y = info.ground_middle.y,
-                                         .middle_z = info.ground_middle.z,
-                                         .inverse_fades = info.ground_fades > 0.0f ? 1.0f / info.ground_fades : 0.0f};
+void fill_constants(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
+  c = {.object = float(info.ground_object),
+       .strength = params.strength,
+       .display = params.blend,
+       .middle_x = info.ground_middle.x,
+       .middle_y = info.ground_middle.y,
+       .middle_z = info.ground_middle.z,
+       .inverse_fades = info.ground_fades > 0.0f ? 1.0f / info.ground_fades : 0.0f};
 }
 
 }  // namespace
 
-const Effect& effect_ground() {
-  static const Effect effect = {
-      .name = "ground",
-      .summary = "leaves of the ground under a model the shade on it alone",
-      .source = "",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(GroundParams),
-      .constants_size = sizeof(GroundConstants),
-      .constants = fill_constants,
-      .passes = {{.name = "ground",
-                  .inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
-                             "material_id", "lit.r", "lit.g", "lit.b"},
-                  .outputs = {"depth", "object_id", "material_id", "lit.r", "lit.g", "lit.b", "cover"},
-                  .kernel = ground_kernel(),
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_ground() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "ground",
+               .summary = "leaves of the ground under a model the shade on it alone",
+               .source = "",
+               .kind = EffectKind::kShading,
+               .passes = {{.name = "ground",
+                           .inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
+                                      "material_id", "lit.r", "lit.g", "lit.b"},
+                           .outputs = {"depth", "object_id", "material_id", "lit.r", "lit.g", "lit.b", "cover"},
+                           .kernel = ground_kernel(),
+                           .reach = own_row}}});
 }
 
 }  // namespace umbrage

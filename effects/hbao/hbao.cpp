@@ -27,10 +27,7 @@ const std::vector<Parameter> kTable = {
 // One tap of one may be the whole horizon: two quanta.
 constexpr double kQuantum = 0.5;
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<HbaoParams>(bytes);
-  auto& c = *static_cast<HbaoConstants*>(out);
-  c = {};
+void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConstants& c) {
   c.directions = params.directions;
   c.steps = params.steps;
   c.one_over_steps = 1.0f / float(params.steps);
@@ -41,9 +38,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   const float radius = absolute_length(params.radius, info.scene_radius);
   c.radius = std::clamp(radius, 1e-15f, 1e15f);
   c.radius2 = c.radius * c.radius;
-  const Camera& camera = info.camera;
-  const float column = (camera.right - camera.left) / float(info.width);
-  const float row = (camera.top - camera.bottom) / float(info.height);
+  const float column = info.pixel_width(), row = info.pixel_height();
   c.reach = c.radius / column;
   c.rows = -column / row;
   const double bias = params.angle_bias * std::numbers::pi / 180.0;
@@ -55,31 +50,17 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
 
 }  // namespace
 
-const Effect& effect_hbao() {
-  static const Effect effect = {
-      .name = "hbao",
-      .summary = "horizons in several directions: darker the higher they stand over the surface",
-      .source = "Bavoil et al. 2008",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(HbaoParams),
-      .constants_size = sizeof(HbaoConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius_of<&HbaoParams::radius>,
-      .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
-      .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
-      .quantum = kQuantum,
-      .passes = {{.name = "hbao",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .kernel = hbao_kernel(),
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth"},
-                  .for_missing = true}},
-  };
-  return effect;
+Effect effect_hbao() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "hbao",
+               .summary = "horizons in several directions: darker the higher they stand over the surface",
+               .source = "Bavoil et al. 2008",
+               .kind = EffectKind::kOcclusion,
+               .set_radius = set_radius_of<&HbaoParams::radius>,
+               .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
+               .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
+               .quantum = kQuantum,
+               .passes = {sampling_pass("hbao", hbao_kernel())}});
 }
 
 }  // namespace umbrage

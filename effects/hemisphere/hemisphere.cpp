@@ -183,10 +183,7 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<HemisphereParams>(bytes);
-  auto& c = *static_cast<HemisphereConstants*>(out);
-  c = {};
+void fill_constants(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
   c.samples = params.samples;
   c.radius = absolute_length(params.radius, info.scene_radius);
   c.even = params.distribution == kHemisphereEven ? 1 : 0;
@@ -287,63 +284,55 @@ std::vector<std::string_view> far_planes() {
 
 }  // namespace
 
-const Effect& effect_hemisphere() {
-  static const Effect effect = {
-      .name = "hemisphere",
-      .summary = "sample points above the surface: darker where they are hidden, coloured by what hides them",
-      .source = "Colliander and Törnquist 2015",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(HemisphereParams),
-      .constants_size = sizeof(HemisphereConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius_of<&HemisphereParams::radius>,
-      .tunable = {"samples", "distribution", "range", "bias"},
-      .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
-      .quantum = kQuantum,
-      .passes = {{.name = "sent",
-                  .inputs = sent_inputs(),
-                  .outputs = packed_planes(),
-                  .later_inputs = sent_later_inputs(),
-                  .kernel = hemisphere_sent_kernel(),
-                  .needed = bleeds,
-                  .reach = own_row},
-                 {.name = "occlusion",
-                  .inputs = occlusion_inputs(),
-                  .outputs = {"ao"},
-                  .kernel = hemisphere_occlusion_kernel(),
-                  .needed = occludes_alone,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = of_all_layers({"depth"})},
-                 {.name = "bleeding",
-                  .inputs = bleeding_inputs(),
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .kernel = hemisphere_bleeding_kernel(),
-                  .needed = bleeds,
-                  .tile_width = 256,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()},
-                 // Their light is not worth packing what all of the picture sends.
-                 {.name = "missing",
-                  .inputs = occlusion_inputs(),
-                  .outputs = {"ao"},
-                  .kernel = hemisphere_occlusion_kernel(),
-                  .reach = own_row,
-                  .far_inputs = of_all_layers({"depth"}),
-                  .for_all = false,
-                  .for_missing = true},
-                 {.name = "tangents",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"tangent.x", "tangent.y", "tangent.z"},
-                  .kernel = hemisphere_tangents_kernel(),
-                  .needed = shows_tangents,
-                  .reach = own_row}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_hemisphere() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "hemisphere",
+               .summary = "sample points above the surface: darker where they are hidden, coloured by what hides them",
+               .source = "Colliander and Törnquist 2015",
+               .kind = EffectKind::kOcclusion,
+               .set_radius = set_radius_of<&HemisphereParams::radius>,
+               .tunable = {"samples", "distribution", "range", "bias"},
+               .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
+               .quantum = kQuantum,
+               .passes = {{.name = "sent",
+                           .inputs = sent_inputs(),
+                           .outputs = packed_planes(),
+                           .later_inputs = sent_later_inputs(),
+                           .kernel = hemisphere_sent_kernel(),
+                           .needed = bleeds,
+                           .reach = own_row},
+                          {.name = "occlusion",
+                           .inputs = occlusion_inputs(),
+                           .outputs = {"ao"},
+                           .kernel = hemisphere_occlusion_kernel(),
+                           .needed = occludes_alone,
+                           .tile = kSquareTile,
+                           .reach = own_row,
+                           .far_inputs = of_all_layers({"depth"})},
+                          {.name = "bleeding",
+                           .inputs = bleeding_inputs(),
+                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = hemisphere_bleeding_kernel(),
+                           .needed = bleeds,
+                           .tile = {256, 32},
+                           .reach = own_row,
+                           .far_inputs = far_planes()},
+                          // Their light is not worth packing what all of the picture sends.
+                          {.name = "missing",
+                           .inputs = occlusion_inputs(),
+                           .outputs = {"ao"},
+                           .kernel = hemisphere_occlusion_kernel(),
+                           .reach = own_row,
+                           .far_inputs = of_all_layers({"depth"}),
+                           .for_all = false,
+                           .for_missing = true},
+                          {.name = "tangents",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"tangent.x", "tangent.y", "tangent.z"},
+                           .kernel = hemisphere_tangents_kernel(),
+                           .needed = shows_tangents,
+                           .reach = own_row}},
+               .rounds = rounds});
 }
 
 }  // namespace umbrage

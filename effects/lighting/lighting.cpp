@@ -32,10 +32,7 @@ const std::vector<Parameter> kTable = {
         "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<LightingParams>(bytes);
-  auto& c = *static_cast<LightingConstants*>(out);
-  c = {};
+void fill_constants(const LightingParams& params, const PictureInfo& info, LightingConstants& c) {
   c.clay = params.material == 1 ? 1 : 0;
   c.display = params.material == 2 ? 1 : 0;
   c.diffuse = params.diffuse;
@@ -58,10 +55,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.light_count = int(rig.lights.size());
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];
-    c.kind[k] = light.point ? 1 : 0;
-    c.x[k] = light.where.x;
-    c.y[k] = light.where.y;
-    c.z[k] = light.where.z;
+    set_place(light, k, c);
     c.r[k] = light.color.r;
     c.g[k] = light.color.g;
     c.b[k] = light.color.b;
@@ -71,31 +65,26 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
 
 }  // namespace
 
-const Effect& effect_lighting() {
-  static const Effect effect = {
-      .name = "lighting",
-      .summary = "Lambert and Blinn-Phong light from the G-buffer, direct and ambient apart",
-      .source = "Blinn 1977",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(LightingParams),
-      .constants_size = sizeof(LightingConstants),
-      .constants = fill_constants,
-      .passes = {{.name = "lighting",
-                  .inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
-                             "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
-                             "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
-                  .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
-                  .kernel = lighting_kernel(),
-                  .reach = own_row},
-                 {.name = "lighting_open",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"open_light"},
-                  .kernel = lighting_open_kernel(),
-                  .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_lighting() {
+  return effect_of<fill_constants>(
+      kTable,
+      {.name = "lighting",
+       .summary = "Lambert and Blinn-Phong light from the G-buffer, direct and ambient apart",
+       .source = "Blinn 1977",
+       .kind = EffectKind::kShading,
+       .passes = {{.name = "lighting",
+                   .inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
+                              "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
+                              "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
+                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
+                   .kernel = lighting_kernel(),
+                   .reach = own_row},
+                  {.name = "lighting_open",
+                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                   .outputs = {"open_light"},
+                   .kernel = lighting_open_kernel(),
+                   .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
+                   .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -11,8 +11,8 @@ const std::vector<Parameter> kTable = {
                "of a pixel's neighbours on two sides: the one on its own surface, or the mean of both"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  *static_cast<NormalsConstants*>(out) = {.mean = as<NormalsParams>(bytes).sides};
+void fill_constants(const NormalsParams& params, const PictureInfo&, NormalsConstants& c) {
+  c = {.mean = params.sides};
 }
 
 /// Two pixels in each direction.
@@ -20,25 +20,18 @@ int reach(const void*, int) { return 2; }
 
 }  // namespace
 
-const Effect& effect_normals() {
-  static const Effect effect = {
-      .name = "normals",
-      .summary = "normals from depth alone, sharp at edges",
-      .source = "Wu 2020",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(NormalsParams),
-      .constants_size = sizeof(NormalsConstants),
-      .constants = fill_constants,
-      .variants = {"", "sides=mean"},
-      .quantum = 1.0,
-      .passes = {{.name = "normals",
-                  .inputs = {"depth"},
-                  .outputs = {"normal.x", "normal.y", "normal.z"},
-                  .kernel = normals_kernel(),
-                  .reach = reach}},
-  };
-  return effect;
+Effect effect_normals() {
+  return effect_of<fill_constants>(kTable, {.name = "normals",
+                                            .summary = "normals from depth alone, sharp at edges",
+                                            .source = "Wu 2020",
+                                            .kind = EffectKind::kShading,
+                                            .variants = {"", "sides=mean"},
+                                            .quantum = 1.0,
+                                            .passes = {{.name = "normals",
+                                                        .inputs = {"depth"},
+                                                        .outputs = {"normal.x", "normal.y", "normal.z"},
+                                                        .kernel = normals_kernel(),
+                                                        .reach = reach}}});
 }
 
 }  // namespace umbrage

@@ -50,39 +50,37 @@ const std::vector<Parameter> kTable = {
              "paper: threshold of the normals' dot product"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+void fill_constants(const OutlineParams& params, const PictureInfo& info, OutlineConstants& c) {
   constexpr float kUnitHeight = 1024.0f;  // of the picture that lengths of strokes are for
-  const auto& params = as<OutlineParams>(bytes);
   const auto height = float(info.inner_height());
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
   const float far_depth = std::max(info.depth_max / kFarShare, 1e-30f);
   // Windows of creases are up to an 85th of the picture high, narrow up to a 200th: what is an edge is one at any size.
   // A line that hides so much of its own object is half as wide as others. What a camera that frames a model sees lies
   // between about two and four of its radii: lines recede beyond.
-  *static_cast<OutlineConstants*>(out) = {
-      .width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineWidest),
-      .r = params.r,
-      .g = params.g,
-      .b = params.b,
-      .opacity = params.opacity,
-      .depth = 2.0f * params.depth,
-      .crease_chord = 2.0f * std::sin(0.5f * crease),
-      .convex = params.convex,
-      .concave = params.concave,
-      .objects = params.ids & kOutlineObjects ? 1 : 0,
-      .materials = params.ids & kOutlineMaterials ? 1 : 0,
-      .max_window = std::clamp(int(std::lround(0.5f * (height / 85.0f - 1.0f))), 0, kOutlineMaxWindow),
-      .narrow = height / 200.0f,
-      .coarser = 0.04f * std::min(1.0f, kUnitHeight / height),
-      .scale = height / kUnitHeight,
-      .recede = params.recede,
-      .recede_from = std::max(2.0f * info.depth_min, 0.25f * info.depth_max),
-      .inner = params.inner,
-      .inner_px = params.depth * height / 256.0f,
-      .paper_depth = params.paper_depth,
-      .paper_normal = params.paper_normal,
-      .near_depth = far_depth * kNearToFar,
-      .far_depth = far_depth};
+  c = {.width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineWidest),
+       .r = params.r,
+       .g = params.g,
+       .b = params.b,
+       .opacity = params.opacity,
+       .depth = 2.0f * params.depth,
+       .crease_chord = 2.0f * std::sin(0.5f * crease),
+       .convex = params.convex,
+       .concave = params.concave,
+       .objects = params.ids & kOutlineObjects ? 1 : 0,
+       .materials = params.ids & kOutlineMaterials ? 1 : 0,
+       .max_window = std::clamp(int(std::lround(0.5f * (height / 85.0f - 1.0f))), 0, kOutlineMaxWindow),
+       .narrow = height / 200.0f,
+       .coarser = 0.04f * std::min(1.0f, kUnitHeight / height),
+       .scale = height / kUnitHeight,
+       .recede = params.recede,
+       .recede_from = std::max(2.0f * info.depth_min, 0.25f * info.depth_max),
+       .inner = params.inner,
+       .inner_px = params.depth * height / 256.0f,
+       .paper_depth = params.paper_depth,
+       .paper_normal = params.paper_normal,
+       .near_depth = far_depth * kNearToFar,
+       .far_depth = far_depth};
 }
 
 bool is_drawn(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).opacity > 0.0f; }
@@ -105,55 +103,50 @@ int paper_reach(const void*, int) { return 1; }
 
 }  // namespace
 
-const Effect& effect_outline() {
-  static const Effect effect = {
-      .name = "outline",
-      .summary = "lines where objects end, overlap or have edges",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(OutlineParams),
-      .constants_size = sizeof(OutlineConstants),
-      .constants = fill_constants,
-      .variants = {"", "width=4", "width=8", "mode=paper"},
-      .quantum = 1.0,
-      .passes = {{.name = "outline_breaks",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
-                  .outputs = {"outline_break_right", "outline_break_below"},
-                  .kernel = outline_breaks_kernel(),
-                  .needed = is_robust,
-                  .reach = breaks_reach},
-                 {.name = "outline_turns",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below"},
-                  .outputs = {"outline_turn_right", "outline_turn_below"},
-                  .kernel = outline_turns_kernel(),
-                  .needed = is_robust,
-                  .reach = turns_reach},
-                 {.name = "outline_edges",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below",
-                             "outline_turn_right", "outline_turn_below"},
-                  .outputs = {"outline_edge_right", "outline_edge_below"},
-                  .kernel = outline_edges_kernel(),
-                  .needed = is_robust,
-                  .reach = turns_reach},
-                 {.name = "outline_strokes",
-                  .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
-                  .outputs = {"outline"},
-                  .host = run_host_outline,
-                  .needed = is_robust},
-                 {.name = "outline_paper",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"outline"},
-                  .kernel = outline_paper_kernel(),
-                  .needed = is_paper,
-                  .reach = paper_reach},
-                 {.name = "outline_color",
-                  .outputs = {"line.r", "line.g", "line.b"},
-                  .kernel = outline_color_kernel(),
-                  .needed = is_coloured,
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_outline() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "outline",
+               .summary = "lines where objects end, overlap or have edges",
+               .source = "Lajzer and Nottingham",
+               .kind = EffectKind::kShading,
+               .variants = {"", "width=4", "width=8", "mode=paper"},
+               .quantum = 1.0,
+               .passes = {{.name = "outline_breaks",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
+                           .outputs = {"outline_break_right", "outline_break_below"},
+                           .kernel = outline_breaks_kernel(),
+                           .needed = is_robust,
+                           .reach = breaks_reach},
+                          {.name = "outline_turns",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
+                                      "outline_break_below"},
+                           .outputs = {"outline_turn_right", "outline_turn_below"},
+                           .kernel = outline_turns_kernel(),
+                           .needed = is_robust,
+                           .reach = turns_reach},
+                          {.name = "outline_edges",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
+                                      "outline_break_below", "outline_turn_right", "outline_turn_below"},
+                           .outputs = {"outline_edge_right", "outline_edge_below"},
+                           .kernel = outline_edges_kernel(),
+                           .needed = is_robust,
+                           .reach = turns_reach},
+                          {.name = "outline_strokes",
+                           .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
+                           .outputs = {"outline"},
+                           .host = run_host_outline,
+                           .needed = is_robust},
+                          {.name = "outline_paper",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"outline"},
+                           .kernel = outline_paper_kernel(),
+                           .needed = is_paper,
+                           .reach = paper_reach},
+                          {.name = "outline_color",
+                           .outputs = {"line.r", "line.g", "line.b"},
+                           .kernel = outline_color_kernel(),
+                           .needed = is_coloured,
+                           .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -32,44 +32,37 @@ const std::vector<Parameter> kTable = {
              "show the light of the planes `sky`, which --hdri-skybox makes, where there is no surface"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<OutputParams>(bytes);
+void fill_constants(const OutputParams& params, const PictureInfo&, OutputConstants& c) {
   const float opaque = params.transparent ? 0.0f : 1.0f;
   const auto light = [&](float v) { return params.transfer == 0 ? linear_from_srgb(v) : v; };
-  *static_cast<OutputConstants*>(out) = {.sky = params.sky,
-                                         .gain = std::exp2(params.exposure),
-                                         .shoulder = params.shoulder,
-                                         .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
-                                         .transfer = params.transfer,
-                                         .background_r = params.background_r * opaque,
-                                         .background_g = params.background_g * opaque,
-                                         .background_b = params.background_b * opaque,
-                                         .behind_r = light(params.background_r),
-                                         .behind_g = light(params.background_g),
-                                         .behind_b = light(params.background_b),
-                                         .background_alpha = opaque};
+  c = {.sky = params.sky,
+       .gain = std::exp2(params.exposure),
+       .shoulder = params.shoulder,
+       .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
+       .transfer = params.transfer,
+       .background_r = params.background_r * opaque,
+       .background_g = params.background_g * opaque,
+       .background_b = params.background_b * opaque,
+       .behind_r = light(params.background_r),
+       .behind_g = light(params.background_g),
+       .behind_b = light(params.background_b),
+       .background_alpha = opaque};
 }
 
 }  // namespace
 
-const Effect& effect_output() {
-  static const Effect effect = {
-      .name = "output",
-      .summary = "light to picture: exposure, transfer function, background",
-      .source = "IEC 61966-2-1",
-      .kind = EffectKind::kOutput,
-      .parameters = kTable,
-      .params_size = sizeof(OutputParams),
-      .constants_size = sizeof(OutputConstants),
-      .constants = fill_constants,
-      .passes = {{.name = "output",
-                  .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b", "cover",
-                             "cover_for_eye", "sky.r", "sky.g", "sky.b"},
-                  .outputs = {"color.r", "color.g", "color.b", "color.a"},
-                  .kernel = output_kernel(),
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_output() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "output",
+               .summary = "light to picture: exposure, transfer function, background",
+               .source = "IEC 61966-2-1",
+               .kind = EffectKind::kOutput,
+               .passes = {{.name = "output",
+                           .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
+                                      "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
+                           .outputs = {"color.r", "color.g", "color.b", "color.a"},
+                           .kernel = output_kernel(),
+                           .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -86,9 +86,7 @@ void fill_points(int count, bool pairs, float* points) {
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<SphereParams>(bytes);
-  auto& c = *static_cast<SphereConstants*>(out);
+void fill_constants(const SphereParams& params, const PictureInfo& info, SphereConstants& c) {
   const float width = info.share_width();
   c.samples = params.samples;
   c.radius_px = length_px(params.radius, width, info);
@@ -125,31 +123,17 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
 
 }  // namespace
 
-const Effect& effect_sphere() {
-  static const Effect effect = {
-      .name = "sphere",
-      .summary = "sample points in a sphere: darker where more of them lie behind something",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(SphereParams),
-      .constants_size = sizeof(SphereConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius_of<&SphereParams::reach>,
-      .tunable = {"samples", "shape", "threshold", "strength"},
-      .variants = {"", "samples=16", "samples=32", kOurs},
-      .quantum = kQuantum,
-      .passes = {{.name = "sphere",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .kernel = sphere_kernel(),
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth"},
-                  .for_missing = true}},
-  };
-  return effect;
+Effect effect_sphere() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "sphere",
+               .summary = "sample points in a sphere: darker where more of them lie behind something",
+               .source = "Lajzer and Nottingham",
+               .kind = EffectKind::kOcclusion,
+               .set_radius = set_radius_of<&SphereParams::reach>,
+               .tunable = {"samples", "shape", "threshold", "strength"},
+               .variants = {"", "samples=16", "samples=32", kOurs},
+               .quantum = kQuantum,
+               .passes = {sampling_pass("sphere", sphere_kernel())}});
 }
 
 }  // namespace umbrage

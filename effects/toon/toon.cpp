@@ -83,19 +83,13 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   const float key = rig.lights.empty() ? 0.0f : luminance(rig.lights[0].color);
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];
-    c.kind[k] = light.point ? 1 : 0;
-    c.x[k] = light.where.x;
-    c.y[k] = light.where.y;
-    c.z[k] = light.where.z;
+    set_place(light, k, c);
     c.share[k] = k == 0 ? 1.0f : key > 0.0f ? luminance(light.color) / key : 0.0f;
     c.reach_squared[k] = paper ? 0.0f : light.reach_squared;
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<ToonParams>(bytes);
-  auto& c = *static_cast<ToonConstants*>(out);
-  c = {};
+void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
   c.mode = params.mode;
   c.albedo = params.albedo;
   c.bands = float(params.bands);
@@ -134,31 +128,26 @@ int bands_reach(const void* constants, int) { return std::max(static_cast<const 
 
 }  // namespace
 
-const Effect& effect_toon() {
-  static const Effect effect = {
-      .name = "toon",
-      .summary = "toon bands of light, with antialiased edges, coloured shadows and round highlights",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(ToonParams),
-      .constants_size = sizeof(ToonConstants),
-      .constants = fill_constants,
-      .variants = {"", "mode=paper"},
-      .quantum = 1.0 / kPaperBands,
-      .passes = {{.name = "light",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
-                  .outputs = {"toon_intensity", "toon_highlight"},
-                  .kernel = toon_light_kernel(),
-                  .reach = light_reach},
-                 {.name = "bands",
-                  .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b",
-                             "specular"},
-                  .outputs = {"lit.r", "lit.g", "lit.b"},
-                  .kernel = toon_kernel(),
-                  .reach = bands_reach}},
-  };
-  return effect;
+Effect effect_toon() {
+  return effect_of<fill_constants>(
+      kTable,
+      {.name = "toon",
+       .summary = "toon bands of light, with antialiased edges, coloured shadows and round highlights",
+       .source = "Lajzer and Nottingham",
+       .kind = EffectKind::kShading,
+       .variants = {"", "mode=paper"},
+       .quantum = 1.0 / kPaperBands,
+       .passes = {
+           {.name = "light",
+            .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
+            .outputs = {"toon_intensity", "toon_highlight"},
+            .kernel = toon_light_kernel(),
+            .reach = light_reach},
+           {.name = "bands",
+            .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b", "specular"},
+            .outputs = {"lit.r", "lit.g", "lit.b"},
+            .kernel = toon_kernel(),
+            .reach = bands_reach}}});
 }
 
 }  // namespace umbrage

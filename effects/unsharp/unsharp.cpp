@@ -56,9 +56,7 @@ int kernel_side(const Length& kernel, const PictureInfo& info) {
   return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpLargestKernel))));
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<UnsharpParams>(bytes);
-  auto& c = *static_cast<UnsharpConstants*>(out);
+void fill_constants(const UnsharpParams& params, const PictureInfo& info, UnsharpConstants& c) {
   const int side = kernel_side(params.kernel, info);
   const int half = side / 2;
   // The listing's window starts floor(k/2) to the left and below; rows here are counted from the top.
@@ -150,37 +148,30 @@ const std::vector<GpuWay> kGpuWays = {
 
 }  // namespace
 
-const Effect& effect_unsharp() {
-  static const Effect effect = {
-      .name = "unsharp",
-      .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
-      .source = "Chamberlin 2011",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(UnsharpParams),
-      .constants_size = sizeof(UnsharpConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius,
-      .tunable = {"kernel", "threshold", "strength"},
-      .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0", "kernel=121 threshold=0",
-                   "kernel=15 window=gaussian"},
-      .passes = {{.name = "linearize",
-                  .inputs = {"depth"},
-                  .outputs = {"unsharp_depth"},
-                  .kernel = linearize_kernel(),
-                  .reach = own_row},
-                 {.name = "unsharp",
-                  .inputs = {"depth", "unsharp_depth"},
-                  .outputs = {"ao"},
-                  .kernel = unsharp_kernel(),
-                  .tuned = run_tuned_unsharp,
-                  .gpu_ways = kGpuWays,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"unsharp_depth"}}},
-  };
-  return effect;
+Effect effect_unsharp() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "unsharp",
+               .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
+               .source = "Chamberlin 2011",
+               .kind = EffectKind::kOcclusion,
+               .set_radius = set_radius,
+               .tunable = {"kernel", "threshold", "strength"},
+               .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0",
+                            "kernel=121 threshold=0", "kernel=15 window=gaussian"},
+               .passes = {{.name = "linearize",
+                           .inputs = {"depth"},
+                           .outputs = {"unsharp_depth"},
+                           .kernel = linearize_kernel(),
+                           .reach = own_row},
+                          {.name = "unsharp",
+                           .inputs = {"depth", "unsharp_depth"},
+                           .outputs = {"ao"},
+                           .kernel = unsharp_kernel(),
+                           .tuned = run_tuned_unsharp,
+                           .gpu_ways = kGpuWays,
+                           .tile = kSquareTile,
+                           .reach = own_row,
+                           .far_inputs = {"unsharp_depth"}}}});
 }
 
 }  // namespace umbrage

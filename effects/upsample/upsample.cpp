@@ -23,11 +23,10 @@ const std::vector<Parameter> kTable = {
              "by how much normals may differ for pixels to join fully"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<UpsampleParams>(bytes);
+void fill_constants(const UpsampleParams& params, const PictureInfo&, UpsampleConstants& c) {
   const int factor = params.factor == kUpsampleQuarter ? 4 : 2;
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
-  *static_cast<UpsampleConstants*>(out) = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
+  c = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
 }
 
 bool light_too(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
@@ -38,32 +37,26 @@ int reach(const void* constants, int) { return 3 * static_cast<const UpsampleCon
 
 }  // namespace
 
-const Effect& effect_upsample() {
-  static const Effect effect = {
-      .name = "upsample",
-      .summary = "brings occlusion and reflected light from reduced to full resolution, along surfaces",
-      .source = "Kopf et al. 2007",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(UpsampleParams),
-      .constants_size = sizeof(UpsampleConstants),
-      .constants = fill_constants,
-      .variants = {"", "factor=4", "indirect=on"},
-      .passes = {{.name = "ao",
-                  .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .kernel = upsample_ao_kernel(),
-                  .needed = ao_alone,
-                  .reach = reach},
-                 {.name = "light",
-                  .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b", "depth",
-                             "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .kernel = upsample_light_kernel(),
-                  .needed = light_too,
-                  .reach = reach}},
-  };
-  return effect;
+Effect effect_upsample() {
+  return effect_of<fill_constants>(
+      kTable, {.name = "upsample",
+               .summary = "brings occlusion and reflected light from reduced to full resolution, along surfaces",
+               .source = "Kopf et al. 2007",
+               .kind = EffectKind::kShading,
+               .variants = {"", "factor=4", "indirect=on"},
+               .passes = {{.name = "ao",
+                           .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao"},
+                           .kernel = upsample_ao_kernel(),
+                           .needed = ao_alone,
+                           .reach = reach},
+                          {.name = "light",
+                           .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b",
+                                      "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = upsample_light_kernel(),
+                           .needed = light_too,
+                           .reach = reach}}});
 }
 
 }  // namespace umbrage
