@@ -28,23 +28,20 @@ struct Palette {
 };
 
 Palette add_palette(Scene& scene) {
-  const auto make = [&](const char* name, vec3 albedo, float strength, float exponent) {
-    return shapes::add_material(
-        scene, {.name = name, .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
-  };
+  const shapes::MaterialMaker make{scene};
   Palette p;
-  p.shell = make("shell", {0.10f, 0.30f, 0.33f}, 0.25f, 40.0f);
-  p.claw = make("claw", {0.66f, 0.21f, 0.09f}, 0.25f, 40.0f);
-  p.tip = make("claw tip", {0.16f, 0.075f, 0.06f}, 0.40f, 60.0f);
-  p.flesh = make("flesh", {0.60f, 0.47f, 0.31f}, 0.08f, 16.0f);
-  p.gum = make("gum", {0.38f, 0.055f, 0.07f}, 0.20f, 30.0f);
-  p.tongue = make("tongue", {0.62f, 0.18f, 0.22f}, 0.25f, 30.0f);
-  p.tooth = make("tooth", {0.86f, 0.80f, 0.64f}, 0.30f, 60.0f);
-  p.eye = make("eye", {0.88f, 0.52f, 0.05f}, 0.60f, 90.0f);
-  p.pupil = make("pupil", {0.02f, 0.015f, 0.02f}, 0.60f, 90.0f);
-  p.spine = make("spine", {0.72f, 0.63f, 0.46f}, 0.20f, 40.0f);
-  p.rock = make("rock", {0.37f, 0.35f, 0.34f}, 0.0f, 1.0f);
-  p.moss = make("moss", {0.28f, 0.37f, 0.14f}, 0.0f, 1.0f);
+  p.shell = make.plain("shell", {0.10f, 0.30f, 0.33f}, 0.25f, 40.0f);
+  p.claw = make.plain("claw", {0.66f, 0.21f, 0.09f}, 0.25f, 40.0f);
+  p.tip = make.plain("claw tip", {0.16f, 0.075f, 0.06f}, 0.40f, 60.0f);
+  p.flesh = make.plain("flesh", {0.60f, 0.47f, 0.31f}, 0.08f, 16.0f);
+  p.gum = make.plain("gum", {0.38f, 0.055f, 0.07f}, 0.20f, 30.0f);
+  p.tongue = make.plain("tongue", {0.62f, 0.18f, 0.22f}, 0.25f, 30.0f);
+  p.tooth = make.plain("tooth", {0.86f, 0.80f, 0.64f}, 0.30f, 60.0f);
+  p.eye = make.plain("eye", {0.88f, 0.52f, 0.05f}, 0.60f, 90.0f);
+  p.pupil = make.plain("pupil", {0.02f, 0.015f, 0.02f}, 0.60f, 90.0f);
+  p.spine = make.plain("spine", {0.72f, 0.63f, 0.46f}, 0.20f, 40.0f);
+  p.rock = make.plain("rock", {0.37f, 0.35f, 0.34f}, 0.0f, 1.0f);
+  p.moss = make.plain("moss", {0.28f, 0.37f, 0.14f}, 0.0f, 1.0f);
   return p;
 }
 

@@ -27,36 +27,30 @@ struct Palette {
 };
 
 Palette add_palette(Scene& scene) {
-  const auto matt = [&](const char* name, vec3 albedo) {
-    return shapes::add_material(scene, {.name = name, .albedo = albedo});
-  };
-  const auto glossy = [&](const char* name, vec3 albedo, float strength, float exponent) {
-    return shapes::add_material(
-        scene, {.name = name, .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
-  };
+  const shapes::MaterialMaker make{scene};
   Palette p;
-  p.skin = glossy("skin", {0.90f, 0.36f, 0.47f}, 0.10f, 20.0f);
-  p.belly = matt("belly", {0.95f, 0.64f, 0.56f});
-  p.frill = glossy("frill", {0.76f, 0.11f, 0.20f}, 0.15f, 24.0f);
-  p.foot = glossy("foot", {0.66f, 0.045f, 0.06f}, 0.30f, 40.0f);
-  p.sole = matt("sole", {0.36f, 0.03f, 0.045f});
-  p.eye = glossy("eye", {0.020f, 0.022f, 0.055f}, 0.50f, 90.0f);
-  p.iris = matt("iris", {0.03f, 0.26f, 0.36f});
-  p.shine = matt("shine", {0.95f, 0.96f, 1.0f});
-  p.blush = matt("blush", {0.86f, 0.17f, 0.27f});
-  p.mouth = matt("mouth", {0.23f, 0.016f, 0.03f});
-  p.tongue = matt("tongue", {0.80f, 0.17f, 0.20f});
-  p.leaf = glossy("leaf", {0.20f, 0.52f, 0.09f}, 0.12f, 30.0f);
-  p.stem = matt("stem", {0.16f, 0.36f, 0.08f});
-  p.grass = matt("grass", {0.30f, 0.55f, 0.13f});
-  p.blade = matt("blade", {0.20f, 0.45f, 0.09f});
-  p.earth = matt("earth", {0.33f, 0.19f, 0.10f});
-  p.stone = matt("stone", {0.46f, 0.45f, 0.44f});
-  p.cap = glossy("cap", {0.78f, 0.20f, 0.06f}, 0.25f, 50.0f);
-  p.dot = matt("dot", {0.90f, 0.84f, 0.70f});
-  p.stalk = matt("stalk", {0.82f, 0.73f, 0.57f});
-  p.petal = matt("petal", {0.86f, 0.84f, 0.90f});
-  p.pollen = matt("pollen", {0.90f, 0.58f, 0.06f});
+  p.skin = make.plain("skin", {0.90f, 0.36f, 0.47f}, 0.10f, 20.0f);
+  p.belly = make.plain("belly", {0.95f, 0.64f, 0.56f});
+  p.frill = make.plain("frill", {0.76f, 0.11f, 0.20f}, 0.15f, 24.0f);
+  p.foot = make.plain("foot", {0.66f, 0.045f, 0.06f}, 0.30f, 40.0f);
+  p.sole = make.plain("sole", {0.36f, 0.03f, 0.045f});
+  p.eye = make.plain("eye", {0.020f, 0.022f, 0.055f}, 0.50f, 90.0f);
+  p.iris = make.plain("iris", {0.03f, 0.26f, 0.36f});
+  p.shine = make.plain("shine", {0.95f, 0.96f, 1.0f});
+  p.blush = make.plain("blush", {0.86f, 0.17f, 0.27f});
+  p.mouth = make.plain("mouth", {0.23f, 0.016f, 0.03f});
+  p.tongue = make.plain("tongue", {0.80f, 0.17f, 0.20f});
+  p.leaf = make.plain("leaf", {0.20f, 0.52f, 0.09f}, 0.12f, 30.0f);
+  p.stem = make.plain("stem", {0.16f, 0.36f, 0.08f});
+  p.grass = make.plain("grass", {0.30f, 0.55f, 0.13f});
+  p.blade = make.plain("blade", {0.20f, 0.45f, 0.09f});
+  p.earth = make.plain("earth", {0.33f, 0.19f, 0.10f});
+  p.stone = make.plain("stone", {0.46f, 0.45f, 0.44f});
+  p.cap = make.plain("cap", {0.78f, 0.20f, 0.06f}, 0.25f, 50.0f);
+  p.dot = make.plain("dot", {0.90f, 0.84f, 0.70f});
+  p.stalk = make.plain("stalk", {0.82f, 0.73f, 0.57f});
+  p.petal = make.plain("petal", {0.86f, 0.84f, 0.90f});
+  p.pollen = make.plain("pollen", {0.90f, 0.58f, 0.06f});
   return p;
 }
 

@@ -116,24 +116,21 @@ struct Workshop {
 };
 
 Paint add_paint(Scene& scene) {
-  const auto make = [&](const char* name, vec3 albedo, float strength, float exponent) {
-    return shapes::add_material(
-        scene, {.name = name, .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
-  };
+  const shapes::MaterialMaker make{scene};
   Paint p;
-  p.armour = make("armour", {0.37f, 0.36f, 0.25f}, 0.06f, 18.0f);
-  p.plate = make("plate", {0.225f, 0.24f, 0.165f}, 0.06f, 18.0f);
-  p.steel = make("steel", {0.34f, 0.34f, 0.35f}, 0.30f, 50.0f);
-  p.track = make("track", {0.19f, 0.18f, 0.17f}, 0.14f, 24.0f);
-  p.rubber = make("rubber", {0.075f, 0.075f, 0.08f}, 0.05f, 10.0f);
-  p.dark = make("dark steel", {0.12f, 0.12f, 0.13f}, 0.14f, 30.0f);
-  p.canvas = make("canvas", {0.46f, 0.38f, 0.24f}, 0.0f, 1.0f);
-  p.red = make("lamp red", {0.60f, 0.04f, 0.03f}, 0.40f, 60.0f);
-  p.glass = make("glass", {0.10f, 0.20f, 0.24f}, 0.60f, 90.0f);
-  p.brass = make("cable", {0.30f, 0.25f, 0.18f}, 0.15f, 30.0f);
-  p.wood = make("wood", {0.40f, 0.24f, 0.11f}, 0.05f, 16.0f);
-  p.pad = make("concrete", {0.50f, 0.49f, 0.47f}, 0.0f, 1.0f);
-  p.line = make("marking", {0.66f, 0.47f, 0.13f}, 0.0f, 1.0f);
+  p.armour = make.plain("armour", {0.37f, 0.36f, 0.25f}, 0.06f, 18.0f);
+  p.plate = make.plain("plate", {0.225f, 0.24f, 0.165f}, 0.06f, 18.0f);
+  p.steel = make.plain("steel", {0.34f, 0.34f, 0.35f}, 0.30f, 50.0f);
+  p.track = make.plain("track", {0.19f, 0.18f, 0.17f}, 0.14f, 24.0f);
+  p.rubber = make.plain("rubber", {0.075f, 0.075f, 0.08f}, 0.05f, 10.0f);
+  p.dark = make.plain("dark steel", {0.12f, 0.12f, 0.13f}, 0.14f, 30.0f);
+  p.canvas = make.plain("canvas", {0.46f, 0.38f, 0.24f}, 0.0f, 1.0f);
+  p.red = make.plain("lamp red", {0.60f, 0.04f, 0.03f}, 0.40f, 60.0f);
+  p.glass = make.plain("glass", {0.10f, 0.20f, 0.24f}, 0.60f, 90.0f);
+  p.brass = make.plain("cable", {0.30f, 0.25f, 0.18f}, 0.15f, 30.0f);
+  p.wood = make.plain("wood", {0.40f, 0.24f, 0.11f}, 0.05f, 16.0f);
+  p.pad = make.plain("concrete", {0.50f, 0.49f, 0.47f}, 0.0f, 1.0f);
+  p.line = make.plain("marking", {0.66f, 0.47f, 0.13f}, 0.0f, 1.0f);
   return p;
 }
 
