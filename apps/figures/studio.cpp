@@ -59,9 +59,13 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
       fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
   if (with.frames) command += fmt::format(" --anti-aliasing {}", *with.frames);
   if (!occlusion.empty()) command += " --ao " + occlusion;
-  if (with.framing.position) command += " --camera-position " + words(*with.framing.position);
-  if (with.framing.focal_point) command += " --camera-focal-point " + words(*with.framing.focal_point);
-  if (with.framing.view_angle_deg) command += fmt::format(" --camera-view-angle {}", *with.framing.view_angle_deg);
+  if (with.framing.position) command += " --camera-position=" + words(*with.framing.position);
+  if (with.framing.focal_point) command += " --camera-focal-point=" + words(*with.framing.focal_point);
+  if (with.framing.view_angle_deg) command += fmt::format(" --camera-view-angle={}", *with.framing.view_angle_deg);
+  if (with.framing.azimuth_deg != 0.0f) command += fmt::format(" --camera-azimuth-angle={}", with.framing.azimuth_deg);
+  if (with.framing.elevation_deg != 0.0f)
+    command += fmt::format(" --camera-elevation-angle={}", with.framing.elevation_deg);
+  if (with.framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", with.framing.zoom);
   if (with.layers) command += fmt::format(" --layers {}", *with.layers);
   if (with.extra_views) command += fmt::format(" --extra-views {}", *with.extra_views);
   for (const std::string& setting : with.settings) command += " --set " + setting;
