@@ -6,9 +6,8 @@
 
 namespace umbrage {
 
-Pass sampling_pass(std::string_view name, const Kernel& kernel) {
-  return {.name = name,
-          .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+Pass sampling_pass(const Kernel& kernel) {
+  return {.inputs = {"depth", "normal.x", "normal.y", "normal.z"},
           .outputs = {"ao"},
           .kernel = kernel,
           .tile = kSquareTile,

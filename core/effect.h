@@ -105,42 +105,6 @@ struct Effect {
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
 };
 
-/// The effect with this table, and with the structs that `fill_constants` takes, which gets the constants zeroed: used
-/// as effect_of<fill_constants>(kTable, {...}) of void fill_constants(const BoxParams&, const PictureInfo&,
-/// BoxConstants&).
-template <auto fill_constants>
-Effect effect_of(std::vector<Parameter> table, Effect effect) {
-  effect.parameters = std::move(table);
-  const auto complete = [&]<class Params, class Constants>(void (*)(const Params&, const PictureInfo&, Constants&)) {
-    effect.params_size = sizeof(Params);
-    effect.constants_size = sizeof(Constants);
-    effect.constants = [](const ParameterBytes& params, const PictureInfo& info, void* out) {
-      auto& constants = *static_cast<Constants*>(out);
-      constants = {};
-      fill_constants(as<Params>(params), info, constants);
-    };
-  };
-  complete(fill_constants);
-  return effect;
-}
-
-/// Pass::reach of a pass that reads its own row alone.
-inline int own_row(const void*, int) { return 0; }
-
-/// The pass of an occlusion technique that reads depth all around each pixel, and the normal at it alone.
-Pass sampling_pass(std::string_view name, const Kernel& kernel);
-
-/// Whether an effect can be run for missing pixels: it needs a pass for them with these params.
-bool runs_for_missing(const Effect& effect, const ParameterBytes& params);
-
-/// What a length that is written in pixels is in pixels of this picture, of which several may make one at reduced
-/// resolution; a share is of `whole_px`, the picture's share_width() or share_height().
-float length_px(const Length& length, float whole_px, const PictureInfo& info);
-
-/// What a radius is in scene units: a share is of the scene's radius. `owner` is named in errors ("--ao-radius").
-/// Errors: kUsage where it is not above 0, or larger than the scene, whose diameter is twice its radius.
-Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info);
-
 /// The row of a technique's radius in the scene, which set_radius_of<field> sets: in scene units, or a share of the
 /// scene's radius, at first 10 %.
 template <class Params>
@@ -154,6 +118,63 @@ void set_radius_of(float radius, const PictureInfo&, ParameterBytes& bytes) {
   const auto set = [&]<class Params>(Length Params::*length) { as<Params>(bytes).*length = {radius, 0}; };
   set(field);
 }
+
+/// The effect of that kind with this table, and with the structs that `fill_constants` takes: it is a function like
+/// void fill_constants(const BoxParams&, const PictureInfo&, BoxConstants&), which gets the constants zeroed. A pass
+/// without a name has the effect's.
+template <auto fill_constants>
+Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
+  effect.kind = kind;
+  effect.parameters = std::move(table);
+  for (Pass& pass : effect.passes)
+    if (pass.name.empty()) pass.name = effect.name;
+  const auto complete = [&]<class Params, class Constants>(void (*)(const Params&, const PictureInfo&, Constants&)) {
+    effect.params_size = sizeof(Params);
+    effect.constants_size = sizeof(Constants);
+    effect.constants = [](const ParameterBytes& params, const PictureInfo& info, void* out) {
+      auto& constants = *static_cast<Constants*>(out);
+      constants = {};
+      fill_constants(as<Params>(params), info, constants);
+    };
+  };
+  complete(fill_constants);
+  return effect;
+}
+
+/// How effects are written: `return filter_effect<fill_constants>(kTable, {...});`.
+template <auto fill_constants>
+Effect occlusion_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kOcclusion, std::move(table), std::move(effect));
+}
+template <auto fill_constants>
+Effect filter_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kFilter, std::move(table), std::move(effect));
+}
+template <auto fill_constants>
+Effect shading_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kShading, std::move(table), std::move(effect));
+}
+template <auto fill_constants>
+Effect output_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kOutput, std::move(table), std::move(effect));
+}
+
+/// Pass::reach of a pass that reads its own row alone.
+inline int own_row(const void*, int) { return 0; }
+
+/// The pass of an occlusion technique that reads depth all around each pixel, and the normal at it alone.
+Pass sampling_pass(const Kernel& kernel);
+
+/// Whether an effect can be run for missing pixels: it needs a pass for them with these params.
+bool runs_for_missing(const Effect& effect, const ParameterBytes& params);
+
+/// What a length that is written in pixels is in pixels of this picture, of which several may make one at reduced
+/// resolution; a share is of `whole_px`, the picture's share_width() or share_height().
+float length_px(const Length& length, float whole_px, const PictureInfo& info);
+
+/// What a radius is in scene units: a share is of the scene's radius. `owner` is named in errors ("--ao-radius").
+/// Errors: kUsage where it is not above 0, or larger than the scene, whose diameter is twice its radius.
+Result<float> radius_in_scene(std::string_view owner, const Length& radius, const PictureInfo& info);
 
 /// The row of that name, or null.
 const Parameter* find_parameter(const Effect& effect, std::string_view name);

@@ -34,8 +34,7 @@ constexpr double kQuantum = 0.5;
 
 void fill_constants(const AlchemyParams& params, const PictureInfo& info, AlchemyConstants& c) {
   c.samples = params.samples;
-  const float radius = absolute_length(params.radius, info.scene_radius);
-  c.radius = std::clamp(radius, 1e-12f, 1e12f);
+  c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-12f, 1e12f);
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = info.pixel_height();
   c.reach = c.radius / column;
@@ -58,16 +57,15 @@ void fill_constants(const AlchemyParams& params, const PictureInfo& info, Alchem
 }  // namespace
 
 Effect effect_alchemy() {
-  return effect_of<fill_constants>(
+  return occlusion_effect<fill_constants>(
       kTable, {.name = "alchemy",
                .summary = "points in a disc: darker by how high what they see stands over the surface",
                .source = "McGuire et al. 2011",
-               .kind = EffectKind::kOcclusion,
                .set_radius = set_radius_of<&AlchemyParams::radius>,
                .tunable = {"samples", "strength", "contrast", "bias"},
                .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
                .quantum = kQuantum,
-               .passes = {sampling_pass("alchemy", alchemy_kernel())}});
+               .passes = {sampling_pass(alchemy_kernel())}});
 }
 
 }  // namespace umbrage

@@ -107,8 +107,7 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
   c.one_over_slices = 1.0f / float(params.slices);
-  const float radius = absolute_length(params.radius, info.scene_radius);
-  c.radius = std::clamp(radius, 1e-15f, 1e15f);  // its square stays a number
+  c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);  // its square stays a number
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = -info.pixel_height();
   c.reach = c.radius / column;
@@ -160,9 +159,6 @@ Planes joined(Planes a, const Planes& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
-const Planes kOwn = {"normal.x", "normal.y", "normal.z", "bitmask_mips"};
-const Planes kSurface = joined({"depth"}, kOwn);
-
 Planes packed_planes() { return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
 Planes sent_inputs() {
   return joined(of_all_layers({"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r",
@@ -170,20 +166,30 @@ Planes sent_inputs() {
                 {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
 }
 
-Planes far_planes() {
-  return joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}), {"bitmask_mips"});
+Planes sending_planes() { return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
+
+/// A pass that seeks occluders in these planes, anywhere in the picture, and writes `ao` and perhaps more.
+Pass search_pass(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&), const Planes& seen,
+                 const Planes& more_outputs = {}) {
+  return {.name = name,
+          .inputs = joined(seen, {"normal.x", "normal.y", "normal.z", "bitmask_mips"}),
+          .outputs = joined({"ao"}, more_outputs),
+          .kernel = kernel,
+          .needed = needed,
+          .tile = kSquareTile,
+          .reach = own_row,
+          .far_inputs = joined(seen, {"bitmask_mips"})};
 }
 
 }  // namespace
 
 Effect effect_bitmask() {
-  return effect_of<fill_constants>(
+  return occlusion_effect<fill_constants>(
       kTable,
       {.name = "bitmask",
        .summary =
            "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
        .source = "Therrien et al. 2023",
-       .kind = EffectKind::kOcclusion,
        .set_radius = set_radius_of<&BitmaskParams::radius>,
        .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
        .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
@@ -201,47 +207,13 @@ Effect effect_bitmask() {
                    .kernel = bitmask_sent_kernel(),
                    .needed = bleeds,
                    .reach = own_row},
-                  {.name = "horizon",
-                   .inputs = kSurface,
-                   .outputs = {"ao"},
-                   .kernel = bitmask_horizon_kernel(),
-                   .needed = by_horizon,
-                   .tile = kSquareTile,
-                   .reach = own_row,
-                   .far_inputs = {"depth", "bitmask_mips"}},
-                  {.name = "occlusion",
-                   .inputs = kSurface,
-                   .outputs = {"ao"},
-                   .kernel = bitmask_occlusion_kernel(),
-                   .needed = by_bits,
-                   .tile = kSquareTile,
-                   .reach = own_row,
-                   .far_inputs = {"depth", "bitmask_mips"}},
-                  {.name = "layers",
-                   .inputs = joined(of_all_layers({"depth"}), kOwn),
-                   .outputs = {"ao"},
-                   .kernel = bitmask_layers_kernel(),
-                   .needed = through_layers,
-                   .tile = kSquareTile,
-                   .reach = own_row,
-                   .far_inputs = far_planes()},
-                  {.name = "bleeding",
-                   .inputs = joined(
-                       of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}), kOwn),
-                   .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                   .kernel = bitmask_bleeding_kernel(),
-                   .needed = bleeds,
-                   .tile = kSquareTile,
-                   .reach = own_row,
-                   .far_inputs = far_planes()},
-                  {.name = "bent",
-                   .inputs = joined(of_all_layers({"depth"}), kOwn),
-                   .outputs = {"ao", "bent.x", "bent.y", "bent.z"},
-                   .kernel = bitmask_bent_kernel(),
-                   .needed = bends,
-                   .tile = kSquareTile,
-                   .reach = own_row,
-                   .far_inputs = far_planes()}},
+                  search_pass("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
+                  search_pass("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
+                  search_pass("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
+                  search_pass("bleeding", bitmask_bleeding_kernel(), bleeds, sending_planes(),
+                              {"indirect.r", "indirect.g", "indirect.b"}),
+                  search_pass("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
+                              {"bent.x", "bent.y", "bent.z"})},
        .rounds = rounds});
 }
 

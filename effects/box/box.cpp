@@ -37,11 +37,10 @@ int reach(const void* constants, int) {
 }  // namespace
 
 Effect effect_box() {
-  return effect_of<fill_constants>(
+  return filter_effect<fill_constants>(
       kTable, {.name = "box",
                .summary = "averages occlusion and reflected light over a small square",
                .source = "Colliander and Törnquist 2015",
-               .kind = EffectKind::kFilter,
                .variants = {"", "indirect=off", "size=8"},
                .passes = {{.name = "ao across",
                            .inputs = {"ao", "depth"},

@@ -37,14 +37,12 @@ void fill_constants(const CompositeParams& params, const PictureInfo&, Composite
 }  // namespace
 
 Effect effect_composite() {
-  return effect_of<fill_constants>(
+  return shading_effect<fill_constants>(
       kTable,
       {.name = "composite",
        .summary = "joins direct, ambient and bounced light with occlusion",
        .source = "Luft 2006",
-       .kind = EffectKind::kShading,
-       .passes = {{.name = "composite",
-                   .inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
+       .passes = {{.inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
                               "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
                    .outputs = {"lit.r", "lit.g", "lit.b"},
                    .kernel = composite_kernel(),

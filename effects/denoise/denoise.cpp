@@ -74,11 +74,10 @@ int reach(const void*, int round) { return 2 << round; }
 }  // namespace
 
 Effect effect_denoise() {
-  return effect_of<fill_constants>(
+  return filter_effect<fill_constants>(
       kTable, {.name = "denoise",
                .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
                .source = "Dammertz et al. 2010",
-               .kind = EffectKind::kFilter,
                .tunable = {"rounds", "distance", "angle"},
                .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
                .passes = {{.name = "ao_across",

@@ -30,24 +30,23 @@ int reach(const void*, int) { return 1; }
 }  // namespace
 
 Effect effect_gaussian() {
-  return effect_of<fill_constants>(kTable,
-                                   {.name = "gaussian",
-                                    .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
-                                    .source = "Lajzer and Nottingham",
-                                    .kind = EffectKind::kFilter,
-                                    .tunable = {"rounds"},
-                                    .variants = {"", "rounds=1", "edges=on"},
-                                    .passes = {{.name = "across",
-                                                .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
-                                                .outputs = {"gaussian_ao"},
-                                                .kernel = gaussian_across_kernel(),
-                                                .reach = own_row},
-                                               {.name = "down",
-                                                .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                                                .outputs = {"ao"},
-                                                .kernel = gaussian_down_kernel(),
-                                                .reach = reach}},
-                                    .rounds = rounds});
+  return filter_effect<fill_constants>(
+      kTable, {.name = "gaussian",
+               .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
+               .source = "Lajzer and Nottingham",
+               .tunable = {"rounds"},
+               .variants = {"", "rounds=1", "edges=on"},
+               .passes = {{.name = "across",
+                           .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"gaussian_ao"},
+                           .kernel = gaussian_across_kernel(),
+                           .reach = own_row},
+                          {.name = "down",
+                           .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao"},
+                           .kernel = gaussian_down_kernel(),
+                           .reach = reach}},
+               .rounds = rounds});
 }
 
 }  // namespace umbrage

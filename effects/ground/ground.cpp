@@ -25,13 +25,11 @@ void fill_constants(const GroundParams& params, const PictureInfo& info, GroundC
 }  // namespace
 
 Effect effect_ground() {
-  return effect_of<fill_constants>(
+  return shading_effect<fill_constants>(
       kTable, {.name = "ground",
                .summary = "leaves of the ground under a model the shade on it alone",
                .source = "",
-               .kind = EffectKind::kShading,
-               .passes = {{.name = "ground",
-                           .inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
+               .passes = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
                                       "material_id", "lit.r", "lit.g", "lit.b"},
                            .outputs = {"depth", "object_id", "material_id", "lit.r", "lit.g", "lit.b", "cover"},
                            .kernel = ground_kernel(),

@@ -35,8 +35,7 @@ void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConst
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
   c.turn_share = 1.0f / float(params.directions);
-  const float radius = absolute_length(params.radius, info.scene_radius);
-  c.radius = std::clamp(radius, 1e-15f, 1e15f);
+  c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = info.pixel_height();
   c.reach = c.radius / column;
@@ -51,16 +50,15 @@ void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConst
 }  // namespace
 
 Effect effect_hbao() {
-  return effect_of<fill_constants>(
+  return occlusion_effect<fill_constants>(
       kTable, {.name = "hbao",
                .summary = "horizons in several directions: darker the higher they stand over the surface",
                .source = "Bavoil et al. 2008",
-               .kind = EffectKind::kOcclusion,
                .set_radius = set_radius_of<&HbaoParams::radius>,
                .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
                .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
                .quantum = kQuantum,
-               .passes = {sampling_pass("hbao", hbao_kernel())}});
+               .passes = {sampling_pass(hbao_kernel())}});
 }
 
 }  // namespace umbrage

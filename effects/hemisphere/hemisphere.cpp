@@ -285,11 +285,10 @@ std::vector<std::string_view> far_planes() {
 }  // namespace
 
 Effect effect_hemisphere() {
-  return effect_of<fill_constants>(
+  return occlusion_effect<fill_constants>(
       kTable, {.name = "hemisphere",
                .summary = "sample points above the surface: darker where they are hidden, coloured by what hides them",
                .source = "Colliander and Törnquist 2015",
-               .kind = EffectKind::kOcclusion,
                .set_radius = set_radius_of<&HemisphereParams::radius>,
                .tunable = {"samples", "distribution", "range", "bias"},
                .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},

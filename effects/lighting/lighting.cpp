@@ -66,14 +66,12 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
 }  // namespace
 
 Effect effect_lighting() {
-  return effect_of<fill_constants>(
+  return shading_effect<fill_constants>(
       kTable,
       {.name = "lighting",
        .summary = "Lambert and Blinn-Phong light from the G-buffer, direct and ambient apart",
        .source = "Blinn 1977",
-       .kind = EffectKind::kShading,
-       .passes = {{.name = "lighting",
-                   .inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
+       .passes = {{.inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
                               "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
                               "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
                    .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},

@@ -21,17 +21,15 @@ int reach(const void*, int) { return 2; }
 }  // namespace
 
 Effect effect_normals() {
-  return effect_of<fill_constants>(kTable, {.name = "normals",
-                                            .summary = "normals from depth alone, sharp at edges",
-                                            .source = "Wu 2020",
-                                            .kind = EffectKind::kShading,
-                                            .variants = {"", "sides=mean"},
-                                            .quantum = 1.0,
-                                            .passes = {{.name = "normals",
-                                                        .inputs = {"depth"},
-                                                        .outputs = {"normal.x", "normal.y", "normal.z"},
-                                                        .kernel = normals_kernel(),
-                                                        .reach = reach}}});
+  return shading_effect<fill_constants>(kTable, {.name = "normals",
+                                                 .summary = "normals from depth alone, sharp at edges",
+                                                 .source = "Wu 2020",
+                                                 .variants = {"", "sides=mean"},
+                                                 .quantum = 1.0,
+                                                 .passes = {{.inputs = {"depth"},
+                                                             .outputs = {"normal.x", "normal.y", "normal.z"},
+                                                             .kernel = normals_kernel(),
+                                                             .reach = reach}}});
 }
 
 }  // namespace umbrage

@@ -104,11 +104,10 @@ int paper_reach(const void*, int) { return 1; }
 }  // namespace
 
 Effect effect_outline() {
-  return effect_of<fill_constants>(
+  return shading_effect<fill_constants>(
       kTable, {.name = "outline",
                .summary = "lines where objects end, overlap or have edges",
                .source = "Lajzer and Nottingham",
-               .kind = EffectKind::kShading,
                .variants = {"", "width=4", "width=8", "mode=paper"},
                .quantum = 1.0,
                .passes = {{.name = "outline_breaks",

@@ -52,13 +52,11 @@ void fill_constants(const OutputParams& params, const PictureInfo&, OutputConsta
 }  // namespace
 
 Effect effect_output() {
-  return effect_of<fill_constants>(
+  return output_effect<fill_constants>(
       kTable, {.name = "output",
                .summary = "light to picture: exposure, transfer function, background",
                .source = "IEC 61966-2-1",
-               .kind = EffectKind::kOutput,
-               .passes = {{.name = "output",
-                           .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
+               .passes = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
                                       "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
                            .outputs = {"color.r", "color.g", "color.b", "color.a"},
                            .kernel = output_kernel(),

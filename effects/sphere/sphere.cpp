@@ -124,16 +124,15 @@ void fill_constants(const SphereParams& params, const PictureInfo& info, SphereC
 }  // namespace
 
 Effect effect_sphere() {
-  return effect_of<fill_constants>(
+  return occlusion_effect<fill_constants>(
       kTable, {.name = "sphere",
                .summary = "sample points in a sphere: darker where more of them lie behind something",
                .source = "Lajzer and Nottingham",
-               .kind = EffectKind::kOcclusion,
                .set_radius = set_radius_of<&SphereParams::reach>,
                .tunable = {"samples", "shape", "threshold", "strength"},
                .variants = {"", "samples=16", "samples=32", kOurs},
                .quantum = kQuantum,
-               .passes = {sampling_pass("sphere", sphere_kernel())}});
+               .passes = {sampling_pass(sphere_kernel())}});
 }
 
 }  // namespace umbrage

@@ -129,12 +129,11 @@ int bands_reach(const void* constants, int) { return std::max(static_cast<const 
 }  // namespace
 
 Effect effect_toon() {
-  return effect_of<fill_constants>(
+  return shading_effect<fill_constants>(
       kTable,
       {.name = "toon",
        .summary = "toon bands of light, with antialiased edges, coloured shadows and round highlights",
        .source = "Lajzer and Nottingham",
-       .kind = EffectKind::kShading,
        .variants = {"", "mode=paper"},
        .quantum = 1.0 / kPaperBands,
        .passes = {

@@ -149,11 +149,10 @@ const std::vector<GpuWay> kGpuWays = {
 }  // namespace
 
 Effect effect_unsharp() {
-  return effect_of<fill_constants>(
+  return occlusion_effect<fill_constants>(
       kTable, {.name = "unsharp",
                .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
                .source = "Chamberlin 2011",
-               .kind = EffectKind::kOcclusion,
                .set_radius = set_radius,
                .tunable = {"kernel", "threshold", "strength"},
                .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0",
@@ -163,8 +162,7 @@ Effect effect_unsharp() {
                            .outputs = {"unsharp_depth"},
                            .kernel = linearize_kernel(),
                            .reach = own_row},
-                          {.name = "unsharp",
-                           .inputs = {"depth", "unsharp_depth"},
+                          {.inputs = {"depth", "unsharp_depth"},
                            .outputs = {"ao"},
                            .kernel = unsharp_kernel(),
                            .tuned = run_tuned_unsharp,

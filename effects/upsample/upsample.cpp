@@ -38,11 +38,10 @@ int reach(const void* constants, int) { return 3 * static_cast<const UpsampleCon
 }  // namespace
 
 Effect effect_upsample() {
-  return effect_of<fill_constants>(
+  return shading_effect<fill_constants>(
       kTable, {.name = "upsample",
                .summary = "brings occlusion and reflected light from reduced to full resolution, along surfaces",
                .source = "Kopf et al. 2007",
-               .kind = EffectKind::kShading,
                .variants = {"", "factor=4", "indirect=on"},
                .passes = {{.name = "ao",
                            .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
