@@ -20,19 +20,12 @@
 namespace umbrage {
 namespace {
 
+using test::joined;
 using test::Settings;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRadian = kPi / 180.0;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-Settings joined(Settings first, const Settings& second) {
-  for (const auto& [name, value] : second) {
-    std::erase_if(first, [&](const auto& pair) { return pair.first == name; });
-    first.push_back({name, value});
-  }
-  return first;
-}
 
 /// The nearest of some planes along a ray, as a depth buffer holds it.
 struct Wall {
