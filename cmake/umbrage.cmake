@@ -24,14 +24,20 @@ function(umbrage_folder name)
   target_link_libraries(umbrage_${name} ${scope} ${ARG_USES})
 endfunction()
 
-# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp, .vert, .frag) of this folder to build/spirv/spirv/NAME.inc, as words to
-# include; OUT is the list of those.
+# umbrage_spirv(OUT shaders...): compiles shaders (NAME.comp, .vert, .frag) of this folder to build/spirv/spirv/NAME.inc;
+# OUT is the list of those. Their words are NAME_spirv() of spirv/NAME.h. Where a NAME.cpu.cpp stands beside a shader, both
+# are one kernel, NAME_kernel() of kernels/NAME.h. The templates of the two headers lie beside this file.
 function(umbrage_spirv out)
   set(all "")
-  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/spirv/spirv)
+  set(build ${PROJECT_BINARY_DIR}/spirv)
   foreach(shader ${ARGN})
-    get_filename_component(name ${shader} NAME_WE)
-    set(words ${PROJECT_BINARY_DIR}/spirv/spirv/${name}.inc)
+    cmake_path(GET shader PARENT_PATH folder)
+    cmake_path(GET shader STEM name)
+    set(words ${build}/spirv/${name}.inc)
+    configure_file(${PROJECT_SOURCE_DIR}/cmake/spirv.h.in ${build}/spirv/${name}.h @ONLY)
+    if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/${name}.cpu.cpp)
+      configure_file(${PROJECT_SOURCE_DIR}/cmake/kernel.h.in ${build}/kernels/${name}.h @ONLY)
+    endif()
     add_custom_command(
       OUTPUT ${words}
       COMMAND ${GLSLC} --target-env=vulkan1.2 -Werror -I ${PROJECT_SOURCE_DIR} -MD -MF ${words}.d -MT ${words} -mfmt=num

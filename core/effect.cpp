@@ -6,6 +6,16 @@
 
 namespace umbrage {
 
+Pass sampling_pass(const Kernel& kernel) {
+  return {.inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+          .outputs = {"ao"},
+          .kernel = kernel,
+          .tile = kSquareTile,
+          .reach = own_row,
+          .far_inputs = {"depth"},
+          .for_missing = true};
+}
+
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params) {
   return std::any_of(effect.passes.begin(), effect.passes.end(),
                      [&](const Pass& pass) { return pass.for_missing && (!pass.needed || pass.needed(params)); });

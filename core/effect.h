@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/gbuffer.h"
@@ -17,6 +18,13 @@ struct HostFrame;    // what a host step gets: see kernel/host_frame.h
 
 /// A compiled kernel: computes the outputs of its pass for one tile. Tiles may run at the same time.
 using CpuKernel = void (*)(const KernelFrame&, const Tile&);
+
+/// A kernel text compiled three times. The build writes `kernels/NAME.h` with NAME_kernel() for every NAME.comp that
+/// has a NAME.cpu.cpp beside it.
+struct Kernel {
+  CpuKernel scalar = nullptr, lanes = nullptr;  ///< as plain C++ and as SIMD lanes
+  std::span<const std::uint32_t> spirv;         ///< as a compute shader
+};
 
 /// A pass that is a function of whole planes on the host. It may use all threads of its oneTBB arena.
 using HostStep = void (*)(const HostFrame&);
@@ -40,19 +48,25 @@ struct GpuWay {
 /// all, and nothing else; the others keep theirs.
 enum class PixelSet { kAll, kMissing };
 
+/// Pixels that the CPU takes at a time, a width that is a multiple of 16: whole rows, or what lies close together where
+/// a pass reads all around.
+struct TileSize {
+  int width = 1 << 20, height = 16;
+};
+inline constexpr TileSize kSquareTile = {128, 32};
+
 /// One run over all pixels.
 struct Pass {
   std::string_view name;
   /// An effect that reads `shadow` leaves it out where it has a parameter of that name and it is 0.
-  std::vector<std::string_view> inputs, outputs;           ///< planes; a colour or vector counts as its three planes
-  std::vector<std::string_view> later_inputs;              ///< those of the inputs that the first round does not read
-  CpuKernel scalar = nullptr, lanes = nullptr;             ///< the kernel text as plain C++ and as SIMD lanes
+  std::vector<std::string_view> inputs, outputs;  ///< planes; a colour or vector counts as its three planes
+  std::vector<std::string_view> later_inputs;     ///< those of the inputs that the first round does not read
+  Kernel kernel;
   CpuKernel tuned = nullptr;                               ///< another way to the same bits, or null
-  std::span<const std::uint32_t> spirv;                    ///< the kernel text as a compute shader
   std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs in place of it
   HostStep host = nullptr;                                 ///< in place of kernels; such a pass has no `reach`
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether it runs at all; null: always
-  int tile_width = 1 << 20, tile_height = 16;              ///< tile that the CPU likes
+  TileSize tile;
   /// How many rows above and below a pixel's own it reads, at most, with these constants; null: it may read any.
   int (*reach)(const void* constants, int round) = nullptr;
   /// Inputs that it may read anywhere, whatever its reach. Of a layer that is not there nothing is read.
@@ -112,8 +126,65 @@ struct Effect {
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
 };
 
+/// The row of a technique's radius in the scene, which set_radius_of<field> sets: in scene units, or a share of the
+/// scene's radius, at first 10 %.
+template <class Params>
+Parameter radius_row(std::string_view name, Length Params::*field, std::string_view help) {
+  return length_row(name, field, {.initial_percent = 10, .max = 1e12, .unit = "scene units", .above_zero = true}, help);
+}
+
+/// Effect::set_radius of a technique with a length in the scene, such as &HbaoParams::radius.
+template <auto field>
+void set_radius_of(float radius, const PictureInfo&, ParameterBytes& bytes) {
+  const auto set = [&]<class Params>(Length Params::*length) { as<Params>(bytes).*length = {radius, 0}; };
+  set(field);
+}
+
+/// The effect of that kind with this table, and with the structs that `fill_constants` takes: it is a function like
+/// void fill_constants(const BoxParams&, const PictureInfo&, BoxConstants&), which gets the constants zeroed. A pass
+/// without a name has the effect's.
+template <auto fill_constants>
+Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
+  effect.kind = kind;
+  effect.parameters = std::move(table);
+  for (Pass& pass : effect.passes)
+    if (pass.name.empty()) pass.name = effect.name;
+  const auto complete = [&]<class Params, class Constants>(void (*)(const Params&, const PictureInfo&, Constants&)) {
+    effect.params_size = sizeof(Params);
+    effect.constants_size = sizeof(Constants);
+    effect.constants = [](const ParameterBytes& params, const PictureInfo& info, void* out) {
+      auto& constants = *static_cast<Constants*>(out);
+      constants = {};
+      fill_constants(as<Params>(params), info, constants);
+    };
+  };
+  complete(fill_constants);
+  return effect;
+}
+
+/// How effects are written: `return filter_effect<fill_constants>(kTable, {...});`.
+template <auto fill_constants>
+Effect occlusion_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kOcclusion, std::move(table), std::move(effect));
+}
+template <auto fill_constants>
+Effect filter_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kFilter, std::move(table), std::move(effect));
+}
+template <auto fill_constants>
+Effect shading_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kShading, std::move(table), std::move(effect));
+}
+template <auto fill_constants>
+Effect output_effect(std::vector<Parameter> table, Effect effect) {
+  return effect_of<fill_constants>(EffectKind::kOutput, std::move(table), std::move(effect));
+}
+
 /// Pass::reach of a pass that reads its own row alone.
 inline int own_row(const void*, int) { return 0; }
+
+/// The pass of an occlusion technique that reads depth all around each pixel, and the normal at it alone.
+Pass sampling_pass(const Kernel& kernel);
 
 /// Whether an effect can be run for missing pixels: it needs a pass for them with these params.
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params);

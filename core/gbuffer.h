@@ -54,6 +54,11 @@ struct PictureInfo {
   int reduced = 1;  ///< of a picture at reduced resolution: it holds every so manieth pixel, across and down
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
 
+  /// How far apart the centres of neighbouring pixels are: at depth 1 in perspective, everywhere in an orthographic
+  /// picture.
+  float pixel_width() const { return (camera.right - camera.left) / float(width); }
+  float pixel_height() const { return (camera.top - camera.bottom) / float(height); }
+
   /// The picture's size once the guard band is cut off.
   int inner_width() const { return width - 2 * guard; }
   int inner_height() const { return height - 2 * guard; }

@@ -33,4 +33,13 @@ inline constexpr int kMostRigLights = 16;
 
 LightRig light_rig(Rig rig, const PictureInfo& info);
 
+/// Where light k is, in constants that hold kind (1 for a point) and x, y, z of every light.
+template <class Constants>
+void set_place(const RigLight& light, int k, Constants& c) {
+  c.kind[k] = light.point ? 1 : 0;
+  c.x[k] = light.where.x;
+  c.y[k] = light.where.y;
+  c.z[k] = light.where.z;
+}
+
 }  // namespace umbrage

@@ -1,13 +1,12 @@
 // Look: a recipe, as data: which effects, in which order, with which settings, give a finished picture.
 #pragma once
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace umbrage {
 
-/// Settings of a look: "effect.parameter" and its text.
-using LookPresets = std::vector<std::pair<std::string_view, std::string_view>>;
+/// Settings of a look: "effect.parameter=value".
+using LookPresets = std::vector<std::string_view>;
 
 /// Stands for the occlusion technique in Look::effects.
 inline constexpr std::string_view kOcclusionStep = "occlusion";

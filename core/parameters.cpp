@@ -54,6 +54,19 @@ void store_initial(const Parameter& row, ParameterBytes& bytes) {
 
 std::size_t parameter_size(ParameterType type) { return type == ParameterType::kLength ? sizeof(Length) : 4; }
 
+Parameter number_row(ParameterType type, std::string_view name, std::size_t offset, const NumberRange& range,
+                     std::string_view help) {
+  return {.name = name,
+          .help = help,
+          .type = type,
+          .offset = offset,
+          .initial = range.initial,
+          .least = range.min,
+          .most = range.max,
+          .unit = range.unit,
+          .zero_means = range.zero_means};
+}
+
 ParameterBytes initial_parameters(std::span<const Parameter> table, std::size_t size) {
   ParameterBytes bytes(size);
   for (const Parameter& row : table) store_initial(row, bytes);

@@ -4,8 +4,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "core/length.h"
 #include "core/result.h"
 
 namespace umbrage {
@@ -18,19 +20,92 @@ enum class ParameterType {
   kLength,  ///< Length: an absolute number in `unit`, or a share written with %
 };
 
-/// One field of a params struct.
+/// One field of a params struct. Tables are made of the rows below.
 struct Parameter {
   std::string_view name, help;
   ParameterType type = ParameterType::kReal;
-  std::size_t offset = 0;                 ///< in bytes, from the start of the struct
-  double initial = 0.0;                   ///< the value when nobody sets it (index of the choice; absolute length)
-  double least = 0.0, most = 0.0;         ///< inclusive range; of the number before % for a relative length: 0 to 1000
-  std::string_view unit;                  ///< "px", "deg", "" for a plain number
-  std::vector<std::string_view> choices;  ///< for kChoice
-  bool initially_relative = false;        ///< for kLength: `initial` is in percent
-  bool above_zero = false;                ///< 0 itself is refused, of a share too
-  std::string_view zero_means;            ///< what 0 stands for, such as "automatic"; empty: nothing special
+  std::size_t offset = 0;          ///< in bytes, from the start of the struct
+  double initial = 0.0;            ///< the value when nobody sets it (index of the choice; absolute length)
+  double least = 0.0, most = 0.0;  ///< inclusive range; of the number before % for a relative length: 0 to 1000
+  std::string_view unit = {};      ///< "px", "deg", "" for a plain number
+  std::vector<std::string_view> choices = {};  ///< for kChoice
+  bool initially_relative = false;             ///< for kLength: `initial` is in percent
+  bool above_zero = false;                     ///< 0 itself is refused, of a share too
+  std::string_view zero_means = {};            ///< what 0 stands for, such as "automatic"; empty: nothing special
 };
+
+/// What a row of numbers takes, ends included, and starts with.
+struct NumberRange {
+  double initial = 0.0, min = 0.0, max = 0.0;
+  std::string_view unit = {}, zero_means = {};
+};
+
+/// What a row of a length takes: absolute from `min` to `max`, or any share. It starts with a share where
+/// `initial_percent` is not 0.
+struct LengthRange {
+  double initial = 0.0, initial_percent = 0.0, min = 0.0, max = 0.0;
+  std::string_view unit = {}, zero_means = {};
+  bool above_zero = false;
+};
+
+/// Where a field lies in its struct, in bytes. Structs of params are plain data.
+template <class Params, class Field>
+std::size_t offset_of(Field Params::*field) {
+  const Params params{};
+  return std::size_t(reinterpret_cast<const char*>(&(params.*field)) - reinterpret_cast<const char*>(&params));
+}
+
+/// A row of kReal or kInt; real_row and int_row below take the type from the field.
+Parameter number_row(ParameterType type, std::string_view name, std::size_t offset, const NumberRange& range,
+                     std::string_view help);
+
+/// One row of a parameter table each: its name as in --set, its field, from which its place follows, what it takes, and
+/// its help. Choices and switches are fields of type int; the initial choice is given by its index.
+template <class Params>
+Parameter real_row(std::string_view name, float Params::*field, const NumberRange& range, std::string_view help) {
+  return number_row(ParameterType::kReal, name, offset_of(field), range, help);
+}
+
+template <class Params>
+Parameter int_row(std::string_view name, int Params::*field, const NumberRange& range, std::string_view help) {
+  return number_row(ParameterType::kInt, name, offset_of(field), range, help);
+}
+
+template <class Params>
+Parameter length_row(std::string_view name, Length Params::*field, const LengthRange& range, std::string_view help) {
+  const bool share = range.initial_percent != 0.0;
+  return {.name = name,
+          .help = help,
+          .type = ParameterType::kLength,
+          .offset = offset_of(field),
+          .initial = share ? range.initial_percent : range.initial,
+          .least = range.min,
+          .most = range.max,
+          .unit = range.unit,
+          .initially_relative = share,
+          .above_zero = range.above_zero,
+          .zero_means = range.zero_means};
+}
+
+template <class Params>
+Parameter choice_row(std::string_view name, int Params::*field, int initial, std::vector<std::string_view> choices,
+                     std::string_view help) {
+  return {.name = name,
+          .help = help,
+          .type = ParameterType::kChoice,
+          .offset = offset_of(field),
+          .initial = double(initial),
+          .choices = std::move(choices)};
+}
+
+template <class Params>
+Parameter bool_row(std::string_view name, int Params::*field, bool initial, std::string_view help) {
+  return {.name = name,
+          .help = help,
+          .type = ParameterType::kBool,
+          .offset = offset_of(field),
+          .initial = initial ? 1.0 : 0.0};
+}
 
 /// The bytes of one params struct.
 using ParameterBytes = std::vector<std::byte>;

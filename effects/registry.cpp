@@ -1,27 +1,25 @@
 #include <vector>
 
+#include "core/registry.h"
 #include "effects/effects.h"
 
 namespace umbrage {
 
 // effects.inc is made by CMake: one line per folder.
-#define UMBRAGE_EFFECT(name) const Effect& effect_##name();
+#define UMBRAGE_EFFECT(name) Effect effect_##name();
 #include "effects.inc"
 #undef UMBRAGE_EFFECT
 
 std::span<const Effect* const> effects() {
-  static const std::vector<const Effect*> all = {
-#define UMBRAGE_EFFECT(name) &effect_##name(),
+  static const Effect list[] = {
+#define UMBRAGE_EFFECT(name) effect_##name(),
 #include "effects.inc"
 #undef UMBRAGE_EFFECT
   };
+  static const std::vector<const Effect*> all = pointers_to(list);
   return all;
 }
 
-const Effect* find_effect(std::string_view name) {
-  for (const Effect* effect : effects())
-    if (effect->name == name) return effect;
-  return nullptr;
-}
+const Effect* find_effect(std::string_view name) { return find_named(effects(), name); }
 
 }  // namespace umbrage

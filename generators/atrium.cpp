@@ -67,52 +67,37 @@ struct Materials {
 Materials add_materials(Scene& scene) {
   using namespace procedural;
   Materials m{};
-  const auto textured = [&](std::string name, Texture texture, float specular = 0.0f, float exponent = 32.0f) {
-    Material material{.name = std::move(name), .albedo = vec3(1.0f), .texture = add_texture(scene, std::move(texture))};
-    material.specular_strength = specular;
-    material.specular_exponent = exponent;
-    return add_material(scene, std::move(material));
-  };
-  const auto cut_out = [&](std::string name, Texture texture) {
-    return add_material(scene, {.name = std::move(name),
-                                .albedo = vec3(1.0f),
-                                .texture = add_texture(scene, std::move(texture)),
-                                .alpha_mask = true});
-  };
-  const auto plain = [&](std::string name, vec3 albedo, float specular = 0.0f, float exponent = 32.0f) {
-    return add_material(
-        scene,
-        {.name = std::move(name), .albedo = albedo, .specular_strength = specular, .specular_exponent = exponent});
-  };
-  m.stone = textured("dressed stone", plaster(512, {0.62f, 0.55f, 0.44f}, 0.16f, 11));
-  m.blocks = textured("stone blocks", stone_blocks(512, 4, 8, {0.60f, 0.52f, 0.40f}, {0.42f, 0.37f, 0.30f}, 0.05f, 12));
-  m.plaster = textured("plaster", plaster(256, {0.66f, 0.52f, 0.36f}, 0.14f, 13));
-  m.vault = textured("vault plaster", plaster(256, {0.68f, 0.63f, 0.54f}, 0.10f, 14));
-  m.court = textured("court floor",
-                     marble_tiles(512, {0.60f, 0.55f, 0.46f}, {0.36f, 0.22f, 0.15f}, {0.12f, 0.17f, 0.19f}, 15), 0.15f,
-                     64.0f);
-  m.tiles = textured("gallery floor",
-                     marble_tiles(512, {0.46f, 0.22f, 0.12f}, {0.40f, 0.18f, 0.10f}, {0.50f, 0.43f, 0.32f}, 16));
-  m.wood = textured("ceiling wood", wood(256, 1, {0.30f, 0.17f, 0.08f}, {0.14f, 0.07f, 0.03f}, 17));
-  m.door = textured("doors", wood(256, 5, {0.24f, 0.13f, 0.06f}, {0.11f, 0.05f, 0.02f}, 18));
-  m.roof = textured("roof tiles", plaster(256, {0.47f, 0.21f, 0.12f}, 0.3f, 19));
-  m.terracotta = textured("terracotta", plaster(256, {0.50f, 0.22f, 0.11f}, 0.2f, 20));
-  m.iron = cut_out("window grilles", lattice(256, 5, 0.07f, {0.05f, 0.045f, 0.04f}));
-  m.leaf = cut_out("leaves", leaf(128, {0.07f, 0.20f, 0.035f}, {0.18f, 0.32f, 0.09f}));
-  m.frond = cut_out("fronds", frond(256, 512, {0.09f, 0.24f, 0.045f}, {0.20f, 0.26f, 0.08f}));
-  m.bark = plain("bark", {0.20f, 0.14f, 0.09f});
-  m.soil = plain("soil", {0.09f, 0.06f, 0.04f});
-  m.water = plain("water", {0.07f, 0.16f, 0.17f}, 0.8f, 200.0f);
-  m.brass = plain("brass", {0.45f, 0.30f, 0.10f}, 0.5f, 60.0f);
-  m.unlit = plain("lamp glass", {0.55f, 0.45f, 0.28f});
+  const MaterialMaker make{scene};
+  m.stone = make.textured("dressed stone", plaster(512, {0.62f, 0.55f, 0.44f}, 0.16f, 11));
+  m.blocks =
+      make.textured("stone blocks", stone_blocks(512, 4, 8, {0.60f, 0.52f, 0.40f}, {0.42f, 0.37f, 0.30f}, 0.05f, 12));
+  m.plaster = make.textured("plaster", plaster(256, {0.66f, 0.52f, 0.36f}, 0.14f, 13));
+  m.vault = make.textured("vault plaster", plaster(256, {0.68f, 0.63f, 0.54f}, 0.10f, 14));
+  m.court = make.textured("court floor",
+                          marble_tiles(512, {0.60f, 0.55f, 0.46f}, {0.36f, 0.22f, 0.15f}, {0.12f, 0.17f, 0.19f}, 15),
+                          0.15f, 64.0f);
+  m.tiles = make.textured("gallery floor",
+                          marble_tiles(512, {0.46f, 0.22f, 0.12f}, {0.40f, 0.18f, 0.10f}, {0.50f, 0.43f, 0.32f}, 16));
+  m.wood = make.textured("ceiling wood", wood(256, 1, {0.30f, 0.17f, 0.08f}, {0.14f, 0.07f, 0.03f}, 17));
+  m.door = make.textured("doors", wood(256, 5, {0.24f, 0.13f, 0.06f}, {0.11f, 0.05f, 0.02f}, 18));
+  m.roof = make.textured("roof tiles", plaster(256, {0.47f, 0.21f, 0.12f}, 0.3f, 19));
+  m.terracotta = make.textured("terracotta", plaster(256, {0.50f, 0.22f, 0.11f}, 0.2f, 20));
+  m.iron = make.cut_out("window grilles", lattice(256, 5, 0.07f, {0.05f, 0.045f, 0.04f}));
+  m.leaf = make.cut_out("leaves", leaf(128, {0.07f, 0.20f, 0.035f}, {0.18f, 0.32f, 0.09f}));
+  m.frond = make.cut_out("fronds", frond(256, 512, {0.09f, 0.24f, 0.045f}, {0.20f, 0.26f, 0.08f}));
+  m.bark = make.plain("bark", {0.20f, 0.14f, 0.09f});
+  m.soil = make.plain("soil", {0.09f, 0.06f, 0.04f});
+  m.water = make.plain("water", {0.07f, 0.16f, 0.17f}, 0.8f, 200.0f);
+  m.brass = make.plain("brass", {0.45f, 0.30f, 0.10f}, 0.5f, 60.0f);
+  m.unlit = make.plain("lamp glass", {0.55f, 0.45f, 0.28f});
   constexpr std::array<const char*, 4> kGlass = {"amber lamp glass", "red lamp glass", "green lamp glass",
                                                  "blue lamp glass"};
   for (std::size_t k = 0; k < kGlass.size(); ++k)
     m.glow[k] = add_material(
         scene, {.name = kGlass[k], .albedo = 0.3f + 0.4f * kGlassColour[k], .emission = kGlassShine * kGlassColour[k]});
-  m.cloth = {textured("red damask", damask(512, {0.46f, 0.025f, 0.02f}, {0.60f, 0.34f, 0.10f})),
-             textured("green damask", damask(512, {0.03f, 0.22f, 0.05f}, {0.45f, 0.42f, 0.14f})),
-             textured("blue damask", damask(512, {0.02f, 0.07f, 0.36f}, {0.38f, 0.42f, 0.50f}))};
+  m.cloth = {make.textured("red damask", damask(512, {0.46f, 0.025f, 0.02f}, {0.60f, 0.34f, 0.10f})),
+             make.textured("green damask", damask(512, {0.03f, 0.22f, 0.05f}, {0.45f, 0.42f, 0.14f})),
+             make.textured("blue damask", damask(512, {0.02f, 0.07f, 0.36f}, {0.38f, 0.42f, 0.50f}))};
   return m;
 }
 
@@ -868,12 +853,7 @@ std::vector<Light> lantern_lights() {
 }  // namespace
 
 Scene make_atrium(int triangles) {
-  Scene palette;
-  const Materials materials = add_materials(palette);
-  Scene scene = build_to_count(triangles, [&](const Detail& d) { return build(materials, d); });
-  scene.name = "atrium";
-  scene.materials = std::move(palette.materials);
-  scene.textures = std::move(palette.textures);
+  Scene scene = build_with_materials("atrium", triangles, add_materials, build);
   // A high sun from behind the camera's right shoulder: it lights the left side, the far end and part of the floor.
   // The last light stands for what lit walls send across, and is as wide as they are.
   scene.lights = {{.direction = glm::normalize(vec3(0.41f, 0.84f, 0.36f)),

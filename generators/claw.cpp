@@ -28,23 +28,20 @@ struct Palette {
 };
 
 Palette add_palette(Scene& scene) {
-  const auto make = [&](const char* name, vec3 albedo, float strength, float exponent) {
-    return shapes::add_material(
-        scene, {.name = name, .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
-  };
+  const shapes::MaterialMaker make{scene};
   Palette p;
-  p.shell = make("shell", {0.10f, 0.30f, 0.33f}, 0.25f, 40.0f);
-  p.claw = make("claw", {0.66f, 0.21f, 0.09f}, 0.25f, 40.0f);
-  p.tip = make("claw tip", {0.16f, 0.075f, 0.06f}, 0.40f, 60.0f);
-  p.flesh = make("flesh", {0.60f, 0.47f, 0.31f}, 0.08f, 16.0f);
-  p.gum = make("gum", {0.38f, 0.055f, 0.07f}, 0.20f, 30.0f);
-  p.tongue = make("tongue", {0.62f, 0.18f, 0.22f}, 0.25f, 30.0f);
-  p.tooth = make("tooth", {0.86f, 0.80f, 0.64f}, 0.30f, 60.0f);
-  p.eye = make("eye", {0.88f, 0.52f, 0.05f}, 0.60f, 90.0f);
-  p.pupil = make("pupil", {0.02f, 0.015f, 0.02f}, 0.60f, 90.0f);
-  p.spine = make("spine", {0.72f, 0.63f, 0.46f}, 0.20f, 40.0f);
-  p.rock = make("rock", {0.37f, 0.35f, 0.34f}, 0.0f, 1.0f);
-  p.moss = make("moss", {0.28f, 0.37f, 0.14f}, 0.0f, 1.0f);
+  p.shell = make.plain("shell", {0.10f, 0.30f, 0.33f}, 0.25f, 40.0f);
+  p.claw = make.plain("claw", {0.66f, 0.21f, 0.09f}, 0.25f, 40.0f);
+  p.tip = make.plain("claw tip", {0.16f, 0.075f, 0.06f}, 0.40f, 60.0f);
+  p.flesh = make.plain("flesh", {0.60f, 0.47f, 0.31f}, 0.08f, 16.0f);
+  p.gum = make.plain("gum", {0.38f, 0.055f, 0.07f}, 0.20f, 30.0f);
+  p.tongue = make.plain("tongue", {0.62f, 0.18f, 0.22f}, 0.25f, 30.0f);
+  p.tooth = make.plain("tooth", {0.86f, 0.80f, 0.64f}, 0.30f, 60.0f);
+  p.eye = make.plain("eye", {0.88f, 0.52f, 0.05f}, 0.60f, 90.0f);
+  p.pupil = make.plain("pupil", {0.02f, 0.015f, 0.02f}, 0.60f, 90.0f);
+  p.spine = make.plain("spine", {0.72f, 0.63f, 0.46f}, 0.20f, 40.0f);
+  p.rock = make.plain("rock", {0.37f, 0.35f, 0.34f}, 0.0f, 1.0f);
+  p.moss = make.plain("moss", {0.28f, 0.37f, 0.14f}, 0.0f, 1.0f);
   return p;
 }
 
@@ -213,6 +210,83 @@ void add_trunk(Maker& m) {
 
 // -------------------------------------------------------------------------------------------------------------- head
 
+/// Horns of the crest, swept back.
+void add_crest(Maker& m, const mat4& head) {
+  struct Crest {
+    float x, length, radius;
+  };
+  for (const Crest& each : {Crest{0.0f, 1.0f, 0.105f}, Crest{0.17f, 0.78f, 0.085f}, Crest{-0.17f, 0.78f, 0.085f},
+                            Crest{0.27f, 0.5f, 0.06f}, Crest{-0.27f, 0.5f, 0.06f}}) {
+    const vec3 root(each.x, 0.17f - 0.9f * each.x * each.x, -0.16f);
+    add_horn(m, "crest horn", m.paint.shell,
+             {root, root + vec3(0.45f * each.x, 0.24f, -0.22f) * each.length,
+              root + vec3(1.5f * each.x, 0.34f, -0.85f) * each.length, each.radius, 0.010f, 1.3f},
+             head, 0.7f);
+  }
+}
+
+/// An eye, a mandible and a feeler.
+void add_side_of_head(Maker& m, const mat4& head, float side) {
+  const vec3 at(side * 0.215f, 0.030f, 0.200f);
+  const int eye = m.add(
+      "eye", m.paint.eye, [=](vec3 p) { return sdf::ball(p, at, 0.064f); }, at - 0.08f, at + 0.08f, head, 0.5f);
+  const vec3 look = glm::normalize(vec3(side * 0.62f, 0.02f, 0.78f)), centre = at + 0.052f * look;
+  const mat4 pupil = head * frame_along(centre, {0, 1, 0}, look);
+  m.add(
+      "pupil", m.paint.pupil,
+      [](vec3 p) {
+        return sdf::ellipsoid(p, vec3(0.0f), {0.014f, 0.044f, 0.018f});
+      },
+      vec3(-0.06f), vec3(0.06f), pupil, 0.2f, eye);
+  add_horn(m, "mandible", m.paint.claw,
+           {{side * 0.24f, -0.14f, 0.02f},
+            {side * 0.48f, -0.30f, 0.26f},
+            {side * 0.21f, -0.36f, 0.60f},
+            0.075f,
+            0.010f,
+            1.2f},
+           head, 0.7f);
+  for (const float u : {0.55f, 0.75f}) {
+    const Horn whole{{side * 0.24f, -0.14f, 0.02f},
+                     {side * 0.48f, -0.30f, 0.26f},
+                     {side * 0.21f, -0.36f, 0.60f},
+                     0.075f,
+                     0.010f,
+                     1.2f};
+    const vec3 on = whole.at(u);
+    add_horn(m, "mandible spur", m.paint.tip,
+             {on, on + vec3(-side * 0.05f, 0.0f, 0.03f), on + vec3(-side * 0.10f, 0.01f, 0.035f), 0.026f, 0.004f}, head,
+             0.4f);
+  }
+  // Feelers from the brow.
+  add_horn(m, "feeler", m.paint.claw,
+           {{side * 0.10f, 0.14f, 0.30f}, {side * 0.32f, 0.72f, 0.62f}, {side * 0.85f, 0.66f, 0.20f}, 0.030f, 0.012f},
+           head, 0.4f);
+}
+
+/// Teeth round both jaws, longest near the front.
+void add_teeth(Maker& m, const mat4& head, const mat4& jaw) {
+  for (const bool upper : {true, false})
+    for (const float side : {-1.0f, 1.0f})
+      for (int i = 0; i < 6; ++i) {
+        const float u = (float(i) + 0.5f) / 6.0f, turn = 0.5f * std::numbers::pi_v<float> * (1.0f - u);
+        const float size = (i == 4 ? 1.5f : 0.8f + 0.4f * u) * (upper ? 1.0f : 0.85f);
+        Horn tooth;
+        if (upper) {
+          const vec3 root(side * 0.158f * std::sin(turn) + side * 0.012f, -0.075f - 0.012f * u,
+                          0.16f + 0.37f * std::cos(turn));
+          tooth = {root + vec3(0, 0.035f, 0), root + vec3(0, -0.05f * size, 0.008f),
+                   root + vec3(-side * 0.010f, -0.105f * size, -0.012f), 0.026f * std::sqrt(size), 0.004f};
+          add_horn(m, "tooth", m.paint.tooth, tooth, head, 0.4f);
+        } else {
+          const vec3 root(side * 0.150f * std::sin(turn) + side * 0.008f, 0.015f, 0.20f + 0.385f * std::cos(turn));
+          tooth = {root + vec3(0, -0.03f, 0), root + vec3(0, 0.05f * size, 0.008f),
+                   root + vec3(-side * 0.008f, 0.105f * size, -0.010f), 0.024f * std::sqrt(size), 0.004f};
+          add_horn(m, "tooth", m.paint.tooth, tooth, jaw, 0.4f);
+        }
+      }
+}
+
 void add_head(Maker& m) {
   const mat4 head = pitched({0.0f, 2.40f, 0.36f}, 6.0f);
   const auto palate = [](vec3 p) { return sdf::ellipsoid(p, {0.0f, -0.17f, 0.26f}, {0.150f, 0.145f, 0.31f}); };
@@ -239,56 +313,8 @@ void add_head(Maker& m) {
       },
       {-0.25f, -0.36f, -0.12f}, {0.25f, 0.08f, 0.62f}, head, 0.4f);
 
-  // Horns of the crest, swept back.
-  struct Crest {
-    float x, length, radius;
-  };
-  for (const Crest& each : {Crest{0.0f, 1.0f, 0.105f}, Crest{0.17f, 0.78f, 0.085f}, Crest{-0.17f, 0.78f, 0.085f},
-                            Crest{0.27f, 0.5f, 0.06f}, Crest{-0.27f, 0.5f, 0.06f}}) {
-    const vec3 root(each.x, 0.17f - 0.9f * each.x * each.x, -0.16f);
-    add_horn(m, "crest horn", m.paint.shell,
-             {root, root + vec3(0.45f * each.x, 0.24f, -0.22f) * each.length,
-              root + vec3(1.5f * each.x, 0.34f, -0.85f) * each.length, each.radius, 0.010f, 1.3f},
-             head, 0.7f);
-  }
-
-  for (const float side : {-1.0f, 1.0f}) {
-    const vec3 at(side * 0.215f, 0.030f, 0.200f);
-    const int eye = m.add(
-        "eye", m.paint.eye, [=](vec3 p) { return sdf::ball(p, at, 0.064f); }, at - 0.08f, at + 0.08f, head, 0.5f);
-    const vec3 look = glm::normalize(vec3(side * 0.62f, 0.02f, 0.78f)), centre = at + 0.052f * look;
-    const mat4 pupil = head * frame_along(centre, {0, 1, 0}, look);
-    m.add(
-        "pupil", m.paint.pupil,
-        [](vec3 p) {
-          return sdf::ellipsoid(p, vec3(0.0f), {0.014f, 0.044f, 0.018f});
-        },
-        vec3(-0.06f), vec3(0.06f), pupil, 0.2f, eye);
-    add_horn(m, "mandible", m.paint.claw,
-             {{side * 0.24f, -0.14f, 0.02f},
-              {side * 0.48f, -0.30f, 0.26f},
-              {side * 0.21f, -0.36f, 0.60f},
-              0.075f,
-              0.010f,
-              1.2f},
-             head, 0.7f);
-    for (const float u : {0.55f, 0.75f}) {
-      const Horn whole{{side * 0.24f, -0.14f, 0.02f},
-                       {side * 0.48f, -0.30f, 0.26f},
-                       {side * 0.21f, -0.36f, 0.60f},
-                       0.075f,
-                       0.010f,
-                       1.2f};
-      const vec3 on = whole.at(u);
-      add_horn(m, "mandible spur", m.paint.tip,
-               {on, on + vec3(-side * 0.05f, 0.0f, 0.03f), on + vec3(-side * 0.10f, 0.01f, 0.035f), 0.026f, 0.004f},
-               head, 0.4f);
-    }
-    // Feelers from the brow.
-    add_horn(m, "feeler", m.paint.claw,
-             {{side * 0.10f, 0.14f, 0.30f}, {side * 0.32f, 0.72f, 0.62f}, {side * 0.85f, 0.66f, 0.20f}, 0.030f, 0.012f},
-             head, 0.4f);
-  }
+  add_crest(m, head);
+  for (const float side : {-1.0f, 1.0f}) add_side_of_head(m, head, side);
 
   // The lower jaw hangs open from its hinge under the cheeks.
   const mat4 jaw = head * pitched({0.0f, -0.15f, -0.06f}, 36.0f);
@@ -319,26 +345,7 @@ void add_head(Maker& m) {
   add_horn(m, "tongue", m.paint.tongue,
            {{0.0f, 0.0f, 0.04f}, {0.0f, 0.06f, 0.34f}, {0.02f, 0.13f, 0.50f}, 0.075f, 0.028f}, jaw, 0.6f);
 
-  // Teeth round both jaws, longest near the front.
-  for (const bool upper : {true, false})
-    for (const float side : {-1.0f, 1.0f})
-      for (int i = 0; i < 6; ++i) {
-        const float u = (float(i) + 0.5f) / 6.0f, turn = 0.5f * std::numbers::pi_v<float> * (1.0f - u);
-        const float size = (i == 4 ? 1.5f : 0.8f + 0.4f * u) * (upper ? 1.0f : 0.85f);
-        Horn tooth;
-        if (upper) {
-          const vec3 root(side * 0.158f * std::sin(turn) + side * 0.012f, -0.075f - 0.012f * u,
-                          0.16f + 0.37f * std::cos(turn));
-          tooth = {root + vec3(0, 0.035f, 0), root + vec3(0, -0.05f * size, 0.008f),
-                   root + vec3(-side * 0.010f, -0.105f * size, -0.012f), 0.026f * std::sqrt(size), 0.004f};
-          add_horn(m, "tooth", m.paint.tooth, tooth, head, 0.4f);
-        } else {
-          const vec3 root(side * 0.150f * std::sin(turn) + side * 0.008f, 0.015f, 0.20f + 0.385f * std::cos(turn));
-          tooth = {root + vec3(0, -0.03f, 0), root + vec3(0, 0.05f * size, 0.008f),
-                   root + vec3(-side * 0.008f, 0.105f * size, -0.010f), 0.024f * std::sqrt(size), 0.004f};
-          add_horn(m, "tooth", m.paint.tooth, tooth, jaw, 0.4f);
-        }
-      }
+  add_teeth(m, head, jaw);
 }
 
 // ------------------------------------------------------------------------------------------------------------- limbs

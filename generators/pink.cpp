@@ -27,36 +27,30 @@ struct Palette {
 };
 
 Palette add_palette(Scene& scene) {
-  const auto matt = [&](const char* name, vec3 albedo) {
-    return shapes::add_material(scene, {.name = name, .albedo = albedo});
-  };
-  const auto glossy = [&](const char* name, vec3 albedo, float strength, float exponent) {
-    return shapes::add_material(
-        scene, {.name = name, .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
-  };
+  const shapes::MaterialMaker make{scene};
   Palette p;
-  p.skin = glossy("skin", {0.90f, 0.36f, 0.47f}, 0.10f, 20.0f);
-  p.belly = matt("belly", {0.95f, 0.64f, 0.56f});
-  p.frill = glossy("frill", {0.76f, 0.11f, 0.20f}, 0.15f, 24.0f);
-  p.foot = glossy("foot", {0.66f, 0.045f, 0.06f}, 0.30f, 40.0f);
-  p.sole = matt("sole", {0.36f, 0.03f, 0.045f});
-  p.eye = glossy("eye", {0.020f, 0.022f, 0.055f}, 0.50f, 90.0f);
-  p.iris = matt("iris", {0.03f, 0.26f, 0.36f});
-  p.shine = matt("shine", {0.95f, 0.96f, 1.0f});
-  p.blush = matt("blush", {0.86f, 0.17f, 0.27f});
-  p.mouth = matt("mouth", {0.23f, 0.016f, 0.03f});
-  p.tongue = matt("tongue", {0.80f, 0.17f, 0.20f});
-  p.leaf = glossy("leaf", {0.20f, 0.52f, 0.09f}, 0.12f, 30.0f);
-  p.stem = matt("stem", {0.16f, 0.36f, 0.08f});
-  p.grass = matt("grass", {0.30f, 0.55f, 0.13f});
-  p.blade = matt("blade", {0.20f, 0.45f, 0.09f});
-  p.earth = matt("earth", {0.33f, 0.19f, 0.10f});
-  p.stone = matt("stone", {0.46f, 0.45f, 0.44f});
-  p.cap = glossy("cap", {0.78f, 0.20f, 0.06f}, 0.25f, 50.0f);
-  p.dot = matt("dot", {0.90f, 0.84f, 0.70f});
-  p.stalk = matt("stalk", {0.82f, 0.73f, 0.57f});
-  p.petal = matt("petal", {0.86f, 0.84f, 0.90f});
-  p.pollen = matt("pollen", {0.90f, 0.58f, 0.06f});
+  p.skin = make.plain("skin", {0.90f, 0.36f, 0.47f}, 0.10f, 20.0f);
+  p.belly = make.plain("belly", {0.95f, 0.64f, 0.56f});
+  p.frill = make.plain("frill", {0.76f, 0.11f, 0.20f}, 0.15f, 24.0f);
+  p.foot = make.plain("foot", {0.66f, 0.045f, 0.06f}, 0.30f, 40.0f);
+  p.sole = make.plain("sole", {0.36f, 0.03f, 0.045f});
+  p.eye = make.plain("eye", {0.020f, 0.022f, 0.055f}, 0.50f, 90.0f);
+  p.iris = make.plain("iris", {0.03f, 0.26f, 0.36f});
+  p.shine = make.plain("shine", {0.95f, 0.96f, 1.0f});
+  p.blush = make.plain("blush", {0.86f, 0.17f, 0.27f});
+  p.mouth = make.plain("mouth", {0.23f, 0.016f, 0.03f});
+  p.tongue = make.plain("tongue", {0.80f, 0.17f, 0.20f});
+  p.leaf = make.plain("leaf", {0.20f, 0.52f, 0.09f}, 0.12f, 30.0f);
+  p.stem = make.plain("stem", {0.16f, 0.36f, 0.08f});
+  p.grass = make.plain("grass", {0.30f, 0.55f, 0.13f});
+  p.blade = make.plain("blade", {0.20f, 0.45f, 0.09f});
+  p.earth = make.plain("earth", {0.33f, 0.19f, 0.10f});
+  p.stone = make.plain("stone", {0.46f, 0.45f, 0.44f});
+  p.cap = make.plain("cap", {0.78f, 0.20f, 0.06f}, 0.25f, 50.0f);
+  p.dot = make.plain("dot", {0.90f, 0.84f, 0.70f});
+  p.stalk = make.plain("stalk", {0.82f, 0.73f, 0.57f});
+  p.petal = make.plain("petal", {0.86f, 0.84f, 0.90f});
+  p.pollen = make.plain("pollen", {0.90f, 0.58f, 0.06f});
   return p;
 }
 
@@ -179,68 +173,53 @@ void add_face(Maker& m, int body) {
       low, high, 0.45f);
 }
 
-void add_figure(Maker& m) {
-  const vec3 lip = on_face(0.0f, kLipHeight);
-  const int body = m.add("body", m.paint.skin,
-                         [=](vec3 p) {
-                           const float d = skin_field(p);
-                           return glm::distance(p, lip) < 0.5f ? sdf::cut(d, mouth_field(p - lip, 0.015f), 0.025f) : d;
-                         },
-                         {-0.70f, 0.17f, -0.70f}, {0.80f, 1.16f, 0.48f});
+void add_foot(Maker& m, float side) {
+  const glm::mat3 axes = turn(side * 24.0f, {0, 1, 0}), inverse = glm::transpose(axes);
+  const vec3 ankle(side * 0.235f, 0.0f, 0.06f);
+  const auto foot = [=](vec3 p) {
+    const vec3 q = inverse * (p - ankle);
+    const float toes = sdf::ellipsoid(q, {0.0f, 0.125f, 0.13f}, {0.175f, 0.145f, 0.19f});
+    const float heel = sdf::ellipsoid(q, {0.0f, 0.13f, -0.06f}, {0.135f, 0.15f, 0.15f});
+    return sdf::overlap(sdf::join(toes, heel, 0.10f), 0.02f - q.y, 0.05f);
+  };
+  const vec3 low = ankle + vec3(-0.3f, -0.02f, -0.3f), high = ankle + vec3(0.3f, 0.32f, 0.4f);
+  const int object = m.add(side < 0 ? "right foot" : "left foot", m.paint.foot, foot, low, high, 0.9f);
   m.add(
-      "belly", m.paint.belly,
-      [](vec3 p) {
-        const float patch = sdf::ellipsoid(p, {0.0f, 0.39f, 0.36f}, {0.25f, 0.145f, 0.30f});
-        return sdf::overlap(skin_field(p) - 0.006f, patch, 0.012f);
-      },
-      {-0.30f, 0.18f, 0.02f}, {0.30f, 0.62f, 0.5f}, 0.4f, body);
-  add_face(m, body);
+      "sole", m.paint.sole,
+      [=](vec3 p) { return sdf::overlap(foot(p) - 0.012f, std::abs(p.y - 0.022f) - 0.034f, 0.03f); }, low, high, 0.7f,
+      object);
+}
 
-  for (const float side : {-1.0f, 1.0f}) {
-    const glm::mat3 axes = turn(side * 24.0f, {0, 1, 0}), inverse = glm::transpose(axes);
-    const vec3 ankle(side * 0.235f, 0.0f, 0.06f);
-    const auto foot = [=](vec3 p) {
-      const vec3 q = inverse * (p - ankle);
-      const float toes = sdf::ellipsoid(q, {0.0f, 0.125f, 0.13f}, {0.175f, 0.145f, 0.19f});
-      const float heel = sdf::ellipsoid(q, {0.0f, 0.13f, -0.06f}, {0.135f, 0.15f, 0.15f});
-      return sdf::overlap(sdf::join(toes, heel, 0.10f), 0.02f - q.y, 0.05f);
-    };
-    const vec3 low = ankle + vec3(-0.3f, -0.02f, -0.3f), high = ankle + vec3(0.3f, 0.32f, 0.4f);
-    const int object = m.add(side < 0 ? "right foot" : "left foot", m.paint.foot, foot, low, high, 0.9f);
+/// Three frills a side, like those of an axolotl, the middle one the longest.
+void add_frills(Maker& m, float side) {
+  const std::array<vec3, 3> roots = {vec3(0.34f, 0.95f, -0.08f), vec3(0.39f, 0.82f, -0.12f),
+                                     vec3(0.40f, 0.69f, -0.17f)};
+  const std::array<vec3, 3> tips = {vec3(0.56f, 1.22f, -0.16f), vec3(0.72f, 0.98f, -0.24f), vec3(0.70f, 0.70f, -0.34f)};
+  const vec3 mirror(side, 1.0f, 1.0f);
+  for (std::size_t i = 0; i < roots.size(); ++i) {
+    const vec3 root = roots[i] * mirror, tip = tips[i] * mirror, middle = 0.5f * (root + tip) + vec3(0, 0.03f, 0);
+    const vec3 across = glm::normalize(glm::cross(tip - root, vec3(0, 0, 1)));
     m.add(
-        "sole", m.paint.sole,
-        [=](vec3 p) { return sdf::overlap(foot(p) - 0.012f, std::abs(p.y - 0.022f) - 0.034f, 0.03f); }, low, high, 0.7f,
-        object);
-
-    // Three frills a side, like those of an axolotl, the middle one the longest.
-    const std::array<vec3, 3> roots = {vec3(0.34f, 0.95f, -0.08f), vec3(0.39f, 0.82f, -0.12f),
-                                       vec3(0.40f, 0.69f, -0.17f)};
-    const std::array<vec3, 3> tips = {vec3(0.56f, 1.22f, -0.16f), vec3(0.72f, 0.98f, -0.24f),
-                                      vec3(0.70f, 0.70f, -0.34f)};
-    const vec3 mirror(side, 1.0f, 1.0f);
-    for (std::size_t i = 0; i < roots.size(); ++i) {
-      const vec3 root = roots[i] * mirror, tip = tips[i] * mirror, middle = 0.5f * (root + tip) + vec3(0, 0.03f, 0);
-      const vec3 across = glm::normalize(glm::cross(tip - root, vec3(0, 0, 1)));
-      m.add(
-          "frill", m.paint.frill,
-          [=](vec3 p) {
-            float d =
-                sdf::join(sdf::bar(p, root, middle, 0.056f, 0.048f), sdf::bar(p, middle, tip, 0.048f, 0.030f), 0.03f);
-            // Fringes along both edges.
-            for (int k = 0; k < 4; ++k)
-              for (const float s : {-1.0f, 1.0f}) {
-                const float t = 0.38f + 0.20f * float(k);
-                const vec3 on = glm::mix(root, tip, t) + vec3(0, 0.12f * t * (1 - t), 0);
-                const vec3 end = on + s * (0.088f - 0.010f * float(k)) * across + 0.045f * glm::normalize(tip - root);
-                d = sdf::join(d, sdf::bar(p, on, end, 0.024f, 0.018f), 0.02f);
-              }
-            return d;
-          },
-          glm::min(root, tip) - 0.12f, glm::max(root, tip) + 0.12f, 0.6f);
-    }
+        "frill", m.paint.frill,
+        [=](vec3 p) {
+          float d =
+              sdf::join(sdf::bar(p, root, middle, 0.056f, 0.048f), sdf::bar(p, middle, tip, 0.048f, 0.030f), 0.03f);
+          // Fringes along both edges.
+          for (int k = 0; k < 4; ++k)
+            for (const float s : {-1.0f, 1.0f}) {
+              const float t = 0.38f + 0.20f * float(k);
+              const vec3 on = glm::mix(root, tip, t) + vec3(0, 0.12f * t * (1 - t), 0);
+              const vec3 end = on + s * (0.088f - 0.010f * float(k)) * across + 0.045f * glm::normalize(tip - root);
+              d = sdf::join(d, sdf::bar(p, on, end, 0.024f, 0.018f), 0.02f);
+            }
+          return d;
+        },
+        glm::min(root, tip) - 0.12f, glm::max(root, tip) + 0.12f, 0.6f);
   }
+}
 
-  // A sprout on the head: a bent stem and two leaves, each a curved lens with a rib.
+/// A sprout on the head: a bent stem and two leaves, each a curved lens with a rib.
+void add_sprout(Maker& m) {
   const vec3 root(0.0f, 1.12f, 0.0f), fork(0.03f, 1.30f, 0.0f);
   m.add(
       "stem", m.paint.stem,
@@ -273,6 +252,30 @@ void add_figure(Maker& m) {
   }
 }
 
+void add_figure(Maker& m) {
+  const vec3 lip = on_face(0.0f, kLipHeight);
+  const int body = m.add("body", m.paint.skin,
+                         [=](vec3 p) {
+                           const float d = skin_field(p);
+                           return glm::distance(p, lip) < 0.5f ? sdf::cut(d, mouth_field(p - lip, 0.015f), 0.025f) : d;
+                         },
+                         {-0.70f, 0.17f, -0.70f}, {0.80f, 1.16f, 0.48f});
+  m.add(
+      "belly", m.paint.belly,
+      [](vec3 p) {
+        const float patch = sdf::ellipsoid(p, {0.0f, 0.39f, 0.36f}, {0.25f, 0.145f, 0.30f});
+        return sdf::overlap(skin_field(p) - 0.006f, patch, 0.012f);
+      },
+      {-0.30f, 0.18f, 0.02f}, {0.30f, 0.62f, 0.5f}, 0.4f, body);
+  add_face(m, body);
+
+  for (const float side : {-1.0f, 1.0f}) {
+    add_foot(m, side);
+    add_frills(m, side);
+  }
+  add_sprout(m);
+}
+
 /// Angle and radius of a thing on the meadow.
 vec3 on_meadow(float angle_deg, float radius, float y = 0.0f) {
   const float a = glm::radians(angle_deg);
@@ -282,40 +285,8 @@ vec3 on_meadow(float angle_deg, float radius, float y = 0.0f) {
 /// Radius of the disc.
 constexpr float kMeadow = 1.12f;
 
-void add_meadow(Maker& m) {
-  m.add(
-      "grass", m.paint.grass,
-      [](vec3 p) {
-        const float r = std::hypot(p.x, p.z), angle = std::atan2(p.x, p.z);
-        // The turf hangs over the earth in uneven tongues.
-        const float hang = 0.06f + 0.035f * std::sin(11.0f * angle) + 0.020f * std::sin(17.0f * angle + 1.0f);
-        const float rim = kMeadow + 0.012f * std::sin(11.0f * angle + 0.4f);
-        const float bumps = 0.010f * std::sin(5.0f * p.x + 1.0f) * std::sin(6.0f * p.z);
-        const float round = 0.05f;
-        const float deep = 0.10f + hang * std::clamp((r - 0.6f) / 0.5f, 0.0f, 1.0f);
-        // The side bulges: bands of light on an upright one have upright edges with square corners.
-        const float off_middle = std::clamp(p.y + 0.5f * deep, -0.15f, 0.15f);
-        const float out = r - rim + 2.0f * off_middle * off_middle + round;
-        const float over = p.y - bumps + round, under = -p.y - deep + round;
-        const float side = std::max(over, under);
-        return 0.8f *
-               (std::hypot(std::max(out, 0.0f), std::max(side, 0.0f)) + std::min(std::max(out, side), 0.0f) - round);
-      },
-      {-1.2f, -0.3f, -1.2f}, {1.2f, 0.05f, 1.2f}, 1.5f);
-  m.add(
-      "earth", m.paint.earth,
-      [](vec3 p) {
-        const float r = std::hypot(p.x, p.z), angle = std::atan2(p.x, p.z);
-        const float lumps =
-            0.020f * std::sin(7.0f * angle + 6.0f * p.y) + 0.012f * std::sin(19.0f * angle - 9.0f * p.y);
-        const float rim = kMeadow - 0.08f + 0.30f * (p.y + 0.1f) + lumps, round = 0.05f;
-        const float out = r - rim + round, side = std::abs(p.y + 0.23f) - 0.18f + round;
-        return 0.8f *
-               (std::hypot(std::max(out, 0.0f), std::max(side, 0.0f)) + std::min(std::max(out, side), 0.0f) - round);
-      },
-      {-1.2f, -0.45f, -1.2f}, {1.2f, 0.0f, 1.2f}, 1.7f);
-
-  // Stones: some in the earth's side, some on the meadow.
+/// Stones: some in the earth's side, some on the meadow.
+void add_stones(Maker& m) {
   struct Stone {
     float angle_deg, radius, y, size;
   };
@@ -338,7 +309,9 @@ void add_meadow(Maker& m) {
         },
         centre - 1.05f * s, centre + 1.05f * s, 0.9f);
   }
+}
 
+void add_mushrooms(Maker& m) {
   struct Mushroom {
     float angle_deg, radius, height, cap;
   };
@@ -372,8 +345,10 @@ void add_meadow(Maker& m) {
           at - 1.3f * radius, at + 1.3f * radius, 0.3f, object);
     }
   }
+}
 
-  // Tufts of grass: bent blades in a ring.
+/// Tufts of grass: bent blades in a ring.
+void add_blades(Maker& m) {
   Mesh blades;
   const int sides = m.detail(5.0f, 3), steps = m.detail(6.0f, 2);
   for (int t = 0; t < 15; ++t) {
@@ -393,8 +368,10 @@ void add_meadow(Maker& m) {
     }
   }
   shapes::add_mesh(m.scene, "blades", std::move(blades), m.paint.blade);
+}
 
-  // Flowers: five petals round a button.
+/// Flowers: five petals round a button.
+void add_flowers(Maker& m) {
   for (const vec3& place : {vec3(-26, 0.88f, 1.0f), vec3(-104, 0.86f, 1.1f), vec3(100, 0.95f, 0.9f),
                             vec3(18, 0.84f, 0.8f), vec3(160, 0.90f, 1.2f)}) {
     const float size = 0.055f * place.z;
@@ -427,6 +404,44 @@ void add_meadow(Maker& m) {
         },
         head - 0.7f * size, head + 0.7f * size, 0.4f, object);
   }
+}
+
+void add_meadow(Maker& m) {
+  m.add(
+      "grass", m.paint.grass,
+      [](vec3 p) {
+        const float r = std::hypot(p.x, p.z), angle = std::atan2(p.x, p.z);
+        // The turf hangs over the earth in uneven tongues.
+        const float hang = 0.06f + 0.035f * std::sin(11.0f * angle) + 0.020f * std::sin(17.0f * angle + 1.0f);
+        const float rim = kMeadow + 0.012f * std::sin(11.0f * angle + 0.4f);
+        const float bumps = 0.010f * std::sin(5.0f * p.x + 1.0f) * std::sin(6.0f * p.z);
+        const float round = 0.05f;
+        const float deep = 0.10f + hang * std::clamp((r - 0.6f) / 0.5f, 0.0f, 1.0f);
+        // The side bulges: bands of light on an upright one have upright edges with square corners.
+        const float off_middle = std::clamp(p.y + 0.5f * deep, -0.15f, 0.15f);
+        const float out = r - rim + 2.0f * off_middle * off_middle + round;
+        const float over = p.y - bumps + round, under = -p.y - deep + round;
+        const float side = std::max(over, under);
+        return 0.8f *
+               (std::hypot(std::max(out, 0.0f), std::max(side, 0.0f)) + std::min(std::max(out, side), 0.0f) - round);
+      },
+      {-1.2f, -0.3f, -1.2f}, {1.2f, 0.05f, 1.2f}, 1.5f);
+  m.add(
+      "earth", m.paint.earth,
+      [](vec3 p) {
+        const float r = std::hypot(p.x, p.z), angle = std::atan2(p.x, p.z);
+        const float lumps =
+            0.020f * std::sin(7.0f * angle + 6.0f * p.y) + 0.012f * std::sin(19.0f * angle - 9.0f * p.y);
+        const float rim = kMeadow - 0.08f + 0.30f * (p.y + 0.1f) + lumps, round = 0.05f;
+        const float out = r - rim + round, side = std::abs(p.y + 0.23f) - 0.18f + round;
+        return 0.8f *
+               (std::hypot(std::max(out, 0.0f), std::max(side, 0.0f)) + std::min(std::max(out, side), 0.0f) - round);
+      },
+      {-1.2f, -0.45f, -1.2f}, {1.2f, 0.0f, 1.2f}, 1.7f);
+  add_stones(m);
+  add_mushrooms(m);
+  add_blades(m);
+  add_flowers(m);
 }
 
 Scene build(const Detail& detail) {

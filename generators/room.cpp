@@ -37,53 +37,40 @@ struct Materials {
 Materials add_materials(Scene& scene) {
   using namespace procedural;
   Materials m{};
-  const auto textured = [&](std::string name, Texture texture, float specular = 0.0f, float exponent = 32.0f) {
-    return add_material(scene, {.name = std::move(name),
-                                .albedo = vec3(1.0f),
-                                .texture = add_texture(scene, std::move(texture)),
-                                .specular_strength = specular,
-                                .specular_exponent = exponent});
-  };
-  const auto plain = [&](std::string name, vec3 albedo, float specular = 0.0f, float exponent = 32.0f) {
-    return add_material(
-        scene,
-        {.name = std::move(name), .albedo = albedo, .specular_strength = specular, .specular_exponent = exponent});
-  };
-  m.wall = textured("cream wall", plaster(256, {0.74f, 0.69f, 0.59f}, 0.035f, 1));
-  m.accent = textured("teal wall", plaster(256, {0.13f, 0.30f, 0.31f}, 0.06f, 2));
-  m.ceiling = plain("ceiling", {0.80f, 0.79f, 0.76f});
-  m.floor = textured("oak floor", wood(1024, 14, {0.50f, 0.31f, 0.16f}, {0.27f, 0.14f, 0.06f}, 3), 0.12f, 40.0f);
-  m.paint = plain("white paint", {0.78f, 0.77f, 0.73f}, 0.1f, 40.0f);
-  m.oak = textured("oak", wood(512, 1, {0.52f, 0.34f, 0.18f}, {0.36f, 0.20f, 0.09f}, 4), 0.1f, 40.0f);
-  m.walnut = textured("walnut", wood(512, 1, {0.24f, 0.13f, 0.07f}, {0.12f, 0.06f, 0.03f}, 5), 0.15f, 50.0f);
-  m.sofa = textured("sofa cloth", weave(256, 64, {0.52f, 0.15f, 0.06f}, 0.18f, 6));
-  m.armchair = textured("armchair cloth", weave(256, 64, {0.50f, 0.42f, 0.30f}, 0.22f, 7));
-  m.seat = textured("seat pads", weave(128, 32, {0.20f, 0.27f, 0.14f}, 0.2f, 8));
-  m.pillow_a = textured("mustard damask", damask(512, {0.55f, 0.33f, 0.05f}, {0.70f, 0.58f, 0.34f}));
+  const MaterialMaker make{scene};
+  m.wall = make.textured("cream wall", plaster(256, {0.74f, 0.69f, 0.59f}, 0.035f, 1));
+  m.accent = make.textured("teal wall", plaster(256, {0.13f, 0.30f, 0.31f}, 0.06f, 2));
+  m.ceiling = make.plain("ceiling", {0.80f, 0.79f, 0.76f});
+  m.floor = make.textured("oak floor", wood(1024, 14, {0.50f, 0.31f, 0.16f}, {0.27f, 0.14f, 0.06f}, 3), 0.12f, 40.0f);
+  m.paint = make.plain("white paint", {0.78f, 0.77f, 0.73f}, 0.1f, 40.0f);
+  m.oak = make.textured("oak", wood(512, 1, {0.52f, 0.34f, 0.18f}, {0.36f, 0.20f, 0.09f}, 4), 0.1f, 40.0f);
+  m.walnut = make.textured("walnut", wood(512, 1, {0.24f, 0.13f, 0.07f}, {0.12f, 0.06f, 0.03f}, 5), 0.15f, 50.0f);
+  m.sofa = make.textured("sofa cloth", weave(256, 64, {0.52f, 0.15f, 0.06f}, 0.18f, 6));
+  m.armchair = make.textured("armchair cloth", weave(256, 64, {0.50f, 0.42f, 0.30f}, 0.22f, 7));
+  m.seat = make.textured("seat pads", weave(128, 32, {0.20f, 0.27f, 0.14f}, 0.2f, 8));
+  m.pillow_a = make.textured("mustard damask", damask(512, {0.55f, 0.33f, 0.05f}, {0.70f, 0.58f, 0.34f}));
   const vec3 bands[] = {{0.70f, 0.66f, 0.57f}, {0.07f, 0.16f, 0.25f}, {0.70f, 0.66f, 0.57f}, {0.12f, 0.28f, 0.30f}};
-  m.pillow_b = textured("striped cloth", stripes(512, bands, 9));
-  m.curtain = textured("curtain cloth", weave(256, 96, {0.66f, 0.60f, 0.48f}, 0.12f, 10));
-  m.rug = textured("rug", carpet(1024, 700, {0.40f, 0.06f, 0.05f}, {0.04f, 0.07f, 0.15f}, {0.62f, 0.50f, 0.30f}, 11));
-  m.canvas = textured("painting", landscape_painting(512, 340, 12));
-  m.print = textured("small painting", landscape_painting(256, 320, 77));
-  m.gilt = plain("gilt frame", {0.50f, 0.34f, 0.11f}, 0.35f, 40.0f);
-  m.black = plain("black iron", {0.035f, 0.035f, 0.04f}, 0.25f, 40.0f);
-  m.brass = plain("brass", {0.52f, 0.36f, 0.13f}, 0.5f, 80.0f);
+  m.pillow_b = make.textured("striped cloth", stripes(512, bands, 9));
+  m.curtain = make.textured("curtain cloth", weave(256, 96, {0.66f, 0.60f, 0.48f}, 0.12f, 10));
+  m.rug =
+      make.textured("rug", carpet(1024, 700, {0.40f, 0.06f, 0.05f}, {0.04f, 0.07f, 0.15f}, {0.62f, 0.50f, 0.30f}, 11));
+  m.canvas = make.textured("painting", landscape_painting(512, 340, 12));
+  m.print = make.textured("small painting", landscape_painting(256, 320, 77));
+  m.gilt = make.plain("gilt frame", {0.50f, 0.34f, 0.11f}, 0.35f, 40.0f);
+  m.black = make.plain("black iron", {0.035f, 0.035f, 0.04f}, 0.25f, 40.0f);
+  m.brass = make.plain("brass", {0.52f, 0.36f, 0.13f}, 0.5f, 80.0f);
   m.shade =
       add_material(scene, {.name = "lamp shade", .albedo = {0.80f, 0.70f, 0.52f}, .emission = {0.26f, 0.19f, 0.10f}});
-  m.ceramic = plain("blue glaze", {0.05f, 0.15f, 0.36f}, 0.7f, 120.0f);
-  m.porcelain = plain("white glaze", {0.78f, 0.77f, 0.74f}, 0.6f, 120.0f);
-  m.books = textured("books", book_spines(1024, 256, kBooks, 13));
-  m.leaf = add_material(scene, {.name = "leaves",
-                                .albedo = vec3(1.0f),
-                                .texture = add_texture(scene, leaf(256, {0.05f, 0.17f, 0.035f}, {0.14f, 0.28f, 0.08f})),
-                                .alpha_mask = true});
-  m.stem = plain("stems", {0.10f, 0.22f, 0.05f});
-  m.petal_a = plain("yellow tulips", {0.80f, 0.48f, 0.04f});
-  m.petal_b = plain("red tulips", {0.65f, 0.06f, 0.05f});
-  m.terracotta = plain("terracotta", {0.46f, 0.21f, 0.11f});
-  m.soil = plain("soil", {0.08f, 0.055f, 0.035f});
-  m.fruit = plain("oranges", {0.78f, 0.30f, 0.03f}, 0.3f, 50.0f);
+  m.ceramic = make.plain("blue glaze", {0.05f, 0.15f, 0.36f}, 0.7f, 120.0f);
+  m.porcelain = make.plain("white glaze", {0.78f, 0.77f, 0.74f}, 0.6f, 120.0f);
+  m.books = make.textured("books", book_spines(1024, 256, kBooks, 13));
+  m.leaf = make.cut_out("leaves", leaf(256, {0.05f, 0.17f, 0.035f}, {0.14f, 0.28f, 0.08f}));
+  m.stem = make.plain("stems", {0.10f, 0.22f, 0.05f});
+  m.petal_a = make.plain("yellow tulips", {0.80f, 0.48f, 0.04f});
+  m.petal_b = make.plain("red tulips", {0.65f, 0.06f, 0.05f});
+  m.terracotta = make.plain("terracotta", {0.46f, 0.21f, 0.11f});
+  m.soil = make.plain("soil", {0.08f, 0.055f, 0.035f});
+  m.fruit = make.plain("oranges", {0.78f, 0.30f, 0.03f}, 0.3f, 50.0f);
   return m;
 }
 
@@ -626,12 +613,7 @@ Scene build(const Materials& m, const Detail& d) {
 }  // namespace
 
 Scene make_room(int triangles) {
-  Scene palette;
-  const Materials materials = add_materials(palette);
-  Scene scene = build_to_count(triangles, [&](const Detail& d) { return build(materials, d); });
-  scene.name = "room";
-  scene.materials = std::move(palette.materials);
-  scene.textures = std::move(palette.textures);
+  Scene scene = build_with_materials("room", triangles, add_materials, build);
   // The sun through the window; then light that the window and the lamp send round corners, without shadows.
   constexpr float kGlow = 0.18f;  // metres: the lamp's shade glows as a whole, and is about as wide
   scene.lights = {{.direction = glm::normalize(vec3(-0.80f, 0.47f, 0.07f)),

@@ -760,6 +760,26 @@ int add_material(Scene& scene, Material material) {
   return int(scene.materials.size()) - 1;
 }
 
+int MaterialMaker::plain(std::string name, glm::vec3 albedo, float strength, float exponent) const {
+  return add_material(
+      scene, {.name = std::move(name), .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
+}
+
+int MaterialMaker::textured(std::string name, Texture texture, float strength, float exponent) const {
+  return add_material(scene, {.name = std::move(name),
+                              .albedo = glm::vec3(1.0f),
+                              .texture = add_texture(scene, std::move(texture)),
+                              .specular_strength = strength,
+                              .specular_exponent = exponent});
+}
+
+int MaterialMaker::cut_out(std::string name, Texture texture) const {
+  return add_material(scene, {.name = std::move(name),
+                              .albedo = glm::vec3(1.0f),
+                              .texture = add_texture(scene, std::move(texture)),
+                              .alpha_mask = true});
+}
+
 int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_of) {
   mesh.name = std::move(name);
   mesh.material = material;

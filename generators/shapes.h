@@ -167,6 +167,15 @@ void box_uvs(Mesh& mesh);
 int add_texture(Scene& scene, Texture texture);
 int add_material(Scene& scene, Material material);
 
+/// Adds materials to a scene and returns their indices. Highlights: strength from 0 to 1, and Blinn-Phong exponent.
+struct MaterialMaker {
+  Scene& scene;
+  int plain(std::string name, glm::vec3 albedo, float strength = 0.0f, float exponent = 32.0f) const;
+  int textured(std::string name, Texture texture, float strength = 0.0f, float exponent = 32.0f) const;
+  /// Its texture's alpha says where it is.
+  int cut_out(std::string name, Texture texture) const;
+};
+
 /// Adds a mesh under a name; its object id is its index, or that of an earlier mesh whose part it is. Empty meshes are
 /// left out. Returns the object id.
 int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_of = -1);
@@ -181,5 +190,18 @@ struct Detail {
 /// Builds a scene with about the wanted number of triangles: makes it at scale 1, sees how many that gives, and mends
 /// the scale until the count is within a fifth or does not follow any more (the scene's least).
 Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& build);
+
+/// The same with materials and textures that are made once: every try gets their indices alone.
+template <class Materials>
+Scene build_with_materials(std::string name, int triangles, Materials (*add_materials)(Scene&),
+                           Scene (*build)(const Materials&, const Detail&)) {
+  Scene palette;
+  const Materials materials = add_materials(palette);
+  Scene scene = build_to_count(triangles, [&](const Detail& detail) { return build(materials, detail); });
+  scene.name = std::move(name);
+  scene.materials = std::move(palette.materials);
+  scene.textures = std::move(palette.textures);
+  return scene;
+}
 
 }  // namespace umbrage::shapes

@@ -26,25 +26,19 @@ struct Palette {
 };
 
 Palette add_palette(Scene& scene) {
-  const auto matt = [&](const char* name, vec3 albedo) {
-    return shapes::add_material(scene, {.name = name, .albedo = albedo});
-  };
-  const auto glossy = [&](const char* name, vec3 albedo, float strength, float exponent) {
-    return shapes::add_material(
-        scene, {.name = name, .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
-  };
+  const shapes::MaterialMaker make{scene};
   Palette p;
-  p.table = matt("table", {0.70f, 0.66f, 0.61f});
-  p.cream = matt("cream", {0.84f, 0.77f, 0.64f});
-  p.coral = matt("coral", {0.80f, 0.31f, 0.22f});
-  p.mustard = matt("mustard", {0.84f, 0.58f, 0.19f});
-  p.teal = glossy("teal", {0.11f, 0.40f, 0.41f}, 0.45f, 60.0f);
-  p.blue = matt("blue", {0.32f, 0.47f, 0.66f});
-  p.lilac = glossy("lilac", {0.50f, 0.36f, 0.64f}, 0.40f, 48.0f);
-  p.sage = matt("sage", {0.47f, 0.59f, 0.39f});
-  p.rose = glossy("rose", {0.80f, 0.45f, 0.47f}, 0.25f, 32.0f);
-  p.brass = glossy("brass", {0.66f, 0.45f, 0.17f}, 0.60f, 70.0f);
-  p.white = glossy("white", {0.86f, 0.85f, 0.82f}, 0.30f, 50.0f);
+  p.table = make.plain("table", {0.70f, 0.66f, 0.61f});
+  p.cream = make.plain("cream", {0.84f, 0.77f, 0.64f});
+  p.coral = make.plain("coral", {0.80f, 0.31f, 0.22f});
+  p.mustard = make.plain("mustard", {0.84f, 0.58f, 0.19f});
+  p.teal = make.plain("teal", {0.11f, 0.40f, 0.41f}, 0.45f, 60.0f);
+  p.blue = make.plain("blue", {0.32f, 0.47f, 0.66f});
+  p.lilac = make.plain("lilac", {0.50f, 0.36f, 0.64f}, 0.40f, 48.0f);
+  p.sage = make.plain("sage", {0.47f, 0.59f, 0.39f});
+  p.rose = make.plain("rose", {0.80f, 0.45f, 0.47f}, 0.25f, 32.0f);
+  p.brass = make.plain("brass", {0.66f, 0.45f, 0.17f}, 0.60f, 70.0f);
+  p.white = make.plain("white", {0.86f, 0.85f, 0.82f}, 0.30f, 50.0f);
   return p;
 }
 

@@ -116,24 +116,21 @@ struct Workshop {
 };
 
 Paint add_paint(Scene& scene) {
-  const auto make = [&](const char* name, vec3 albedo, float strength, float exponent) {
-    return shapes::add_material(
-        scene, {.name = name, .albedo = albedo, .specular_strength = strength, .specular_exponent = exponent});
-  };
+  const shapes::MaterialMaker make{scene};
   Paint p;
-  p.armour = make("armour", {0.37f, 0.36f, 0.25f}, 0.06f, 18.0f);
-  p.plate = make("plate", {0.225f, 0.24f, 0.165f}, 0.06f, 18.0f);
-  p.steel = make("steel", {0.34f, 0.34f, 0.35f}, 0.30f, 50.0f);
-  p.track = make("track", {0.19f, 0.18f, 0.17f}, 0.14f, 24.0f);
-  p.rubber = make("rubber", {0.075f, 0.075f, 0.08f}, 0.05f, 10.0f);
-  p.dark = make("dark steel", {0.12f, 0.12f, 0.13f}, 0.14f, 30.0f);
-  p.canvas = make("canvas", {0.46f, 0.38f, 0.24f}, 0.0f, 1.0f);
-  p.red = make("lamp red", {0.60f, 0.04f, 0.03f}, 0.40f, 60.0f);
-  p.glass = make("glass", {0.10f, 0.20f, 0.24f}, 0.60f, 90.0f);
-  p.brass = make("cable", {0.30f, 0.25f, 0.18f}, 0.15f, 30.0f);
-  p.wood = make("wood", {0.40f, 0.24f, 0.11f}, 0.05f, 16.0f);
-  p.pad = make("concrete", {0.50f, 0.49f, 0.47f}, 0.0f, 1.0f);
-  p.line = make("marking", {0.66f, 0.47f, 0.13f}, 0.0f, 1.0f);
+  p.armour = make.plain("armour", {0.37f, 0.36f, 0.25f}, 0.06f, 18.0f);
+  p.plate = make.plain("plate", {0.225f, 0.24f, 0.165f}, 0.06f, 18.0f);
+  p.steel = make.plain("steel", {0.34f, 0.34f, 0.35f}, 0.30f, 50.0f);
+  p.track = make.plain("track", {0.19f, 0.18f, 0.17f}, 0.14f, 24.0f);
+  p.rubber = make.plain("rubber", {0.075f, 0.075f, 0.08f}, 0.05f, 10.0f);
+  p.dark = make.plain("dark steel", {0.12f, 0.12f, 0.13f}, 0.14f, 30.0f);
+  p.canvas = make.plain("canvas", {0.46f, 0.38f, 0.24f}, 0.0f, 1.0f);
+  p.red = make.plain("lamp red", {0.60f, 0.04f, 0.03f}, 0.40f, 60.0f);
+  p.glass = make.plain("glass", {0.10f, 0.20f, 0.24f}, 0.60f, 90.0f);
+  p.brass = make.plain("cable", {0.30f, 0.25f, 0.18f}, 0.15f, 30.0f);
+  p.wood = make.plain("wood", {0.40f, 0.24f, 0.11f}, 0.05f, 16.0f);
+  p.pad = make.plain("concrete", {0.50f, 0.49f, 0.47f}, 0.0f, 1.0f);
+  p.line = make.plain("marking", {0.66f, 0.47f, 0.13f}, 0.0f, 1.0f);
   return p;
 }
 
@@ -352,31 +349,9 @@ void add_running_gear(Workshop& w) {
 
 // -------------------------------------------------------------------------------------------------------------- hull
 
-void add_hull(Workshop& w) {
+/// Fenders with bent ends; the rear flaps leave the tracks open to the view from behind.
+void add_fenders(Workshop& w) {
   const float t = kTubHalfWidth;
-  w.add("tub",
-        w.even_hull({{t, 0.44f, -2.45f},
-                     {t, 0.66f, kRear},
-                     {t, 1.27f, kRear - 0.02f},
-                     {t, 0.44f, 2.15f},
-                     {t, 0.98f, 3.00f},
-                     {t, 1.27f, 2.70f}},
-                    0.03f),
-        w.paint.plate);
-  const int deck = w.add("hull",
-                         w.even_hull({{1.78f, kFender + 0.02f, -2.92f},
-                                      {1.78f, 1.40f, -2.92f},
-                                      {1.42f, kDeck, -2.78f},
-                                      {1.78f, kFender + 0.02f, 2.05f},
-                                      {1.78f, 1.36f, 1.95f},
-                                      {1.42f, kDeck, 1.25f},
-                                      {1.02f, kFender + 0.02f, 2.74f},
-                                      {1.02f, 1.02f, 3.02f},
-                                      {0.95f, kDeck, 1.30f}},
-                                     0.03f),
-                         w.paint.armour);
-
-  // Fenders with bent ends; the rear flaps leave the tracks open to the view from behind.
   Mesh fender = w.hull({{t, kFender - 0.02f, -2.75f},
                         {1.80f, kFender - 0.02f, -2.75f},
                         {t, kFender + 0.03f, -2.75f},
@@ -409,8 +384,10 @@ void add_hull(Workshop& w) {
                                   0.010f));
   }
   w.add_pair("fender", fender, w.paint.plate);
+}
 
-  // Side armour in plates, hung from brackets.
+/// Side armour in plates, hung from brackets.
+void add_side_armour(Workshop& w) {
   for (int i = 0; i < 5; ++i) {
     const float z = -2.10f + 0.86f * float(i);
     Mesh plate = w.hull({{1.795f, 0.92f, z + 0.05f},
@@ -430,8 +407,10 @@ void add_hull(Workshop& w) {
       for (const float u : {0.10f, 0.73f}) shapes::append(plate, w.bolt({1.84f, y, z + u}, {1, 0, 0}, 0.024f));
     w.add_pair("side plate", plate, i % 2 == 0 ? w.paint.armour : w.paint.plate);
   }
+}
 
-  // Weld-on armour and spare links on the bow.
+/// Weld-on armour and spare links on the bow.
+void add_bow_armour(Workshop& w) {
   for (int i = 0; i < 4; ++i) {
     const vec3 along = glm::normalize(vec3(0, 0.45f, -1.44f)), out = glm::normalize(vec3(0, 1.44f, 0.45f));
     const vec3 at = vec3(-0.02f, 1.27f, 2.74f) + along * (0.32f + 0.17f * float(i)) + out * 0.012f;
@@ -441,7 +420,10 @@ void add_hull(Workshop& w) {
                                           glm::vec4(at, 1))),
           w.paint.track);
   }
-  // Driver's hatch with two periscopes.
+}
+
+/// Driver's hatch with two periscopes.
+void add_drivers_hatch(Workshop& w) {
   const vec3 driver(0.62f, kDeck - 0.02f, 1.02f);
   Mesh hatch = w.drum(driver, driver + vec3(0, 0.05f, 0), 0.27f, 0.02f, 28.0f);
   shapes::append(hatch, w.drum(driver + vec3(0, 0.03f, 0), driver + vec3(0, 0.085f, 0), 0.22f, 0.025f, 28.0f));
@@ -456,7 +438,10 @@ void add_hull(Workshop& w) {
                  0.010f),
           w.paint.dark);
   }
-  // Headlamps on stalks, with guards.
+}
+
+/// Headlamps on stalks, with guards.
+void add_headlamps(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     const vec3 at(side * 1.42f, 1.43f, 2.45f);
     Mesh lamp = w.drum(at - vec3(0, 0, 0.10f), at + vec3(0, 0, 0.05f), 0.10f, 0.03f, 22.0f);
@@ -482,6 +467,36 @@ void add_hull(Workshop& w) {
                                        eye + vec3(0, -0.01f, 0.11f)));
     w.add("towing eye", std::move(hook), w.paint.steel);
   }
+}
+
+void add_hull(Workshop& w) {
+  const float t = kTubHalfWidth;
+  w.add("tub",
+        w.even_hull({{t, 0.44f, -2.45f},
+                     {t, 0.66f, kRear},
+                     {t, 1.27f, kRear - 0.02f},
+                     {t, 0.44f, 2.15f},
+                     {t, 0.98f, 3.00f},
+                     {t, 1.27f, 2.70f}},
+                    0.03f),
+        w.paint.plate);
+  const int deck = w.add("hull",
+                         w.even_hull({{1.78f, kFender + 0.02f, -2.92f},
+                                      {1.78f, 1.40f, -2.92f},
+                                      {1.42f, kDeck, -2.78f},
+                                      {1.78f, kFender + 0.02f, 2.05f},
+                                      {1.78f, 1.36f, 1.95f},
+                                      {1.42f, kDeck, 1.25f},
+                                      {1.02f, kFender + 0.02f, 2.74f},
+                                      {1.02f, 1.02f, 3.02f},
+                                      {0.95f, kDeck, 1.30f}},
+                                     0.03f),
+                         w.paint.armour);
+  add_fenders(w);
+  add_side_armour(w);
+  add_bow_armour(w);
+  add_drivers_hatch(w);
+  add_headlamps(w);
   Mesh bolts;
   for (const float side : {-1.0f, 1.0f}) {
     const vec3 out = glm::normalize(vec3(side * 0.32f, 0.36f, 0.0f));
@@ -491,9 +506,11 @@ void add_hull(Workshop& w) {
   w.add("hull bolts", std::move(bolts), w.paint.plate, deck);
 }
 
-/// Deck over the engine, and all that hangs on the rear plate.
-void add_rear(Workshop& w) {
-  // Two gratings on the deck: a frame, and slats that lean.
+/// Where the rear plate is, of which things stand off.
+constexpr float kRearPlate = kRear - 0.02f;
+
+/// Two gratings on the deck: a frame, and slats that lean.
+void add_gratings(Workshop& w) {
   for (const float x : {-0.72f, 0.72f}) {
     const float y = kDeck - 0.01f;
     Mesh frame = w.block({x - 0.56f, y, -2.68f}, {x + 0.56f, y + 0.07f, -2.60f});
@@ -512,9 +529,122 @@ void add_rear(Workshop& w) {
     }
     w.add("deck slats", std::move(slats), w.paint.dark);
   }
+}
 
+/// A silencer lies across the plate under the deck's edge; its pipe turns out and up.
+void add_silencer(Workshop& w, float side) {
+  const float z = kRearPlate;
+  const vec3 inner(side * 0.46f, 1.40f, z - 0.19f), outer(side * 1.22f, 1.40f, z - 0.19f);
+  Mesh can = w.drum(inner, outer, 0.135f, 0.04f, 26.0f);
+  for (const float u : {0.14f, 0.86f})
+    shapes::append(can,
+                   w.drum(glm::mix(inner, outer, u - 0.03f), glm::mix(inner, outer, u + 0.03f), 0.148f, 0.010f, 26.0f));
+  w.add("silencer", std::move(can), w.paint.dark);
+  const float x = side * 1.22f;
+  const shapes::Points2 mouth = {{0.062f, 0.0f},  {0.062f, 0.22f}, {0.066f, 0.24f}, {0.062f, 0.255f}, {0.052f, 0.255f},
+                                 {0.048f, 0.24f}, {0.048f, 0.03f}, {0.048f, 0.03f}, {0.0f, 0.03f}};
+  Mesh pipe = w.pipe({{x - side * 0.05f, 1.40f, z - 0.19f},
+                      {x + side * 0.09f, 1.41f, z - 0.20f},
+                      {x + side * 0.15f, 1.47f, z - 0.24f},
+                      {x + side * 0.16f, 1.56f, z - 0.28f}},
+                     0.058f, 14.0f);
+  shapes::append(pipe, w.between(shapes::lathe(mouth, w.detail(20.0f, 8)), {x + side * 0.16f, 1.53f, z - 0.27f},
+                                 {x + side * 0.19f, 1.80f, z - 0.42f}));
+  w.add("exhaust", std::move(pipe), w.paint.steel);
+  for (const float u : {0.62f, 1.06f})
+    w.add("silencer bracket", w.block({side * u - 0.03f, 1.30f, z - 0.20f}, {side * u + 0.03f, 1.36f, z + 0.06f}),
+          w.paint.plate);
+}
+
+/// Tail lamps and towing hooks.
+void add_tail(Workshop& w, float side) {
+  const vec3 lamp(side * 1.52f, 1.36f, -2.92f);
+  w.add("tail lamp box", w.block(lamp + vec3(-0.12f, -0.06f, -0.05f), lamp + vec3(0.12f, 0.06f, 0.02f), 0.015f),
+        w.paint.dark);
+  w.add("tail lamp",
+        w.drum(lamp + vec3(-side * 0.055f, 0, -0.04f), lamp + vec3(-side * 0.055f, 0, -0.07f), 0.042f, 0.012f, 18.0f),
+        w.paint.red);
+  w.add("tail lamp",
+        w.drum(lamp + vec3(side * 0.055f, 0, -0.04f), lamp + vec3(side * 0.055f, 0, -0.07f), 0.042f, 0.012f, 18.0f),
+        w.paint.glass);
+  const vec3 eye(side * 0.33f, 0.60f, -2.72f);
+  Mesh hook = w.block(eye + vec3(-0.065f, -0.08f, -0.12f), eye + vec3(0.065f, 0.09f, 0.14f), 0.02f);
+  shapes::append(
+      hook, shapes::moved(shapes::turned_z(shapes::torus(0.085f, 0.028f, w.detail(18.0f, 8), w.detail(8.0f, 5)), 90.0f),
+                          eye + vec3(0, -0.02f, -0.16f)));
+  w.add("towing eye", std::move(hook), w.paint.steel);
+}
+
+/// A leg: bracket, arm, foot and the ram that pushes it down.
+void add_leg(Workshop& w, float side) {
+  const float z = kRearPlate;
+  const float leg = side * 0.70f;
+  const vec3 hip(leg, 0.86f, z - 0.10f), ankle(leg * 1.10f, 0.20f, -3.86f);
+  Mesh bracket;
+  for (const float u : {-0.15f, 0.15f})
+    shapes::append(bracket, w.hull({{leg + u - 0.025f, 0.70f, z + 0.05f},
+                                    {leg + u + 0.025f, 0.70f, z + 0.05f},
+                                    {leg + u - 0.025f, 1.26f, z + 0.05f},
+                                    {leg + u + 0.025f, 1.26f, z + 0.05f},
+                                    {leg + u - 0.025f, 0.77f, z - 0.20f},
+                                    {leg + u + 0.025f, 0.77f, z - 0.20f},
+                                    {leg + u - 0.025f, 0.93f, z - 0.22f},
+                                    {leg + u + 0.025f, 0.93f, z - 0.22f}},
+                                   0.012f));
+  shapes::append(bracket, w.drum(hip - vec3(0.21f, 0, 0), hip + vec3(0.21f, 0, 0), 0.055f));
+  w.add("leg bracket", std::move(bracket), w.paint.plate);
+  const vec3 way = glm::normalize(ankle - hip), up = glm::normalize(glm::cross(vec3(1, 0, 0), way));
+  const auto place = [&](vec3 base, float x, float y) { return base + vec3(x, 0, 0) + up * y; };
+  Mesh arm = w.hull({place(hip, -0.11f, -0.10f), place(hip, 0.11f, -0.10f), place(hip, -0.11f, 0.11f),
+                     place(hip, 0.11f, 0.11f), place(ankle, -0.08f, -0.07f), place(ankle, 0.08f, -0.07f),
+                     place(ankle, -0.08f, 0.07f), place(ankle, 0.08f, 0.07f)},
+                    0.025f);
+  for (const float u : {-1.0f, 1.0f})
+    shapes::append(arm, w.hull({place(glm::mix(hip, ankle, 0.18f), u * 0.107f - 0.012f, -0.045f),
+                                place(glm::mix(hip, ankle, 0.18f), u * 0.107f + 0.012f, -0.045f),
+                                place(glm::mix(hip, ankle, 0.18f), u * 0.107f - 0.012f, 0.05f),
+                                place(glm::mix(hip, ankle, 0.18f), u * 0.107f + 0.012f, 0.05f),
+                                place(glm::mix(hip, ankle, 0.82f), u * 0.087f - 0.012f, -0.035f),
+                                place(glm::mix(hip, ankle, 0.82f), u * 0.087f + 0.012f, -0.035f),
+                                place(glm::mix(hip, ankle, 0.82f), u * 0.087f - 0.012f, 0.04f),
+                                place(glm::mix(hip, ankle, 0.82f), u * 0.087f + 0.012f, 0.04f)},
+                               0.010f));
+  shapes::append(arm, w.drum(ankle - vec3(0.12f, 0, 0), ankle + vec3(0.12f, 0, 0), 0.085f));
+  w.add(side > 0 ? "left leg" : "right leg", std::move(arm), w.paint.armour);
+  const shapes::Points2 foot = {{0.0f, 0.0f},    {0.33f, 0.0f},   {0.33f, 0.0f},   {0.345f, 0.015f}, {0.345f, 0.05f},
+                                {0.33f, 0.07f},  {0.33f, 0.07f},  {0.15f, 0.105f}, {0.13f, 0.13f},   {0.12f, 0.20f},
+                                {0.10f, 0.215f}, {0.10f, 0.215f}, {0.0f, 0.215f}};
+  Mesh pad = shapes::moved(shapes::lathe(foot, w.detail(30.0f, 12)), {ankle.x, 0.0f, ankle.z});
+  for (int i = 0; i < 8; ++i) {
+    const float a = 2.0f * kPi * float(i) / 8.0f;
+    shapes::append(pad,
+                   w.bolt({ankle.x + 0.25f * std::cos(a), 0.083f, ankle.z + 0.25f * std::sin(a)}, {0, 1, 0}, 0.022f));
+  }
+  w.add("foot", std::move(pad), w.paint.steel);
+  const vec3 top(leg, 1.16f, z - 0.07f), bottom = glm::mix(hip, ankle, 0.66f) + up * 0.16f;
+  Mesh lugs = w.block(bottom + vec3(-0.085f, -0.12f, -0.05f), bottom + vec3(-0.045f, 0.05f, 0.05f), 0.015f);
+  shapes::append(lugs, w.block(bottom + vec3(0.045f, -0.12f, -0.05f), bottom + vec3(0.085f, 0.05f, 0.05f), 0.015f));
+  shapes::append(lugs, w.drum(bottom - vec3(0.10f, 0, 0), bottom + vec3(0.10f, 0, 0), 0.032f));
+  shapes::append(lugs, w.drum(top - vec3(0.19f, 0, 0), top + vec3(0.19f, 0, 0), 0.035f));
+  w.add("ram pins", std::move(lugs), w.paint.dark);
+  w.add("ram cylinder",
+        w.drum(top + 0.05f * glm::normalize(top - bottom), glm::mix(top, bottom, 0.58f), 0.068f, 0.015f),
+        w.paint.armour);
+  w.add("ram rod", w.drum(glm::mix(top, bottom, 0.5f), bottom, 0.038f, 0.010f), w.paint.steel);
+  w.add("hose",
+        w.pipe({{leg + 0.06f, 1.10f, z + 0.02f},
+                {leg + 0.10f, 1.12f, z - 0.12f},
+                glm::mix(top, bottom, 0.3f) + vec3(0.12f, 0.06f, 0.0f),
+                glm::mix(top, bottom, 0.5f) + vec3(0.065f, 0.0f, 0.0f)},
+               0.016f),
+        w.paint.rubber);
+}
+
+/// Deck over the engine, and all that hangs on the rear plate.
+void add_rear(Workshop& w) {
+  add_gratings(w);
   // The rear plate: a grille in the middle, between two silencers.
-  const float z = kRear - 0.02f;
+  const float z = kRearPlate;
   Mesh frame = w.block({-0.36f, 0.78f, z - 0.10f}, {-0.30f, 1.24f, z + 0.05f});
   shapes::append(frame, w.block({0.30f, 0.78f, z - 0.10f}, {0.36f, 1.24f, z + 0.05f}));
   shapes::append(frame, w.block({-0.36f, 0.74f, z - 0.10f}, {0.36f, 0.80f, z + 0.05f}));
@@ -530,107 +660,9 @@ void add_rear(Workshop& w) {
   w.add("rear bars", std::move(bars), w.paint.dark);
 
   for (const float side : {-1.0f, 1.0f}) {
-    // A silencer lies across the plate under the deck's edge; its pipe turns out and up.
-    const vec3 inner(side * 0.46f, 1.40f, z - 0.19f), outer(side * 1.22f, 1.40f, z - 0.19f);
-    Mesh can = w.drum(inner, outer, 0.135f, 0.04f, 26.0f);
-    for (const float u : {0.14f, 0.86f})
-      shapes::append(
-          can, w.drum(glm::mix(inner, outer, u - 0.03f), glm::mix(inner, outer, u + 0.03f), 0.148f, 0.010f, 26.0f));
-    w.add("silencer", std::move(can), w.paint.dark);
-    const float x = side * 1.22f;
-    const shapes::Points2 mouth = {{0.062f, 0.0f},   {0.062f, 0.22f},  {0.066f, 0.24f},
-                                   {0.062f, 0.255f}, {0.052f, 0.255f}, {0.048f, 0.24f},
-                                   {0.048f, 0.03f},  {0.048f, 0.03f},  {0.0f, 0.03f}};
-    Mesh pipe = w.pipe({{x - side * 0.05f, 1.40f, z - 0.19f},
-                        {x + side * 0.09f, 1.41f, z - 0.20f},
-                        {x + side * 0.15f, 1.47f, z - 0.24f},
-                        {x + side * 0.16f, 1.56f, z - 0.28f}},
-                       0.058f, 14.0f);
-    shapes::append(pipe, w.between(shapes::lathe(mouth, w.detail(20.0f, 8)), {x + side * 0.16f, 1.53f, z - 0.27f},
-                                   {x + side * 0.19f, 1.80f, z - 0.42f}));
-    w.add("exhaust", std::move(pipe), w.paint.steel);
-    for (const float u : {0.62f, 1.06f})
-      w.add("silencer bracket", w.block({side * u - 0.03f, 1.30f, z - 0.20f}, {side * u + 0.03f, 1.36f, z + 0.06f}),
-            w.paint.plate);
-
-    // Tail lamps and towing hooks.
-    const vec3 lamp(side * 1.52f, 1.36f, -2.92f);
-    w.add("tail lamp box", w.block(lamp + vec3(-0.12f, -0.06f, -0.05f), lamp + vec3(0.12f, 0.06f, 0.02f), 0.015f),
-          w.paint.dark);
-    w.add("tail lamp",
-          w.drum(lamp + vec3(-side * 0.055f, 0, -0.04f), lamp + vec3(-side * 0.055f, 0, -0.07f), 0.042f, 0.012f, 18.0f),
-          w.paint.red);
-    w.add("tail lamp",
-          w.drum(lamp + vec3(side * 0.055f, 0, -0.04f), lamp + vec3(side * 0.055f, 0, -0.07f), 0.042f, 0.012f, 18.0f),
-          w.paint.glass);
-    const vec3 eye(side * 0.33f, 0.60f, -2.72f);
-    Mesh hook = w.block(eye + vec3(-0.065f, -0.08f, -0.12f), eye + vec3(0.065f, 0.09f, 0.14f), 0.02f);
-    shapes::append(hook, shapes::moved(shapes::turned_z(
-                                           shapes::torus(0.085f, 0.028f, w.detail(18.0f, 8), w.detail(8.0f, 5)), 90.0f),
-                                       eye + vec3(0, -0.02f, -0.16f)));
-    w.add("towing eye", std::move(hook), w.paint.steel);
-
-    // A leg: bracket, arm, foot and the ram that pushes it down.
-    const float leg = side * 0.70f;
-    const vec3 hip(leg, 0.86f, z - 0.10f), ankle(leg * 1.10f, 0.20f, -3.86f);
-    Mesh bracket;
-    for (const float u : {-0.15f, 0.15f})
-      shapes::append(bracket, w.hull({{leg + u - 0.025f, 0.70f, z + 0.05f},
-                                      {leg + u + 0.025f, 0.70f, z + 0.05f},
-                                      {leg + u - 0.025f, 1.26f, z + 0.05f},
-                                      {leg + u + 0.025f, 1.26f, z + 0.05f},
-                                      {leg + u - 0.025f, 0.77f, z - 0.20f},
-                                      {leg + u + 0.025f, 0.77f, z - 0.20f},
-                                      {leg + u - 0.025f, 0.93f, z - 0.22f},
-                                      {leg + u + 0.025f, 0.93f, z - 0.22f}},
-                                     0.012f));
-    shapes::append(bracket, w.drum(hip - vec3(0.21f, 0, 0), hip + vec3(0.21f, 0, 0), 0.055f));
-    w.add("leg bracket", std::move(bracket), w.paint.plate);
-    const vec3 way = glm::normalize(ankle - hip), up = glm::normalize(glm::cross(vec3(1, 0, 0), way));
-    const auto place = [&](vec3 base, float x, float y) { return base + vec3(x, 0, 0) + up * y; };
-    Mesh arm = w.hull({place(hip, -0.11f, -0.10f), place(hip, 0.11f, -0.10f), place(hip, -0.11f, 0.11f),
-                       place(hip, 0.11f, 0.11f), place(ankle, -0.08f, -0.07f), place(ankle, 0.08f, -0.07f),
-                       place(ankle, -0.08f, 0.07f), place(ankle, 0.08f, 0.07f)},
-                      0.025f);
-    for (const float u : {-1.0f, 1.0f})
-      shapes::append(arm, w.hull({place(glm::mix(hip, ankle, 0.18f), u * 0.107f - 0.012f, -0.045f),
-                                  place(glm::mix(hip, ankle, 0.18f), u * 0.107f + 0.012f, -0.045f),
-                                  place(glm::mix(hip, ankle, 0.18f), u * 0.107f - 0.012f, 0.05f),
-                                  place(glm::mix(hip, ankle, 0.18f), u * 0.107f + 0.012f, 0.05f),
-                                  place(glm::mix(hip, ankle, 0.82f), u * 0.087f - 0.012f, -0.035f),
-                                  place(glm::mix(hip, ankle, 0.82f), u * 0.087f + 0.012f, -0.035f),
-                                  place(glm::mix(hip, ankle, 0.82f), u * 0.087f - 0.012f, 0.04f),
-                                  place(glm::mix(hip, ankle, 0.82f), u * 0.087f + 0.012f, 0.04f)},
-                                 0.010f));
-    shapes::append(arm, w.drum(ankle - vec3(0.12f, 0, 0), ankle + vec3(0.12f, 0, 0), 0.085f));
-    w.add(side > 0 ? "left leg" : "right leg", std::move(arm), w.paint.armour);
-    const shapes::Points2 foot = {{0.0f, 0.0f},    {0.33f, 0.0f},   {0.33f, 0.0f},   {0.345f, 0.015f}, {0.345f, 0.05f},
-                                  {0.33f, 0.07f},  {0.33f, 0.07f},  {0.15f, 0.105f}, {0.13f, 0.13f},   {0.12f, 0.20f},
-                                  {0.10f, 0.215f}, {0.10f, 0.215f}, {0.0f, 0.215f}};
-    Mesh pad = shapes::moved(shapes::lathe(foot, w.detail(30.0f, 12)), {ankle.x, 0.0f, ankle.z});
-    for (int i = 0; i < 8; ++i) {
-      const float a = 2.0f * kPi * float(i) / 8.0f;
-      shapes::append(pad,
-                     w.bolt({ankle.x + 0.25f * std::cos(a), 0.083f, ankle.z + 0.25f * std::sin(a)}, {0, 1, 0}, 0.022f));
-    }
-    w.add("foot", std::move(pad), w.paint.steel);
-    const vec3 top(leg, 1.16f, z - 0.07f), bottom = glm::mix(hip, ankle, 0.66f) + up * 0.16f;
-    Mesh lugs = w.block(bottom + vec3(-0.085f, -0.12f, -0.05f), bottom + vec3(-0.045f, 0.05f, 0.05f), 0.015f);
-    shapes::append(lugs, w.block(bottom + vec3(0.045f, -0.12f, -0.05f), bottom + vec3(0.085f, 0.05f, 0.05f), 0.015f));
-    shapes::append(lugs, w.drum(bottom - vec3(0.10f, 0, 0), bottom + vec3(0.10f, 0, 0), 0.032f));
-    shapes::append(lugs, w.drum(top - vec3(0.19f, 0, 0), top + vec3(0.19f, 0, 0), 0.035f));
-    w.add("ram pins", std::move(lugs), w.paint.dark);
-    w.add("ram cylinder",
-          w.drum(top + 0.05f * glm::normalize(top - bottom), glm::mix(top, bottom, 0.58f), 0.068f, 0.015f),
-          w.paint.armour);
-    w.add("ram rod", w.drum(glm::mix(top, bottom, 0.5f), bottom, 0.038f, 0.010f), w.paint.steel);
-    w.add("hose",
-          w.pipe({{leg + 0.06f, 1.10f, z + 0.02f},
-                  {leg + 0.10f, 1.12f, z - 0.12f},
-                  glm::mix(top, bottom, 0.3f) + vec3(0.12f, 0.06f, 0.0f),
-                  glm::mix(top, bottom, 0.5f) + vec3(0.065f, 0.0f, 0.0f)},
-                 0.016f),
-          w.paint.rubber);
+    add_silencer(w, side);
+    add_tail(w, side);
+    add_leg(w, side);
   }
   Mesh bolts;
   w.bolt_row(bolts, {-0.92f, 0.71f, z}, {-0.92f, 1.18f, z}, 4, {0, 0, -1});
@@ -805,25 +837,8 @@ void add_gun(Workshop& w) {
   w.add("coaxial gun", std::move(second), w.paint.dark);
 }
 
-void add_turret(Workshop& w) {
-  w.add("turret ring", w.drum({0, kDeck - 0.03f, -0.1f}, {0, kTurretFloor + 0.04f, -0.1f}, 1.12f, 0.03f, 44.0f),
-        w.paint.dark);
-  w.add("turret",
-        w.even_hull({{0.60f, kTurretFloor, 1.38f},
-                     {1.20f, kTurretFloor, 0.62f},
-                     {1.30f, 1.92f, 0.50f},
-                     {0.62f, 1.96f, 1.42f},
-                     {1.22f, kTurretFloor, -1.00f},
-                     {1.32f, 1.94f, -1.05f},
-                     {0.85f, 1.84f, -1.72f},
-                     {0.92f, 1.98f, -1.80f},
-                     {0.42f, kRoof, 0.62f},
-                     {0.92f, kRoof, 0.20f},
-                     {0.98f, kRoof, -0.95f},
-                     {0.78f, kRoof - 0.03f, -1.62f}},
-                    0.035f),
-        w.paint.armour);
-  // Armour bricks on the cheeks, following them with a gap.
+/// Armour bricks on the cheeks, following them with a gap.
+void add_cheek_bricks(Workshop& w) {
   for (const float side : {-1.0f, 1.0f})
     for (int row = 0; row < 2; ++row)
       for (int i = 0; i < 3; ++i) {
@@ -844,8 +859,10 @@ void add_turret(Workshop& w) {
         shapes::append(brick, w.bolt(at(0.5f * (u0 + u1), 0.5f * (v0 + v1), 0.07f), out, 0.024f));
         w.add("armour brick", std::move(brick), (i + row) % 2 == 0 ? w.paint.plate : w.paint.armour);
       }
+}
 
-  // The commander's cupola with periscopes and a lid that stands open a little.
+/// The commander's cupola with periscopes and a lid that stands open a little.
+void add_cupola(Workshop& w) {
   const vec3 cupola(0.48f, kRoof - 0.02f, -0.42f);
   const shapes::Points2 ring = {{0.40f, 0.0f},   {0.40f, 0.0f},   {0.38f, 0.12f}, {0.36f, 0.15f}, {0.33f, 0.165f},
                                 {0.30f, 0.165f}, {0.30f, 0.165f}, {0.29f, 0.14f}, {0.29f, 0.14f}, {0.0f, 0.14f}};
@@ -868,8 +885,10 @@ void add_turret(Workshop& w) {
   w.add("cupola lid",
         shapes::moved(shapes::turned_x(shapes::moved(lid, {0, 0, 0.30f}), -14.0f), cupola + vec3(0, 0.17f, -0.30f)),
         w.paint.armour);
+}
 
-  // The loader's hatch: a flat lid with hinges.
+/// The loader's hatch: a flat lid with hinges.
+void add_loaders_hatch(Workshop& w) {
   const vec3 loader(-0.50f, kRoof - 0.02f, -0.30f);
   Mesh hatch = w.drum(loader, loader + vec3(0, 0.06f, 0), 0.32f, 0.02f, 30.0f);
   shapes::append(hatch, w.drum(loader + vec3(0, 0.05f, 0), loader + vec3(0, 0.10f, 0), 0.27f, 0.03f, 30.0f));
@@ -880,8 +899,10 @@ void add_turret(Workshop& w) {
                                 loader + vec3(0.08f, 0.14f, 0.12f), loader + vec3(0.09f, 0.09f, 0.12f)},
                                0.014f));
   w.add("loader's hatch", std::move(hatch), w.paint.plate);
+}
 
-  // A machine gun on a post by the loader's hatch.
+/// A machine gun on a post by the loader's hatch.
+void add_machine_gun(Workshop& w) {
   const vec3 post(-0.50f, kRoof, 0.22f);
   Mesh mount = w.drum(post - vec3(0, 0.05f, 0), post + vec3(0, 0.05f, 0), 0.09f);
   shapes::append(mount, w.drum(post, post + vec3(0, 0.24f, 0), 0.035f));
@@ -896,8 +917,10 @@ void add_turret(Workshop& w) {
   w.add("machine gun", std::move(gun), w.paint.dark);
   w.add("ammunition box", w.block(post + vec3(0.045f, 0.22f, -0.12f), post + vec3(0.19f, 0.37f, 0.12f), 0.012f),
         w.paint.plate);
+}
 
-  // Smoke dischargers, four tubes a side, and lifting eyes.
+/// Smoke dischargers, four tubes a side, and lifting eyes.
+void add_smoke_dischargers(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     Mesh tubes = w.block({side * 1.21f - 0.06f, 2.00f, -0.62f}, {side * 1.21f + 0.06f, 2.10f, 0.10f});
     for (int i = 0; i < 4; ++i) {
@@ -917,7 +940,10 @@ void add_turret(Workshop& w) {
                    0.018f),
             w.paint.steel);
   }
-  // The sight in front of the cupola.
+}
+
+/// The sight in front of the cupola.
+void add_sight(Workshop& w) {
   const vec3 sight(0.50f, kRoof - 0.02f, 0.18f);
   w.add("sight",
         w.hull({sight + vec3(-0.13f, 0, -0.16f), sight + vec3(0.13f, 0, -0.16f), sight + vec3(-0.13f, 0, 0.16f),
@@ -927,8 +953,10 @@ void add_turret(Workshop& w) {
         w.paint.plate);
   w.add("sight glass", w.block(sight + vec3(-0.08f, 0.08f, 0.14f), sight + vec3(0.08f, 0.17f, 0.165f), 0.008f),
         w.paint.glass);
+}
 
-  // The rack behind: two rails on posts, floor bars, and what lies in it.
+/// The rack behind: two rails on posts, floor bars, and what lies in it.
+void add_rack(Workshop& w) {
   Mesh rack;
   for (const float y : {1.98f, 2.20f, 2.36f})
     shapes::append(rack, w.pipe({{0.86f, y, -1.55f},
@@ -952,7 +980,10 @@ void add_turret(Workshop& w) {
     shapes::append(rack, w.drum({x, 1.98f, -1.68f}, {x, 1.98f, -2.35f}, 0.014f, 0.003f, 6.0f));
   }
   w.add("rack", std::move(rack), w.paint.dark);
-  // Rolled tarpaulins with straps, a crate and two cans.
+}
+
+/// Rolled tarpaulins with straps, a crate and two cans.
+void add_rack_load(Workshop& w) {
   const auto roll = [&](vec3 from, vec3 to, float radius) {
     Mesh cloth = w.drum(from, to, radius, 0.4f * radius, 22.0f);
     const int object = w.add("tarpaulin", std::move(cloth), w.paint.canvas);
@@ -977,8 +1008,10 @@ void add_turret(Workshop& w) {
       "can handle",
       w.pipe({{0.74f, 2.37f, -2.14f}, {0.74f, 2.44f, -2.12f}, {0.74f, 2.44f, -2.00f}, {0.74f, 2.37f, -1.98f}}, 0.016f),
       w.paint.dark);
+}
 
-  // Two whip aerials, bent by their own weight.
+/// Two whip aerials, bent by their own weight.
+void add_aerials(Workshop& w) {
   for (const float side : {-1.0f, 1.0f}) {
     const vec3 base(side * 0.70f, kRoof - 0.05f, -1.42f);
     w.add("aerial base", w.drum(base, base + vec3(0, 0.14f, 0), 0.05f, 0.02f, 16.0f), w.paint.rubber);
@@ -988,6 +1021,35 @@ void add_turret(Workshop& w) {
                  0.010f, 6.0f),
           w.paint.dark);
   }
+}
+
+void add_turret(Workshop& w) {
+  w.add("turret ring", w.drum({0, kDeck - 0.03f, -0.1f}, {0, kTurretFloor + 0.04f, -0.1f}, 1.12f, 0.03f, 44.0f),
+        w.paint.dark);
+  w.add("turret",
+        w.even_hull({{0.60f, kTurretFloor, 1.38f},
+                     {1.20f, kTurretFloor, 0.62f},
+                     {1.30f, 1.92f, 0.50f},
+                     {0.62f, 1.96f, 1.42f},
+                     {1.22f, kTurretFloor, -1.00f},
+                     {1.32f, 1.94f, -1.05f},
+                     {0.85f, 1.84f, -1.72f},
+                     {0.92f, 1.98f, -1.80f},
+                     {0.42f, kRoof, 0.62f},
+                     {0.92f, kRoof, 0.20f},
+                     {0.98f, kRoof, -0.95f},
+                     {0.78f, kRoof - 0.03f, -1.62f}},
+                    0.035f),
+        w.paint.armour);
+  add_cheek_bricks(w);
+  add_cupola(w);
+  add_loaders_hatch(w);
+  add_machine_gun(w);
+  add_smoke_dischargers(w);
+  add_sight(w);
+  add_rack(w);
+  add_rack_load(w);
+  add_aerials(w);
 }
 
 /// A round pad of concrete with a joint, a raised rim and a marked ring.

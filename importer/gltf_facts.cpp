@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "scene/readers/whole_file.h"
+
 namespace umbrage {
 namespace {
 
@@ -195,10 +197,9 @@ GltfFacts read_gltf_facts(const std::filesystem::path& file, std::optional<int> 
 }
 
 std::string gltf_with_scene(const std::filesystem::path& file, int scene) {
-  std::ifstream stream(file, std::ios::binary);
-  std::error_code error;
-  std::string bytes(std::size_t(std::filesystem::file_size(file, error)), '\0');
-  if (error || !stream.read(bytes.data(), std::streamsize(bytes.size()))) return "";
+  const auto read = read_whole_file(file);
+  if (!read) return "";
+  const std::string& bytes = *read;
   const std::string old_text = json_text(file);
   Json json = Json::parse(old_text, nullptr, false);
   if (!json.is_object()) return "";

@@ -18,7 +18,6 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
@@ -38,6 +37,7 @@
 #include "scene/readers/ply.h"
 #include "scene/readers/point_text.h"
 #include "scene/readers/vertex_colors.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
@@ -89,11 +89,8 @@ Error unreadable(const fs::path& file, const std::string& format, const std::str
 }
 
 std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::error_code error;
-  std::string text(std::size_t(fs::file_size(file, error)), '\0');
-  if (error || !stream.read(text.data(), std::streamsize(text.size()))) text.clear();
-  return text;
+  auto text = read_whole_file(file);
+  return text ? std::move(*text) : std::string();
 }
 
 /// A whole number of an XML tag, as in `count="3"`; nothing where it is not there or no number.

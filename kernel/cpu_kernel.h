@@ -2,7 +2,7 @@
 //   UMBRAGE_KERNEL            its name: the text's entry is NAME_pixel(Int x, Int y)
 //   UMBRAGE_KERNEL_TEXT       the path of the text
 //   UMBRAGE_KERNEL_CONSTANTS  the constants struct
-// and gets run_scalar_NAME and run_lanes_NAME of kernel/kernel_frame.h. Included once per SIMD target.
+// and gets run_scalar_NAME and run_lanes_NAME, which kernels/NAME.h declares. Included once per SIMD target.
 #include <algorithm>
 
 #include "kernel/lanes.h"

@@ -42,8 +42,3 @@ inline float* row_zero(float* data, int stride, int first) {
 std::vector<std::string_view> of_all_layers(const std::vector<std::string_view>& planes);
 
 }  // namespace umbrage
-
-/// Declares the two compiled forms of a kernel: run_scalar_NAME and run_lanes_NAME, made by kernel/cpu_kernel.h.
-#define UMBRAGE_DECLARE_KERNEL(name)                       \
-  void run_scalar_##name(const KernelFrame&, const Tile&); \
-  void run_lanes_##name(const KernelFrame&, const Tile&);

@@ -3,25 +3,15 @@
 
 namespace umbrage {
 
-const Look& look_ao() {
-  static const Look look = {
-      .name = "ao",
-      .summary = "the occlusion alone: white is open, black is closed in",
-      .occlusion = "unsharp",
-      .effects = {"occlusion", "composite", "output"},
-      .presets = {{"unsharp.kernel", "5%"},
-                  {"unsharp.threshold", "0.15"},
-                  {"unsharp.linearization", "extent"},
-                  {"unsharp.strength", "16"},
-                  {"unsharp.background", "ignore"},
-                  {"unsharp.white_edge", "off"},
-                  {"composite.mode", "occlusion"},
-                  {"output.transfer", "none"},
-                  {"output.background_r", "0.8"},
-                  {"output.background_g", "0.8"},
-                  {"output.background_b", "0.8"}},
-  };
-  return look;
+Look look_ao() {
+  return {.name = "ao",
+          .summary = "the occlusion alone: white is open, black is closed in",
+          .occlusion = "unsharp",
+          .effects = {"occlusion", "composite", "output"},
+          .presets = {"unsharp.kernel=5%", "unsharp.threshold=0.15", "unsharp.linearization=extent",
+                      "unsharp.strength=16", "unsharp.background=ignore", "unsharp.white_edge=off",
+                      "composite.mode=occlusion", "output.transfer=none", "output.background_r=0.8",
+                      "output.background_g=0.8", "output.background_b=0.8"}};
 }
 
 }  // namespace umbrage

@@ -4,24 +4,14 @@
 
 namespace umbrage {
 
-const Look& look_cartoon_paper() {
-  static const Look look = {
-      .name = "cartoon-paper",
-      .summary = "occlusion and cartoon rendering combined, as the paper has it",
-      .occlusion = "sphere",
-      .effects = {"occlusion", "gaussian", "toon", "outline", "output"},
-      .presets = {{"gaussian.rounds", "4"},
-                  {"toon.mode", "paper"},
-                  {"toon.rig", "key"},
-                  {"toon.shadow", "0"},
-                  {"toon.albedo", "display"},
-                  {"outline.mode", "paper"},
-                  {"output.transfer", "none"},
-                  {"output.background_r", "0.36"},
-                  {"output.background_g", "0.40"},
-                  {"output.background_b", "0.45"}},
-  };
-  return look;
+Look look_cartoon_paper() {
+  return {.name = "cartoon-paper",
+          .summary = "occlusion and cartoon rendering combined, as the paper has it",
+          .occlusion = "sphere",
+          .effects = {"occlusion", "gaussian", "toon", "outline", "output"},
+          .presets = {"gaussian.rounds=4", "toon.mode=paper", "toon.rig=key", "toon.shadow=0", "toon.albedo=display",
+                      "outline.mode=paper", "output.transfer=none", "output.background_r=0.36",
+                      "output.background_g=0.40", "output.background_b=0.45"}};
 }
 
 }  // namespace umbrage

@@ -2,6 +2,7 @@
 #include <set>
 
 #include "core/check.h"
+#include "core/registry.h"
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "looks/looks.h"
@@ -10,24 +11,21 @@
 namespace umbrage {
 
 // looks.inc is made by CMake: one line per file.
-#define UMBRAGE_LOOK(name) const Look& look_##name();
+#define UMBRAGE_LOOK(name) Look look_##name();
 #include "looks.inc"
 #undef UMBRAGE_LOOK
 
 std::span<const Look* const> looks() {
-  static const std::vector<const Look*> all = {
-#define UMBRAGE_LOOK(name) &look_##name(),
+  static const Look list[] = {
+#define UMBRAGE_LOOK(name) look_##name(),
 #include "looks.inc"
 #undef UMBRAGE_LOOK
   };
+  static const std::vector<const Look*> all = pointers_to(list);
   return all;
 }
 
-const Look* find_look(std::string_view name) {
-  for (const Look* look : looks())
-    if (look->name == name) return look;
-  return nullptr;
-}
+const Look* find_look(std::string_view name) { return find_named(looks(), name); }
 
 std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in) {
   std::vector<std::string_view> names;
@@ -92,7 +90,7 @@ void keep_needed(const LookRun& run, Steps& steps) {
 Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
   const Effect& effect = *steps[step];
   const ParameterBytes& params = params_of(run, effect);
-  if (find_in(run.handed_in, effect.name)) {
+  if (find_named(run.handed_in, effect.name)) {
     if (auto done = run.run_handed_in(effect, params, frame); !done) return done.error();
   } else {
     const bool on_layers = std::any_of(steps.begin() + long(step) + 1, steps.end(), [&](const Effect* later) {
@@ -202,7 +200,7 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
       if (run.occlusion == kNoOcclusion) continue;  // `ao` is then the device's neutral 1
       name = run.occlusion;
     }
-    const Effect* of_others = find_in(run.handed_in, name);
+    const Effect* of_others = find_named(run.handed_in, name);
     steps.push_back(of_others ? of_others : find_effect(name));
     if (!steps.back()) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
   }
@@ -215,7 +213,7 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
   const Steps steps = steps_of(run);
   for (std::size_t step = 0; step < steps.size();) {
     const Effect& effect = *steps[step];
-    const bool of_others = find_in(run.handed_in, effect.name) != nullptr;
+    const bool of_others = find_named(run.handed_in, effect.name) != nullptr;
     if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", effect.name));
     std::size_t next = step + 1;
     if (effect.exposed_by) {

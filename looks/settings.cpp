@@ -11,12 +11,6 @@ std::vector<const Effect*> all_effects(std::span<const Effect* const> handed_in)
   return all;
 }
 
-const Effect* find_in(std::span<const Effect* const> list, std::string_view name) {
-  for (const Effect* effect : list)
-    if (effect->name == name) return effect;
-  return nullptr;
-}
-
 Result<Setting> parse_setting(std::string_view assignment, std::span<const Effect* const> handed_in) {
   const std::size_t equals = assignment.find('=');
   const std::size_t dot = assignment.substr(0, equals).find('.');
@@ -25,7 +19,7 @@ Result<Setting> parse_setting(std::string_view assignment, std::span<const Effec
   const std::string_view owner = assignment.substr(0, dot);
   const std::string_view name = assignment.substr(dot + 1, equals - dot - 1);
   const auto all = all_effects(handed_in);
-  const Effect* effect = find_in(all, owner);
+  const Effect* effect = find_named<Effect>(all, owner);
   if (!effect) {
     std::vector<std::string_view> names;
     names.reserve(all.size());
@@ -64,8 +58,8 @@ EffectSettings look_settings(const Look& look, std::span<const Effect* const> ha
 
 void apply_presets(std::string_view look, const LookPresets& presets, EffectSettings& settings,
                    std::span<const Effect* const> handed_in) {
-  for (const auto& [name, value] : presets)
-    if (const auto done = apply_setting(settings, fmt::format("{}={}", name, value), handed_in); !done)
+  for (const std::string_view preset : presets)
+    if (const auto done = apply_setting(settings, preset, handed_in); !done)
       fail_check(fmt::format("look {}: {}", look, done.error().message));
 }
 

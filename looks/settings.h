@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/look.h"
+#include "core/registry.h"
 #include "effects/effects.h"
 
 namespace umbrage {
@@ -24,9 +25,6 @@ inline const ParameterBytes& params_of(const EffectSettings& settings, std::stri
 
 /// All effects, and those that are handed in.
 std::vector<const Effect*> all_effects(std::span<const Effect* const> handed_in);
-
-/// Of a list, the effect of that name, or null.
-const Effect* find_in(std::span<const Effect* const> list, std::string_view name);
 
 /// What "effect.parameter=value" names.
 struct Setting {

@@ -4,30 +4,20 @@
 
 namespace umbrage {
 
-const Look& look_studio() {
-  static const Look look = {
-      .name = "studio",
-      .summary =
-          "soft light with shadows, occlusion and light between surfaces, on a ground that shows the shade alone",
-      .occlusion = "bitmask",
-      .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output"},
-      .presets = {{"bitmask.bleeding", "1"},
-                  {"bitmask.radius", "25%"},
-                  {"denoise.indirect", "1"},
-                  {"denoise.light_rounds", "3"},
-                  {"lighting.open", "on"},
-                  {"output.metering", "picture"},
-                  {"output.shoulder", "0.8"},
-                  {"output.background_r", "0.93"},
-                  {"output.background_g", "0.93"},
-                  {"output.background_b", "0.94"}},
-      .lit_by = "lighting",
-      .image_lit_presets = {{"lighting.ambient", "1"}},
-      .quality = "normal",
-      .studio_lights = true,
-      .ground = true,
-  };
-  return look;
+Look look_studio() {
+  return {.name = "studio",
+          .summary =
+              "soft light with shadows, occlusion and light between surfaces, on a ground that shows the shade alone",
+          .occlusion = "bitmask",
+          .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output"},
+          .presets = {"bitmask.bleeding=1", "bitmask.radius=25%", "denoise.indirect=1", "denoise.light_rounds=3",
+                      "lighting.open=on", "output.metering=picture", "output.shoulder=0.8", "output.background_r=0.93",
+                      "output.background_g=0.93", "output.background_b=0.94"},
+          .lit_by = "lighting",
+          .image_lit_presets = {"lighting.ambient=1"},
+          .quality = "normal",
+          .studio_lights = true,
+          .ground = true};
 }
 
 }  // namespace umbrage

@@ -5,27 +5,16 @@
 
 namespace umbrage {
 
-const Look& look_unsharp() {
-  static const Look look = {
-      .name = "unsharp",
-      .summary = "white clay with the unsharp mask of the depth buffer subtracted, as the paper has it",
-      .occlusion = "unsharp",
-      .effects = {"lighting", "occlusion", "composite", "output"},
-      .presets = {{"lighting.material", "clay"},
-                  {"lighting.rig", "key"},
-                  {"lighting.shadow", "0"},
-                  {"unsharp.kernel", "3.90625%"},
-                  {"unsharp.threshold", "0.02"},
-                  {"unsharp.linearization", "listing"},
-                  {"unsharp.background", "far"},
-                  {"composite.mode", "subtract"},
-                  {"output.transfer", "none"},
-                  {"output.background_r", "0.36"},
-                  {"output.background_g", "0.40"},
-                  {"output.background_b", "0.45"}},
-      .lit_by = "lighting",
-  };
-  return look;
+Look look_unsharp() {
+  return {.name = "unsharp",
+          .summary = "white clay with the unsharp mask of the depth buffer subtracted, as the paper has it",
+          .occlusion = "unsharp",
+          .effects = {"lighting", "occlusion", "composite", "output"},
+          .presets = {"lighting.material=clay", "lighting.rig=key", "lighting.shadow=0", "unsharp.kernel=3.90625%",
+                      "unsharp.threshold=0.02", "unsharp.linearization=listing", "unsharp.background=far",
+                      "composite.mode=subtract", "output.transfer=none", "output.background_r=0.36",
+                      "output.background_g=0.40", "output.background_b=0.45"},
+          .lit_by = "lighting"};
 }
 
 }  // namespace umbrage

@@ -1,76 +1,35 @@
 #include "reference/reference.h"
 
-#include <cstddef>
 #include <limits>
 
 namespace umbrage {
 namespace {
 
 constexpr int kSamples = 64;
-constexpr double kRadiusPercent = 10.0;
-constexpr double kMostLength = 1e12;
 constexpr double kMostSeed = 1e6;
 
 const std::vector<Parameter> kTable = {
-    {.name = "samples",
-     .help = "rays per pixel",
-     .type = ParameterType::kInt,
-     .offset = offsetof(ReferenceParams, samples),
-     .initial = kSamples,
-     .least = 1.0,
-     .most = kMostSamples},
-    {.name = "radius",
-     .help = "what lies farther away does not occlude; a share is of the scene's radius, 200% the whole scene",
-     .type = ParameterType::kLength,
-     .offset = offsetof(ReferenceParams, radius),
-     .initial = kRadiusPercent,
-     .most = kMostLength,
-     .unit = "scene units",
-     .initially_relative = true,
-     .above_zero = true},
-    {.name = "falloff",
-     .help = "how much an occluder within the radius counts: whole, or less the farther it is",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ReferenceParams, falloff),
-     .choices = {"none", "linear", "smooth"}},
-    {.name = "normal",
-     .help = "around which normal rays go out: the triangle's own, or the interpolated one",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ReferenceParams, normal),
-     .choices = {"triangle", "shading"}},
-    {.name = "light",
-     .help = "also trace the lights with soft shadows, and their bounce",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ReferenceParams, light),
-     .choices = {"off", "direct", "bounce"}},
-    {.name = "bounce_from",
-     .help = "where bounced light comes from: surfaces at any distance, or within the radius",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ReferenceParams, bounce_from),
-     .choices = {"anywhere", "radius"}},
-    {.name = "shadows",
-     .help =
-         "soft: every light throws one; captured: lights are points, and only those throw one whose shadow a capture "
-         "holds, as screen-space techniques have it",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ReferenceParams, shadows),
-     .choices = {"soft", "captured"}},
-    {.name = "sun_angle",
-     .help = "what a parallel light's disc spans in the sky: the larger, the softer its shadow",
-     .offset = offsetof(ReferenceParams, sun_angle_deg),
-     .most = 90.0,
-     .unit = "deg",
-     .zero_means = "as the light has it"},
-    {.name = "seed",
-     .help = "another one gives other, equally good noise",
-     .type = ParameterType::kInt,
-     .offset = offsetof(ReferenceParams, seed),
-     .most = kMostSeed},
+    int_row("samples", &ReferenceParams::samples, {.initial = kSamples, .min = 1, .max = kMostSamples},
+            "rays per pixel"),
+    radius_row("radius", &ReferenceParams::radius,
+               "what lies farther away does not occlude; a share is of the scene's radius, 200% the whole scene"),
+    choice_row("falloff", &ReferenceParams::falloff, 0, {"none", "linear", "smooth"},
+               "how much an occluder within the radius counts: whole, or less the farther it is"),
+    choice_row("normal", &ReferenceParams::normal, 0, {"triangle", "shading"},
+               "around which normal rays go out: the triangle's own, or the interpolated one"),
+    choice_row("light", &ReferenceParams::light, 0, {"off", "direct", "bounce"},
+               "also trace the lights with soft shadows, and their bounce"),
+    choice_row("bounce_from", &ReferenceParams::bounce_from, 0, {"anywhere", "radius"},
+               "where bounced light comes from: surfaces at any distance, or within the radius"),
+    choice_row(
+        "shadows", &ReferenceParams::shadows, 0, {"soft", "captured"},
+        "soft: every light throws one; captured: lights are points, and only those throw one whose shadow a capture "
+        "holds, as screen-space techniques have it"),
+    real_row("sun_angle", &ReferenceParams::sun_angle_deg,
+             {.max = 90, .unit = "deg", .zero_means = "as the light has it"},
+             "what a parallel light's disc spans in the sky: the larger, the softer its shadow"),
+    int_row("seed", &ReferenceParams::seed, {.max = kMostSeed}, "another one gives other, equally good noise"),
 };
-
-void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
-  as<ReferenceParams>(bytes).radius = {radius, 0};
-}
 
 }  // namespace
 
@@ -82,7 +41,7 @@ const Effect& reference_effect() {
       .kind = EffectKind::kOcclusion,
       .parameters = kTable,
       .params_size = sizeof(ReferenceParams),
-      .set_radius = set_radius,
+      .set_radius = set_radius_of<&ReferenceParams::radius>,
       .noise = "seed",
       .variants = {"", "samples=1", "samples=4", "samples=16"},
       .passes = {{.name = "trace",

@@ -241,7 +241,7 @@ Result<BandPlan> plan_bands(const Device& device, const Recipe& recipe, double m
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
   BandPlan plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
-  const bool traced = find_in(handed_in(), recipe.occlusion);
+  const bool traced = find_named(handed_in(), recipe.occlusion);
   const bool fits = width * height * layers <= double(kMostPixels);
   if (fits && plan.bytes <= memory) return plan;
   if (!device.draws_bands() || traced) {

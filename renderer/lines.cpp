@@ -37,7 +37,7 @@ Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std
                                        const EffectSettings& settings) {
   if (std::find(effects.begin(), effects.end(), "outline") == effects.end())
     return usage_error("{} no lines: the look cartoon and the effect outline do", who);
-  const ParameterBytes& params = settings.find("outline")->second;
+  const ParameterBytes& params = params_of(settings, "outline");
   const auto& outline = as<OutlineParams>(params);
   if (outline.mode == kOutlinePaper)
     return usage_error("lines of outline.mode=paper are pixels, not curves: outline.mode=robust has curves");

@@ -102,7 +102,7 @@ Result<void> measure_lengths(const Scene& scene, Plan& plan) {
 
 /// The technique's parameter of noise, or null.
 const Parameter* noise_of(const Recipe& recipe) {
-  const Effect* technique = find_in(every_effect(), recipe.occlusion);
+  const Effect* technique = find_named<Effect>(every_effect(), recipe.occlusion);
   return technique && !technique->noise.empty() ? find_parameter(*technique, technique->noise) : nullptr;
 }
 

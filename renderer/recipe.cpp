@@ -34,7 +34,7 @@ glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
 bool gathers_light(const Look& look, const EffectSettings& settings) {
   const Effect* technique = find_effect(look.occlusion);
   if (!technique) return false;
-  const ParameterBytes& params = settings.find(technique->name)->second;
+  const ParameterBytes& params = params_of(settings, technique->name);
   return std::any_of(technique->passes.begin(), technique->passes.end(), [&](const Pass& pass) {
     const bool runs = !pass.needed || pass.needed(params);
     return runs && std::find(pass.outputs.begin(), pass.outputs.end(), "indirect.r") != pass.outputs.end();
@@ -152,7 +152,7 @@ LookRun look_run(const Recipe& recipe) {
 int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
   int wanted = 0;
   for (const Effect* effect : steps) {
-    if (find_in(handed_in(), effect->name)) continue;
+    if (find_named(handed_in(), effect->name)) continue;
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
     const Parameter* strength = find_parameter(*effect, "shadow");
     if (strength && real_value(*strength, params) == 0.0f) continue;

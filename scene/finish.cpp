@@ -11,6 +11,7 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <span>
 
 #include "core/check.h"
 
@@ -219,115 +220,161 @@ bool repair_normals(Mesh& mesh) {
   return true;
 }
 
+bool has_uvs(const Mesh& mesh) { return mesh.uvs.size() == mesh.positions.size() && !mesh.uvs.empty(); }
+bool has_colors(const Mesh& mesh) { return mesh.colors.size() == mesh.positions.size() && !mesh.colors.empty(); }
+
+/// Vertices at one place are one point; those that agree in texture coordinate and colour too can become one vertex
+/// again.
+struct JoinedVertices {
+  std::vector<Index> point_of, joined;  ///< joined: empty where points are vertices
+  Index point_count = 0, vertex_count = 0;
+  const std::vector<Index>& vertex_of() const { return joined.empty() ? point_of : joined; }
+};
+
+JoinedVertices joined_vertices(const Mesh& mesh) {
+  const std::vector<glm::vec3>& positions = mesh.positions;
+  const bool uvs = has_uvs(mesh), colors = has_colors(mesh);
+  JoinedVertices made;
+  made.point_of = numbered(
+      positions.size(), made.point_count, [&](Index i) { return hash_of(positions[i]); },
+      [&](Index i, Index j) { return same(positions[i], positions[j]); });
+  made.vertex_count = made.point_count;
+  if (!uvs && !colors) return made;
+  const std::vector<Index>& point_of = made.point_of;
+  made.joined = numbered(
+      positions.size(), made.vertex_count,
+      [&](Index i) {
+        const std::uint64_t hash = uvs ? mixed(hash_of(mesh.uvs[i]) + point_of[i]) : point_of[i];
+        return colors ? mixed(hash_of(mesh.colors[i]) + hash) : hash;
+      },
+      [&](Index i, Index j) {
+        return point_of[i] == point_of[j] && (!uvs || same(mesh.uvs[i], mesh.uvs[j])) &&
+               (!colors || same(mesh.colors[i], mesh.colors[j]));
+      });
+  return made;
+}
+
+std::vector<Face> faces_of(const Mesh& mesh) {
+  const Index* corner = mesh.indices.data();
+  std::vector<Face> faces(mesh.indices.size() / 3);
+  for (Face& face : faces) {
+    face = face_of(mesh.positions[corner[0]], mesh.positions[corner[1]], mesh.positions[corner[2]]);
+    corner += 3;
+  }
+  return faces;
+}
+
+/// The corners around each point, one list after the other.
+struct CornerLists {
+  std::vector<Index> first, corners;
+  std::span<const Index> around(Index point) const {
+    return {corners.data() + first[point], corners.data() + first[point + 1]};
+  }
+};
+
+CornerLists corner_lists(const std::vector<Index>& indices, const JoinedVertices& vertices) {
+  CornerLists made{std::vector<Index>(vertices.point_count + 1, 0), std::vector<Index>(indices.size())};
+  for (const Index index : indices) ++made.first[vertices.point_of[index] + 1];
+  for (Index p = 0; p < vertices.point_count; ++p) made.first[p + 1] += made.first[p];
+  std::vector<Index> next(made.first.begin(), made.first.end() - 1);
+  for (Index corner = 0; corner < indices.size(); ++corner)
+    made.corners[next[vertices.point_of[indices[corner]]]++] = corner;
+  return made;
+}
+
+/// Makes vertices anew, of groups of corners that share a normal.
+class VertexMaker {
+ public:
+  VertexMaker(const Mesh& mesh, const std::vector<Face>& faces, const JoinedVertices& vertices)
+      : mesh_(mesh), faces_(faces), vertex_of_(vertices.vertex_of()), uvs_(has_uvs(mesh)), colors_(has_colors(mesh)) {
+    latest_.resize(vertices.vertex_count);
+    made_.indices.resize(mesh.indices.size());
+    made_.positions.reserve(vertices.vertex_count);
+    made_.normals.reserve(vertices.vertex_count);
+    if (uvs_) made_.uvs.reserve(vertices.vertex_count);
+    if (colors_) made_.colors.reserve(vertices.vertex_count);
+  }
+
+  void add_group(std::span<const Index> corners) {
+    const glm::vec3 normal = normal_of(corners);
+    for (const Index corner : corners) {
+      const Index old = mesh_.indices[corner];
+      Latest& made_of = latest_[vertex_of_[old]];
+      if (made_of.group != group_number_) {
+        made_of = {group_number_, Index(made_.positions.size())};
+        made_.positions.push_back(mesh_.positions[old]);
+        made_.normals.push_back(normal);
+        if (uvs_) made_.uvs.push_back(mesh_.uvs[old]);
+        if (colors_) made_.colors.push_back(mesh_.colors[old]);
+      }
+      made_.indices[corner] = made_of.vertex;
+    }
+    ++group_number_;
+  }
+
+  /// Positions, normals, texture coordinates, colours and indices.
+  Mesh take() { return std::move(made_); }
+
+ private:
+  /// The new vertex that the latest group of corners made of an old one; groups are numbered one after the other.
+  struct Latest {
+    Index group = kNone, vertex = 0;
+  };
+
+  glm::vec3 normal_of(std::span<const Index> corners) const {
+    glm::vec3 sum(0.0f);
+    for (const Index corner : corners) sum += faces_[corner / 3].angle[corner % 3] * faces_[corner / 3].normal;
+    float length = glm::length(sum);
+    for (std::size_t i = 0; i < corners.size() && !(length > kShortestNormal); ++i) {
+      sum = faces_[corners[i] / 3].normal;
+      length = glm::length(sum);
+    }
+    return length > kShortestNormal ? sum / length : kAnyNormal;
+  }
+
+  const Mesh& mesh_;
+  const std::vector<Face>& faces_;
+  const std::vector<Index>& vertex_of_;
+  const bool uvs_, colors_;
+  std::vector<Latest> latest_;
+  Index group_number_ = 0;
+  Mesh made_;
+};
+
+/// Most points are smooth: where all faces lie within half the angle of their mean, each pair lies within the angle.
+bool is_smooth(std::span<const Index> corners, const std::vector<Face>& faces, float half_crease_cos) {
+  glm::vec3 mean(0.0f);
+  for (const Index corner : corners) mean += faces[corner / 3].normal;
+  const float least = half_crease_cos * glm::length(mean);
+  return least > 0.0f && std::all_of(corners.begin(), corners.end(),
+                                     [&](Index corner) { return glm::dot(mean, faces[corner / 3].normal) >= least; });
+}
+
 }  // namespace
 
 void make_normals(Mesh& mesh, float crease_angle_deg) {
-  const std::vector<Index>& indices = mesh.indices;
-  for (Index index : indices) check_less(index, mesh.positions.size(), "vertex index");
-  const bool has_uvs = mesh.uvs.size() == mesh.positions.size() && !mesh.uvs.empty();
-  const bool has_colors = mesh.colors.size() == mesh.positions.size() && !mesh.colors.empty();
-  const Index corner_count = Index(indices.size());
+  for (Index index : mesh.indices) check_less(index, mesh.positions.size(), "vertex index");
   const float crease_deg = std::clamp(crease_angle_deg, 0.0f, 180.0f);
   constexpr float kRounding = 1e-5f;  // faces that are parallel but for rounding stay together at a crease angle of 0
   const float crease_cos = std::cos(glm::radians(crease_deg)) - kRounding;
   const float half_crease_cos = std::cos(glm::radians(crease_deg / 2.0f));
   const bool all_smooth = crease_deg >= 180.0f;
 
-  // Vertices at one place are one point; those that agree in texture coordinate and colour too can become one vertex
-  // again.
-  Index point_count = 0, vertex_count = 0;
-  const std::vector<glm::vec3>& positions = mesh.positions;
-  const std::vector<Index> point_of = numbered(
-      positions.size(), point_count, [&](Index i) { return hash_of(positions[i]); },
-      [&](Index i, Index j) { return same(positions[i], positions[j]); });
-  std::vector<Index> joined;
-  if (has_uvs || has_colors) {
-    joined = numbered(
-        positions.size(), vertex_count,
-        [&](Index i) {
-          const std::uint64_t hash = has_uvs ? mixed(hash_of(mesh.uvs[i]) + point_of[i]) : point_of[i];
-          return has_colors ? mixed(hash_of(mesh.colors[i]) + hash) : hash;
-        },
-        [&](Index i, Index j) {
-          return point_of[i] == point_of[j] && (!has_uvs || same(mesh.uvs[i], mesh.uvs[j])) &&
-                 (!has_colors || same(mesh.colors[i], mesh.colors[j]));
-        });
-  } else {
-    vertex_count = point_count;
-  }
-  const std::vector<Index>& vertex_of = has_uvs || has_colors ? joined : point_of;
-
-  std::vector<Face> faces(corner_count / 3);
-  for (Index f = 0; f < faces.size(); ++f) {
-    faces[f] = face_of(positions[indices[3 * f]], positions[indices[3 * f + 1]], positions[indices[3 * f + 2]]);
-  }
-
-  // The corners around each point, one list after the other.
-  std::vector<Index> first_corner(point_count + 1, 0), corners(corner_count);
-  for (Index corner = 0; corner < corner_count; ++corner) ++first_corner[point_of[indices[corner]] + 1];
-  for (Index p = 0; p < point_count; ++p) first_corner[p + 1] += first_corner[p];
-  {
-    std::vector<Index> next(first_corner.begin(), first_corner.end() - 1);
-    for (Index corner = 0; corner < corner_count; ++corner) corners[next[point_of[indices[corner]]]++] = corner;
-  }
-
-  Mesh made;
-  made.positions.reserve(vertex_count);
-  made.normals.reserve(vertex_count);
-  if (has_uvs) made.uvs.reserve(vertex_count);
-  if (has_colors) made.colors.reserve(vertex_count);
-  std::vector<Index> new_index(corner_count);
-  // The new vertex that the latest group of corners made of each old one; groups are numbered one after the other.
-  struct Latest {
-    Index group = kNone, vertex = 0;
-  };
-  std::vector<Latest> latest(vertex_count);
-  Index group_number = 0;
-
-  const auto add_group = [&](const Index* members, Index count) {
-    glm::vec3 sum(0.0f);
-    for (Index i = 0; i < count; ++i) sum += faces[members[i] / 3].angle[members[i] % 3] * faces[members[i] / 3].normal;
-    float length = glm::length(sum);
-    for (Index i = 0; i < count && !(length > kShortestNormal); ++i) {
-      sum = faces[members[i] / 3].normal;
-      length = glm::length(sum);
-    }
-    const glm::vec3 normal = length > kShortestNormal ? sum / length : kAnyNormal;
-    for (Index i = 0; i < count; ++i) {
-      const Index old = indices[members[i]];
-      Latest& made_of = latest[vertex_of[old]];
-      if (made_of.group != group_number) {
-        made_of = {group_number, Index(made.positions.size())};
-        made.positions.push_back(positions[old]);
-        made.normals.push_back(normal);
-        if (has_uvs) made.uvs.push_back(mesh.uvs[old]);
-        if (has_colors) made.colors.push_back(mesh.colors[old]);
-      }
-      new_index[members[i]] = made_of.vertex;
-    }
-    ++group_number;
-  };
-
+  const JoinedVertices vertices = joined_vertices(mesh);
+  const std::vector<Face> faces = faces_of(mesh);
+  const CornerLists lists = corner_lists(mesh.indices, vertices);
+  VertexMaker maker(mesh, faces, vertices);
   CornerGroups groups;
   std::vector<Index> order, members;
-  for (Index p = 0; p < point_count; ++p) {
-    const Index* around = corners.data() + first_corner[p];
-    const Index count = first_corner[p + 1] - first_corner[p];
-    if (count == 0) continue;
-    // Most points are smooth: where all faces lie within half the angle of their mean, each pair lies within the angle.
-    bool smooth = true;
-    if (!all_smooth) {
-      glm::vec3 mean(0.0f);
-      for (Index i = 0; i < count; ++i) mean += faces[around[i] / 3].normal;
-      const float least = half_crease_cos * glm::length(mean);
-      for (Index i = 0; i < count && smooth; ++i) smooth = glm::dot(mean, faces[around[i] / 3].normal) >= least;
-      smooth = smooth && least > 0.0f;
-    }
-    if (smooth) {
-      add_group(around, count);
+  for (Index p = 0; p < vertices.point_count; ++p) {
+    const std::span<const Index> around = lists.around(p);
+    if (around.empty()) continue;
+    if (all_smooth || is_smooth(around, faces, half_crease_cos)) {
+      maker.add_group(around);
       continue;
     }
-    groups.make(around, count, indices, point_of, faces, crease_cos);
+    const Index count = Index(around.size());
+    groups.make(around.data(), count, mesh.indices, vertices.point_of, faces, crease_cos);
     order.resize(count);
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return groups.group[a] < groups.group[b]; });
@@ -335,14 +382,15 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
       members.clear();
       const Index group = groups.group[order[i]];
       for (; i < count && groups.group[order[i]] == group; ++i) members.push_back(around[order[i]]);
-      add_group(members.data(), Index(members.size()));
+      maker.add_group(members);
     }
   }
+  Mesh made = maker.take();
   mesh.positions = std::move(made.positions);
   mesh.normals = std::move(made.normals);
   mesh.uvs = std::move(made.uvs);
   mesh.colors = std::move(made.colors);
-  mesh.indices = std::move(new_index);
+  mesh.indices = std::move(made.indices);
 }
 
 std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettings& points) {

@@ -10,9 +10,12 @@
 #include "generators/makers.h"
 #include "generators/rounded_hull.h"
 #include "generators/sdf_mesh.h"
+#include "support.h"
 
 namespace umbrage {
 namespace {
+
+using test::volume;
 
 using glm::vec3;
 
@@ -34,16 +37,6 @@ int open_edges(const Mesh& mesh) {
   int open = 0;
   for (const auto& [edge, count] : balance) open += count != 0;
   return open;
-}
-
-double volume(const Mesh& mesh) {
-  double sum = 0.0;
-  for (std::size_t t = 0; t < mesh.indices.size(); t += 3) {
-    const glm::dvec3 a = mesh.positions[mesh.indices[t]], b = mesh.positions[mesh.indices[t + 1]],
-                     c = mesh.positions[mesh.indices[t + 2]];
-    sum += glm::dot(a, glm::cross(b, c)) / 6.0;
-  }
-  return sum;
 }
 
 struct Box {

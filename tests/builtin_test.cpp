@@ -10,9 +10,12 @@
 #include <numbers>
 
 #include "generators/shapes.h"
+#include "support.h"
 
 namespace umbrage {
 namespace {
+
+using test::volume;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -180,16 +183,6 @@ TEST(BuiltinDetail, ReadsScientificNumbers) {
 // ------------------------------------------------------------------------------------------------------------ the kit
 
 using namespace shapes;
-
-double volume(const Mesh& mesh) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const glm::dvec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]],
-                     c = mesh.positions[mesh.indices[i + 2]];
-    sum += glm::dot(a, glm::cross(b, c)) / 6.0;
-  }
-  return sum;
-}
 
 /// A closed surface's area vectors add up to nothing; the sum's length over the total says how open it is.
 double openness(const Mesh& mesh) {

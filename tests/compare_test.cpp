@@ -78,19 +78,31 @@ TEST(RecordedScores, NoLightGotWorse) {
 // ---- scores and baseline
 // -------------------------------------------------------------------------------------------------------
 
+/// A comparison over one picture of `solids`, timed once.
+CompareSettings of_solids(int detail, std::pair<int, int> size, int samples) {
+  CompareSettings settings;
+  settings.models = {fmt::format("scene:solids?detail={}", detail)};
+  settings.sizes = {size};
+  settings.cameras = 1;
+  settings.samples = samples;
+  settings.runs = 1;
+  return settings;
+}
+
+Comparison compared(const CompareSettings& settings) {
+  const auto device = make_device("cpu", 0);
+  auto made = compare(**device, settings);
+  EXPECT_TRUE(made) << made.error().message;
+  return *made;
+}
+
 /// A comparison of one small picture.
 const Comparison& small_comparison() {
   static const Comparison comparison = [] {
-    auto device = make_device("cpu", 0);
-    CompareSettings settings;
-    settings.models = {"scene:solids?detail=7000"};
-    settings.sizes = {{96, 64}, {48, 32}};
+    CompareSettings settings = of_solids(7000, {96, 64}, 16);
+    settings.sizes.push_back({48, 32});
     settings.cameras = 2;
-    settings.samples = 16;
-    settings.runs = 1;
-    auto made = compare(**device, settings);
-    EXPECT_TRUE(made) << made.error().message;
-    return *made;
+    return compared(settings);
   }();
   return comparison;
 }
@@ -233,12 +245,7 @@ TEST(Compare, TheProgressCanEndTheWork) {
 
 TEST(Compare, EachQualityComesCloserToTheTruth) {
   auto device = make_device("cpu", 0);
-  CompareSettings settings;
-  settings.models = {"scene:solids?detail=20000"};
-  settings.sizes = {{256, 192}};
-  settings.cameras = 1;
-  settings.samples = 64;
-  settings.runs = 1;
+  CompareSettings settings = of_solids(20000, {256, 192}, 64);
   settings.techniques = {"bitmask"};
   settings.filter = "denoise";
   double before = 1.0;
@@ -261,12 +268,7 @@ TEST(Compare, EachQualityComesCloserToTheTruth) {
 
 TEST(Compare, GuardBandIsCutOffBeforeScoring) {
   auto device = make_device("cpu", 0);
-  CompareSettings settings;
-  settings.models = {"scene:solids?detail=7000"};
-  settings.sizes = {{64, 48}};
-  settings.cameras = 1;
-  settings.samples = 16;
-  settings.runs = 1;
+  CompareSettings settings = of_solids(7000, {64, 48}, 16);
   settings.draw.camera.zoom = 3.0f;  // surfaces fill the picture up to its border
   const auto without = compare(**device, settings);
   settings.draw.guard_band = 25.0f;
@@ -292,18 +294,10 @@ TEST(Compare, GuardBandIsCutOffBeforeScoring) {
 /// The same picture's light, by hemisphere and reference.
 const Comparison& light_comparison() {
   static const Comparison comparison = [] {
-    auto device = make_device("cpu", 0);
-    CompareSettings settings;
-    settings.models = {"scene:solids?detail=7000"};
-    settings.sizes = {{96, 64}};
+    CompareSettings settings = of_solids(7000, {96, 64}, 64);
     settings.techniques = {"unsharp", "hemisphere", "reference"};
-    settings.cameras = 1;
-    settings.samples = 64;
-    settings.runs = 1;
     settings.light = true;
-    auto made = compare(**device, settings);
-    EXPECT_TRUE(made) << made.error().message;
-    return *made;
+    return compared(settings);
   }();
   return comparison;
 }

@@ -91,6 +91,14 @@ void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
     }
 }
 
+/// What an effect is run on: every other time by an orthographic camera.
+GBuffer bumpy_input(const Effect& effect, Size size, unsigned variant) {
+  GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7 + variant);
+  if (variant % 2) gbuffer.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
+  add_made_inputs(effect, gbuffer);
+  return gbuffer;
+}
+
 /// Pixels of a plane that are no number, apart from the depth of what is no surface.
 long undefined_pixels(const Image& image, std::size_t p) {
   long count = 0;
@@ -112,9 +120,7 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
   const Effect& effect = *GetParam();
   for (const Size size : kSizes)
     for (unsigned variant = 0; variant < 6; ++variant) {
-      GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7 + variant);
-      if (variant % 2) gbuffer.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
-      add_made_inputs(effect, gbuffer);
+      const GBuffer gbuffer = bumpy_input(effect, size, variant);
       const ParameterBytes params = variant_of(effect, variant);
       const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
       for (const std::string_view target : test::lane_isas()) {
@@ -197,9 +203,7 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
   const test::NoMessages no_messages;
   for (const Size size : kSizes)
     for (unsigned variant = 0; variant < 6; ++variant) {
-      GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 7 + variant);
-      if (variant % 2) gbuffer.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 1.5f);
-      add_made_inputs(effect, gbuffer);
+      const GBuffer gbuffer = bumpy_input(effect, size, variant);
       const ParameterBytes params = variant_of(effect, variant);
       const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
       const Image image = outputs(effect, params, gbuffer, *device);

@@ -11,8 +11,11 @@
 namespace umbrage {
 namespace {
 
-void expect_every_number(const std::vector<Figure>& figures, int size) {
-  for (const Figure& figure : figures) {
+/// So many figures, each with pictures of that size, and all their numbers within bounds.
+void expect_figures(const Result<std::vector<Figure>>& figures, std::size_t count, int size) {
+  ASSERT_TRUE(figures) << figures.error().message;
+  ASSERT_EQ(figures->size(), count);
+  for (const Figure& figure : *figures) {
     EXPECT_FALSE(figure.numbers.empty()) << figure.id;
     for (const FigureNumber& number : figure.numbers)
       EXPECT_TRUE(number.holds()) << "figure " << figure.id << ": " << number.what << " is " << number.value
@@ -27,26 +30,17 @@ void expect_every_number(const std::vector<Figure>& figures, int size) {
 TEST(Figures, EveryNumberOfTheUnsharpPaperHolds) {
   ASSERT_TRUE(std::filesystem::exists(kBunnyFile)) << "install glmark2-data (scripts/setup does)";
   const auto device = make_cpu_device();
-  const auto figures = unsharp_figures(*device, kBunnyFile, 1024, [](const std::string&) {});
-  ASSERT_TRUE(figures) << figures.error().message;
-  ASSERT_EQ(figures->size(), 5u);
-  expect_every_number(*figures, 1024);
+  expect_figures(unsharp_figures(*device, kBunnyFile, 1024, [](const std::string&) {}), 5, 1024);
 }
 
 TEST(Figures, EveryNumberOfTheCartoonPaperHolds) {
   const auto device = make_cpu_device();
-  const auto figures = cartoon_figures(*device, 512, [](const std::string&) {});
-  ASSERT_TRUE(figures) << figures.error().message;
-  ASSERT_EQ(figures->size(), 9u);
-  expect_every_number(*figures, 512);
+  expect_figures(cartoon_figures(*device, 512, [](const std::string&) {}), 9, 512);
 }
 
 TEST(Figures, EveryNumberOfTheBleedingPaperHolds) {
   const auto device = make_cpu_device();
-  const auto figures = bleeding_figures(*device, 256, [](const std::string&) {});
-  ASSERT_TRUE(figures) << figures.error().message;
-  ASSERT_EQ(figures->size(), 9u);
-  expect_every_number(*figures, 256);
+  expect_figures(bleeding_figures(*device, 256, [](const std::string&) {}), 9, 256);
 }
 
 TEST(Figures, ANumberOutsideItsBoundDoesNotHold) {

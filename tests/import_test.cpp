@@ -585,6 +585,15 @@ TEST_F(Import, ReadsCamerasAndScenesOfGltf) {
   EXPECT_NE(scene.warnings[0].find("2 scenes"), std::string::npos);
 }
 
+constexpr const char* kBlended = R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})";
+
+/// The texture of a scene's only material, which was blended and is cut out.
+const Texture& cut_out_of(const Scene& scene) {
+  const Material& material = scene.materials.at(std::size_t(scene.meshes.at(0).material));
+  EXPECT_TRUE(material.alpha_mask);
+  return scene.textures.at(std::size_t(material.texture));
+}
+
 TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
   // Dirty glass: grains more opaque and more clear than half, on the left half opaque on the average.
   constexpr int kWidth = 256, kHeight = 64;
@@ -597,11 +606,8 @@ TEST_F(Import, CutsWhatIsBlendedAlongSmoothEdges) {
       tga += {char(90), char(90), char(90), char(alpha)};
     }
   write("dots.tga", tga);
-  const std::string base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
-  const Scene scene = read("glass.gltf", triangle_gltf("", R"({"alphaMode":"BLEND",)" + base + "}"));
-  const Material& glass = scene.materials.at(std::size_t(scene.meshes.at(0).material));
-  EXPECT_TRUE(glass.alpha_mask);
-  const Texture& texture = scene.textures.at(std::size_t(glass.texture));
+  const Scene scene = read("glass.gltf", triangle_gltf("", kBlended));
+  const Texture& texture = cut_out_of(scene);
   ASSERT_EQ(texture.width, kWidth);
   int wrong = 0;
   for (int y = 0; y < kHeight; ++y)
@@ -620,11 +626,8 @@ TEST_F(Import, KeepsThePalettesOfWhatIsBlended) {
   tga[21] = char(255), tga[25] = char(40);
   tga[18] = tga[19] = tga[20] = tga[22] = tga[23] = tga[24] = char(90);
   write("dots.tga", tga);
-  const std::string base = R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0}})";
-  const Scene scene = read("palette.gltf", triangle_gltf("", R"({"alphaMode":"BLEND",)" + base + "}"));
-  const Material& glass = scene.materials.at(std::size_t(scene.meshes.at(0).material));
-  EXPECT_TRUE(glass.alpha_mask);
-  const Texture& texture = scene.textures.at(std::size_t(glass.texture));
+  const Scene scene = read("palette.gltf", triangle_gltf("", kBlended));
+  const Texture& texture = cut_out_of(scene);
   EXPECT_EQ(texture.rgba[3], 255);
   EXPECT_EQ(texture.rgba[7], 40);
 }

@@ -563,6 +563,11 @@ Camera sideways(Projection projection) {
   return camera;
 }
 
+void expect_at(const Imath::V3f& point, float x, float y, float bound) {
+  EXPECT_NEAR(point.x, x, bound);
+  EXPECT_NEAR(point.y, y, bound);
+}
+
 TEST_F(ExrFile, PerspectiveCameraAttributes) {
   const Camera camera = sideways(Projection::kPerspective);
   ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
@@ -571,19 +576,15 @@ TEST_F(ExrFile, PerspectiveCameraAttributes) {
   // 4 before the eye, 2 to the right, 1 up: at distance 1 that is (0.5, 0.25) in a window of 4 by 2.
   const Imath::V3f point(6, 1, -2);
   const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
-  EXPECT_NEAR(seen.x, 2, 1e-5f);
-  EXPECT_NEAR(seen.y, 1, 1e-5f);
+  expect_at(seen, 2, 1, 1e-5f);
   EXPECT_NEAR(seen.z, 4, 1e-5f);
-  EXPECT_NEAR(ndc.x, 0.375f, 1e-6f);
-  EXPECT_NEAR(ndc.y, 0.625f, 1e-6f);
+  expect_at(ndc, 0.375f, 0.625f, 1e-6f);
   // The window's upper left corner, 5 before the eye: x = -5 is z = 5, y = 7.5.
   const Imath::V3f corner = Imath::V3f(5, 7.5f, 5) * to_ndc;
-  EXPECT_NEAR(corner.x, 0, 1e-6f);
-  EXPECT_NEAR(corner.y, 0, 1e-6f);
+  expect_at(corner, 0, 0, 1e-6f);
   // The lower right corner, 2 before it: x = 6 is z = -6, y = -1.
   const Imath::V3f other = Imath::V3f(8, -1, -6) * to_ndc;
-  EXPECT_NEAR(other.x, 1, 1e-6f);
-  EXPECT_NEAR(other.y, 1, 1e-6f);
+  expect_at(other, 1, 1, 1e-6f);
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
   EXPECT_EQ(file.header().screenWindowWidth(), 4.0f);
   EXPECT_EQ(file.header().screenWindowCenter(), Imath::V2f(1.0f, 0.5f));
@@ -597,12 +598,10 @@ TEST_F(ExrFile, OrthographicCameraAttributes) {
   const Imath::V3f point(6, 1, -2);
   const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
   EXPECT_NEAR(seen.z, 4, 1e-5f);
-  EXPECT_NEAR(ndc.x, 0.75f, 1e-6f);
-  EXPECT_NEAR(ndc.y, 0.25f, 1e-6f);
+  expect_at(ndc, 0.75f, 0.25f, 1e-6f);
   // Twice as far it lies in the same place.
   const Imath::V3f farther = Imath::V3f(2, 1, -2) * to_ndc;
-  EXPECT_NEAR(farther.x, 0.75f, 1e-6f);
-  EXPECT_NEAR(farther.y, 0.25f, 1e-6f);
+  expect_at(farther, 0.75f, 0.25f, 1e-6f);
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
 }
 

@@ -34,6 +34,9 @@
 namespace umbrage {
 namespace {
 
+using test::PixelRay;
+using test::ray_of;
+
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 // Of walls that stand for infinite ones. Seen from a distance of 1, what lies beyond counts for less than 1e-5.
 constexpr float kFar = 1e5f;
@@ -131,22 +134,8 @@ Camera from_above(float width, float height, glm::vec2 at = {0, 0}, float from =
   return orthographic_camera({at.x, at.y, from}, {at.x, at.y, 0}, {0, 1, 0}, height, width / height);
 }
 
-/// A pixel's ray, in double and world space: its parameter is depth.
-struct PixelRay {
-  glm::dvec3 origin, direction;
-  glm::dvec3 on_floor() const { return origin - direction * (origin.z / direction.z); }
-};
-
-PixelRay ray_of(const PictureInfo& info, int x, int y) {
-  const Camera& c = info.camera;
-  const glm::dmat4 view(c.view_from_world);
-  const glm::dmat3 turn = glm::transpose(glm::dmat3(view));
-  const glm::dvec3 eye = -(turn * glm::dvec3(view[3]));
-  const double u = c.left + (x + 0.5) / info.width * (double(c.right) - c.left);
-  const double v = c.top - (y + 0.5) / info.height * (double(c.top) - c.bottom);
-  if (c.projection == Projection::kPerspective) return {eye, turn * glm::dvec3(u, v, -1.0)};
-  return {eye + turn * glm::dvec3(u, v, 0.0), turn * glm::dvec3(0.0, 0.0, -1.0)};
-}
+/// Where a pixel's ray meets the floor, z = 0.
+glm::dvec3 on_floor(const PixelRay& ray) { return ray.origin - ray.direction * (ray.origin.z / ray.direction.z); }
 
 glm::dvec3 vector_at(const Image& image, std::string_view name, std::array<const char*, 3> parts, int x, int y) {
   glm::dvec3 v;
@@ -202,7 +191,7 @@ void expect_occlusion(
   Tally error;
   for_each_pixel(info, [&](int x, int y) {
     const PixelRay ray = ray_of(info, x, y);
-    if (sees_floor(ray)) error.add(image.plane("ao").at(x, y) - truth(ray.on_floor()));
+    if (sees_floor(ray)) error.add(image.plane("ao").at(x, y) - truth(on_floor(ray)));
   });
   expect_mean(error, 0.0, most_error, what);
 }
@@ -446,7 +435,7 @@ TEST(Reference, FalloffBesideAWall) {
     std::vector<double> columns;  // the truth depends on x alone
     for (int x = 0; x < info.width; ++x) {
       constexpr int kSteps = 400;
-      const double k = (1.5 - ray_of(info, x, 0).on_floor().x) / kRadius;
+      const double k = (1.5 - on_floor(ray_of(info, x, 0)).x) / kRadius;
       double closed = 0.0;
       // Chords of the disc at s: the wall is k / s radii away along every direction that projects to one.
       for (int i = 0; i < kSteps; ++i) {
@@ -470,7 +459,7 @@ TEST(Reference, BentNormalBesideAWall) {
       Tally towards, along;
       for_each_pixel(info, [&](int x, int y) {
         const glm::dvec3 bent = bent_at(image, info, x, y);
-        const double distance = 1.0 - ray_of(info, x, y).on_floor().x;
+        const double distance = 1.0 - on_floor(ray_of(info, x, y)).x;
         const glm::dvec3 expected = glm::normalize(openness({{0.0, distance}}, 1e9, radius).moment);
         ASSERT_NEAR(glm::length(bent), 1.0, 1e-6);
         ASSERT_GT(glm::dot(bent, expected), 0.99);
@@ -622,7 +611,7 @@ TEST(Reference, LampsFallOffWithTheSquare) {
     const PictureInfo info = stage.info(from_above(8, 8), 32, 32);
     const Image image = light(stage, info, {.samples = 2, .bounce = false});
     for_each_pixel(info, [&](int x, int y) {
-      const glm::dvec3 away = where - ray_of(info, x, y).on_floor();
+      const glm::dvec3 away = where - on_floor(ray_of(info, x, y));
       const double squared = glm::dot(away, away), falls = reach > 0.0f ? reach * reach / squared : 1.0;
       const double expected = 0.5 * 2.0 * falls * away.z / std::sqrt(squared);
       EXPECT_NEAR(image.plane("direct.r").at(x, y), expected, 1e-5 * expected);
@@ -707,7 +696,7 @@ TEST(Reference, LargeLightsShineAsBrightlyAsPoints) {
       const Image image = light(stage, here, {.samples = 64, .bounce = false});
       Tally error;
       for_each_pixel(info, [&](int x, int y) {
-        const glm::dvec3 away = where - ray_of(info, x, y).on_floor();
+        const glm::dvec3 away = where - on_floor(ray_of(info, x, y));
         const double squared = glm::dot(away, away);
         const double expected = (reach > 0.0f ? reach * reach / squared : 1.0) * away.z / std::sqrt(squared);
         error.add(image.plane("direct.g").at(x, y) - expected);
@@ -732,7 +721,7 @@ TEST(Reference, PenumbraOfAnEdge) {
     std::array<Tally, 4> errors;  // by where on the ramp
     for_each_pixel(info, [&](int x, int y) {
       constexpr int kSteps = 200;
-      const double at = ray_of(info, x, y).on_floor().x / kHeight;
+      const double at = on_floor(ray_of(info, x, y)).x / kHeight;
       const float shadow = image.plane("shadow").at(x, y);
       if (at < -1.01 * std::tan(half)) {
         EXPECT_EQ(shadow, 0.0f) << at;
@@ -798,7 +787,7 @@ TEST(Reference, WallOfConstantRadiance) {
     const Image image = light(stage, info, {.samples = 128});
     std::array<Tally, 3> errors;
     for_each_pixel(info, [&](int x, int y) {
-      const double away = 2.0 - ray_of(info, x, y).on_floor().x;
+      const double away = 2.0 - on_floor(ray_of(info, x, y)).x;
       const double share = 0.5 - 0.5 * away / std::hypot(away, height);
       const glm::dvec3 indirect = color_at(image, "indirect", x, y);
       for (int c = 0; c < 3; ++c) errors[std::size_t(c)].add(indirect[c] - radiance[c] * share);
@@ -1129,7 +1118,7 @@ TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
   for (const auto& [samples, most] : {std::pair{64, 0.06}, {kMostSamples, 3e-3}}) {
     const Image image = occlusion(stage, info, {.samples = samples, .radius = 1.3f});
     for_each_pixel(info, [&](int x, int y) {
-      EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - ray_of(info, x, y).on_floor().x) / 1.3), most);
+      EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - on_floor(ray_of(info, x, y)).x) / 1.3), most);
     });
   }
 }

@@ -46,16 +46,17 @@ TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
     for (const Pass& pass : effect->passes) {
       EXPECT_FALSE(pass.outputs.empty()) << effect->name;
       if (pass.host) {
-        EXPECT_TRUE(!pass.scalar && !pass.lanes && !pass.tuned && pass.spirv.empty() && pass.gpu_ways.empty())
+        EXPECT_TRUE(!pass.kernel.scalar && !pass.kernel.lanes && !pass.tuned && pass.kernel.spirv.empty() &&
+                    pass.gpu_ways.empty())
             << effect->name << ": a host step has no kernel";
         EXPECT_TRUE(!pass.reach && pass.for_all && !pass.for_missing) << effect->name << ": it is of whole planes";
         continue;
       }
-      EXPECT_NE(pass.scalar, nullptr) << effect->name;
-      EXPECT_NE(pass.lanes, nullptr) << effect->name;
-      ASSERT_GT(pass.spirv.size(), 5u) << effect->name;
-      EXPECT_EQ(pass.spirv[0], 0x07230203u) << effect->name << ": not SPIR-V";
-      EXPECT_EQ(pass.tile_width % 16, 0) << effect->name;
+      EXPECT_NE(pass.kernel.scalar, nullptr) << effect->name;
+      EXPECT_NE(pass.kernel.lanes, nullptr) << effect->name;
+      ASSERT_GT(pass.kernel.spirv.size(), 5u) << effect->name;
+      EXPECT_EQ(pass.kernel.spirv[0], 0x07230203u) << effect->name << ": not SPIR-V";
+      EXPECT_EQ(pass.tile.width % 16, 0) << effect->name;
     }
 }
 

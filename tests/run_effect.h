@@ -19,6 +19,20 @@ namespace umbrage::test {
 /// Names of parameters and what is written for them.
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
+/// Colours and vectors, by their planes.
+inline constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
+inline constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
+inline constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
+inline constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
+inline constexpr const char* kIndirect[] = {"indirect.r", "indirect.g", "indirect.b"};
+inline constexpr const char* kLit[] = {"lit.r", "lit.g", "lit.b"};
+
+/// Both, of which the second holds where they differ.
+inline Settings joined(Settings first, const Settings& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
 inline ParameterBytes parameters_of(const Effect& effect, const Settings& settings) {
   ParameterBytes bytes = initial_parameters(effect.parameters, effect.params_size);
   for (const auto& [name, value] : settings) {
@@ -28,6 +42,15 @@ inline ParameterBytes parameters_of(const Effect& effect, const Settings& settin
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
   }
   return bytes;
+}
+
+/// What an effect's kernels read with these settings, as the struct Constants of its own.
+template <class Constants>
+Constants constants_of(std::string_view name, const PictureInfo& info, const Settings& settings) {
+  const Effect& effect = *find_effect(name);
+  Constants constants;
+  effect.constants(parameters_of(effect, settings), info, &constants);
+  return constants;
 }
 
 /// The planes that an effect makes: those of the passes that it needs, each once.

@@ -199,6 +199,9 @@ TEST(Metering, BringsSurfacesTowardsWhite) {
 
 // --- soft shadows --------------------------------------------------------------------------------------------------
 
+constexpr float kDiscDeg = 30.0f;  // of the sun over the sheet
+constexpr int kSide = 128;         // of pictures of it
+
 /// A floor at height 0, and a sheet at height 1 that covers x below 0.
 Scene sheet_over_floor(float disc_deg) {
   Scene scene;
@@ -230,12 +233,10 @@ double open_light(double at, double disc_deg) {
 }
 
 TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
-  constexpr float kDiscDeg = 30.0f;
+  const auto device = make_cpu_device();
   const Scene scene = sheet_over_floor(kDiscDeg);
-  auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
   // From below the sheet's height, along it: the floor right of its edge is seen whole.
-  constexpr int kSide = 128;
   const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 2.0f, 1.0f);
   struct Case {
     int rays, frames;
@@ -263,12 +264,10 @@ TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
 }
 
 TEST(SoftShadows, ALongPenumbraHasNoStreaks) {
-  constexpr float kDiscDeg = 30.0f;
+  const auto device = make_cpu_device();
   const Scene scene = sheet_over_floor(kDiscDeg);
-  auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
   // Four times nearer than above: the penumbra's radius is 69 pixels.
-  constexpr int kSide = 128;
   const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 0.5f, 1.0f);
   struct Case {
     int frames;

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 #include <limits>
+#include <numbers>
 
 #include "core/check.h"
 #include "kernel/isa.h"
@@ -28,6 +32,45 @@ std::vector<std::string_view> lane_isas() {
   std::vector<std::string_view> names = isas();
   names.pop_back();
   return names;
+}
+
+PixelRay ray_of(const PictureInfo& info, int x, int y) {
+  const Camera& c = info.camera;
+  const glm::dmat4 view(c.view_from_world);
+  const glm::dmat3 turn = glm::transpose(glm::dmat3(view));
+  const glm::dvec3 eye = -(turn * glm::dvec3(view[3]));
+  const double u = c.left + (x + 0.5) / info.width * (double(c.right) - c.left);
+  const double v = c.top - (y + 0.5) / info.height * (double(c.top) - c.bottom);
+  if (c.projection == Projection::kPerspective) return {eye, turn * glm::dvec3(u, v, -1.0)};
+  return {eye + turn * glm::dvec3(u, v, 0.0), turn * glm::dvec3(0.0, 0.0, -1.0)};
+}
+
+int tilt_about_x(GBuffer& g, double tilt_deg) {
+  const Camera& camera = g.info.camera;
+  const int width = g.info.width, height = g.info.height;
+  const double tilt = tilt_deg * std::numbers::pi / 180.0, ny = std::sin(tilt), nz = std::cos(tilt);
+  int horizon = 0;
+  for (int y = height - 1; y >= 0; --y)
+    for (int x = 0; x < width; ++x) {
+      const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / height;
+      const double depth =
+          camera.projection == Projection::kOrthographic ? 40.0 + ny / nz * v : 5.0 * nz / (nz - ny * v);
+      if (depth < 0.0) horizon = std::max(horizon, y + 1);
+      g.layers[0].plane("depth").at(x, y) = depth > 0.0 ? float(depth) : std::numeric_limits<float>::infinity();
+      g.layers[0].plane("normal.y").at(x, y) = float(ny);
+      g.layers[0].plane("normal.z").at(x, y) = float(nz);
+    }
+  return horizon;
+}
+
+double volume(const Mesh& mesh) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    const glm::dvec3 a = mesh.positions[mesh.indices[i]], b = mesh.positions[mesh.indices[i + 1]],
+                     c = mesh.positions[mesh.indices[i + 2]];
+    sum += glm::dot(a, glm::cross(b, c)) / 6.0;
+  }
+  return sum;
 }
 
 unsigned hash(unsigned v) {

@@ -1,11 +1,13 @@
 // What several tests need: G-buffers made in code, comparisons.
 #pragma once
+#include <glm/vec3.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/device.h"
 #include "core/gbuffer.h"
+#include "scene/scene.h"
 
 namespace umbrage::test {
 
@@ -35,6 +37,20 @@ double scale_of(const Plane& plane);
 std::vector<std::string_view> isas();
 /// Those of them that have lanes: all but "scalar".
 std::vector<std::string_view> lane_isas();
+
+/// The ray through a pixel's centre, in double and world space: its parameter is depth.
+struct PixelRay {
+  glm::dvec3 origin, direction;
+  glm::dvec3 at(double depth) const { return origin + direction * depth; }
+};
+PixelRay ray_of(const PictureInfo& info, int x, int y);
+
+/// Makes depth and normals those of a plane that is tilted about the picture's x axis and fills it. Returns how many
+/// rows at the top lie above its horizon and show nothing.
+int tilt_about_x(GBuffer& g, double tilt_deg);
+
+/// What a closed mesh encloses.
+double volume(const Mesh& mesh);
 
 /// A random 32-bit number from a counter.
 unsigned hash(unsigned v);

@@ -27,7 +27,7 @@ const Option* option_at(const KernelOptions& options, std::size_t offset) {
 }
 
 TEST(KernelOptions, AreWhatTheKernelCompares) {
-  const KernelOptions options = options_of(pass_of("hemisphere", "occlusion").spirv);
+  const KernelOptions options = options_of(pass_of("hemisphere", "occlusion").kernel.spirv);
   const std::size_t effect = sizeof(FrameConstants);
   const Option* range = option_at(options, effect + offsetof(HemisphereConstants, range));
   ASSERT_NE(range, nullptr);
@@ -58,16 +58,17 @@ TEST(KernelOptions, TakeThePlaceOfLoads) {
   for (const Effect* effect : effects())
     for (const Pass& pass : effect->passes) {
       if (pass.host) continue;
-      const KernelOptions options = options_of(pass.spirv);
+      const KernelOptions options = options_of(pass.kernel.spirv);
       std::vector<std::optional<std::int32_t>> values(options.options.size(), 3);
-      const auto words = with_options(pass.spirv, options, values);
-      EXPECT_EQ(words.size(), pass.spirv.size() + 4 * options.loads.size()) << effect->name;
-      EXPECT_EQ(slots_of(words).size(), slots_of(pass.spirv).size()) << effect->name;
+      const auto words = with_options(pass.kernel.spirv, options, values);
+      EXPECT_EQ(words.size(), pass.kernel.spirv.size() + 4 * options.loads.size()) << effect->name;
+      EXPECT_EQ(slots_of(words).size(), slots_of(pass.kernel.spirv).size()) << effect->name;
       // Nothing is left to replace, and nothing happens where no value is known.
       EXPECT_TRUE(options_of(words).loads.empty()) << effect->name << ' ' << pass.name;
       std::fill(values.begin(), values.end(), std::nullopt);
-      const auto same = with_options(pass.spirv, options, values);
-      EXPECT_TRUE(std::equal(same.begin(), same.end(), pass.spirv.begin(), pass.spirv.end())) << effect->name;
+      const auto same = with_options(pass.kernel.spirv, options, values);
+      EXPECT_TRUE(std::equal(same.begin(), same.end(), pass.kernel.spirv.begin(), pass.kernel.spirv.end()))
+          << effect->name;
     }
 }
 

@@ -14,6 +14,12 @@
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "run_effect.h"
+#include "spirv/bitmask_by_hand_addresses.h"
+#include "spirv/bitmask_by_hand_buffers.h"
+#include "spirv/bitmask_by_hand_images.h"
+#include "spirv/hemisphere_by_hand_addresses.h"
+#include "spirv/hemisphere_by_hand_buffers.h"
+#include "spirv/hemisphere_by_hand_images.h"
 #include "support.h"
 #include "vulkan_support.h"
 
@@ -81,25 +87,6 @@ TEST(VulkanSpeed, DISABLED_UnsharpByItsWaysAndPlain) {
 }
 
 // ---- shaders written by hand ----
-
-constexpr std::uint32_t kHemisphereAddresses[] = {
-#include "spirv/hemisphere_by_hand_addresses.inc"
-};
-constexpr std::uint32_t kHemisphereBuffers[] = {
-#include "spirv/hemisphere_by_hand_buffers.inc"
-};
-constexpr std::uint32_t kHemisphereImages[] = {
-#include "spirv/hemisphere_by_hand_images.inc"
-};
-constexpr std::uint32_t kBitmaskAddresses[] = {
-#include "spirv/bitmask_by_hand_addresses.inc"
-};
-constexpr std::uint32_t kBitmaskBuffers[] = {
-#include "spirv/bitmask_by_hand_buffers.inc"
-};
-constexpr std::uint32_t kBitmaskImages[] = {
-#include "spirv/bitmask_by_hand_images.inc"
-};
 
 /// What loader.h does not list, since the device uses no images of its own.
 struct ImageFunctions {
@@ -373,8 +360,10 @@ struct ByHand {
   const char *effect, *pass;
   std::span<const std::uint32_t> addresses, buffers, images;
 };
-const ByHand kByHand[] = {{"hemisphere", "occlusion", kHemisphereAddresses, kHemisphereBuffers, kHemisphereImages},
-                          {"bitmask", "occlusion", kBitmaskAddresses, kBitmaskBuffers, kBitmaskImages}};
+const ByHand kByHand[] = {{"hemisphere", "occlusion", hemisphere_by_hand_addresses_spirv(),
+                           hemisphere_by_hand_buffers_spirv(), hemisphere_by_hand_images_spirv()},
+                          {"bitmask", "occlusion", bitmask_by_hand_addresses_spirv(), bitmask_by_hand_buffers_spirv(),
+                           bitmask_by_hand_images_spirv()}};
 
 /// Times all four by turns, and asks that they make the same picture.
 void compare_with_hand(const char* scene, int width, int height, int turns) {

@@ -1,5 +1,7 @@
 // A picture to try occlusion techniques on, and what their listings ask of it.
 #pragma once
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -48,6 +50,39 @@ inline glm::dvec3 normal(const GBuffer& g, int x, int y) {
 /// The pixel in which a place of the picture lies, at most at the border.
 inline glm::ivec2 pixel_at(const GBuffer& g, double x, double y) {
   return {std::clamp(int(std::floor(x)), 0, g.info.width - 1), std::clamp(int(std::floor(y)), 0, g.info.height - 1)};
+}
+
+/// A plane that is tilted about the picture's y axis by an angle in radians and fills it, 5 away at its middle.
+inline GBuffer tilted_plane(int width, int height, double tilt) {
+  GBuffer g = test::empty_gbuffer(width, height);
+  for (const char* name : {"depth", "normal.x", "normal.y", "normal.z"}) g.layers[0].add(name);
+  const glm::dvec3 n(std::sin(tilt), 0.0, std::cos(tilt));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double u = (2.0 * (x + 0.5) / width - 1.0) * g.info.camera.right;
+      const double depth = 5.0 * n.z / (n.z - n.x * u);
+      g.layers[0].planes[0].at(x, y) =
+          depth > 0.0 && depth < 1e4 ? float(depth) : std::numeric_limits<float>::infinity();
+      for (int k = 0; k < 3; ++k) g.layers[0].planes[1 + k].at(x, y) = float(n[k]);
+    }
+  return g;
+}
+
+/// That `ao` is what a listing says of each pixel (`truth`), but for samples on the border of a pixel, and that more
+/// than so many pixels are below `dark`.
+template <class Truth>
+void expect_as_listed(const GBuffer& g, const Plane& ao, double dark, long dark_pixels, const Truth& truth) {
+  long off = 0, count = 0, compared = 0;
+  for (int y = 0; y < ao.height; ++y)
+    for (int x = 0; x < ao.width; ++x) {
+      if (!std::isfinite(g.layers[0].planes[0].at(x, y))) continue;
+      const double expected = truth(x, y);
+      off += std::fabs(ao.at(x, y) - expected) > 2e-4;
+      count += expected < dark;
+      ++compared;
+    }
+  EXPECT_LE(off, compared / 200) << "samples on a pixel's border fall to either side";
+  EXPECT_GT(count, dark_pixels);
 }
 
 }  // namespace umbrage::test

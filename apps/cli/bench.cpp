@@ -66,25 +66,158 @@ Result<Frame> reduced_frame(Device& device, const Frame& frame, int every) {
   return device.reduced(frame, every, names);
 }
 
-Result<void> bench(const BenchOptions& o) {
+/// The options, checked.
+struct BenchPlan {
+  std::vector<std::pair<int, int>> sizes;
+  std::string scale;  ///< full, half or quarter
+  int every = 1;      ///< the same as a number
+};
+
+Result<BenchPlan> plan_of(const BenchOptions& o) {
   constexpr int kMostRuns = 10000;
   if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
   std::vector<std::string_view> names = {"capture"};
   for (const Effect* effect : effects()) names.push_back(effect->name);
   if (!o.effect.empty() && std::find(names.begin(), names.end(), o.effect) == names.end())
     return usage_error("there is no effect '{}' to time{}", o.effect, suggestion(o.effect, names));
-  const std::string scale = o.request.occlusion_scale.empty() ? "full" : o.request.occlusion_scale;
-  const auto every = parse_scale("occlusion_scale", scale);
+  BenchPlan plan;
+  plan.scale = o.request.occlusion_scale.empty() ? "full" : o.request.occlusion_scale;
+  const auto every = parse_scale("occlusion_scale", plan.scale);
   if (!every) return every.error();
-  if (*every > 1 && !o.effect.empty() && (o.effect == "capture" || !runs_reduced(*find_effect(o.effect))))
-    return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter", scale,
-                       o.effect);
-  std::vector<std::pair<int, int>> sizes;
+  plan.every = *every;
+  if (plan.every > 1 && !o.effect.empty() && (o.effect == "capture" || !runs_reduced(*find_effect(o.effect))))
+    return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter",
+                       plan.scale, o.effect);
   for (const std::string& text : o.sizes) {
     const auto size = parse_size("width", text, kMostPixels);
     if (!size) return size.error();
-    sizes.push_back(*size);
+    plan.sizes.push_back(*size);
   }
+  return plan;
+}
+
+/// The times of one size after the other, printed or kept for JSON.
+class Bench {
+ public:
+  Bench(const BenchOptions& options, const BenchPlan& plan, Device& device, ProgressLine& line)
+      : o_(options), plan_(plan), device_(device), line_(line) {
+    // As if all took the same time.
+    steps_ = double(plan.sizes.size()) * (o_.effect.empty() ? double(effects().size() + 1) : 1.0);
+  }
+
+  Result<void> time_size(Scene& scene, std::pair<int, int> size) {
+    size_ = size;
+    RenderRequest draw_with;
+    draw_with.width = size.first;
+    draw_with.height = size.second;
+    draw_with.look = "unsharp";
+    StageTimes ignored;
+    auto frame = draw(device_, scene, draw_with, ignored);
+    if (!frame) return frame.error();
+    if (plan_.every > 1) {
+      auto small = reduced_frame(device_, *frame, plan_.every);
+      if (!small) return small.error();
+      frame = std::move(small);
+    }
+    if (is_wanted("capture")) {
+      show("capture");
+      if (plan_.every == 1)
+        if (auto done = time_capture(frame->info.camera); !done) return done;
+    }
+    for (const Effect* effect : effects()) {
+      if (!is_wanted(effect->name)) continue;
+      show(effect->name);
+      if (plan_.every > 1 && !runs_reduced(*effect)) continue;
+      if (auto done = time_effect(*effect, *frame); !done) return done;
+    }
+    return {};
+  }
+
+  const nlohmann::json& records() const { return records_; }
+
+ private:
+  bool is_wanted(std::string_view effect) const { return o_.effect.empty() || o_.effect == effect; }
+
+  void show(std::string_view effect) {
+    line_.show(fmt::format("timing {} at {}x{}", effect, size_.first, size_.second), step_++ / steps_);
+  }
+
+  void report(std::string_view effect, const std::string& setting, const Times& t) {
+    records_.push_back({{"effect", effect},
+                        {"setting", setting},
+                        {"device", device_.name()},
+                        {"width", size_.first},
+                        {"height", size_.second},
+                        {"threads", device_.threads()},
+                        {"ms", t.median},
+                        {"ms_min", t.least}});
+    if (plan_.every > 1) records_.back()["scale"] = plan_.scale;
+    if (t.gpu_median) records_.back()["gpu_ms"] = *t.gpu_median;
+    line_.wipe();
+    if (!o_.json)
+      fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}{}\n", effect, setting,
+                 fmt::format("{}x{}", size_.first, size_.second), t.median, t.least,
+                 t.gpu_median ? fmt::format(" {:9.3f} on the GPU", *t.gpu_median) : "");
+  }
+
+  /// Times what it is told to run, and reports that.
+  template <class Run>
+  Result<void> time_run(std::string_view effect, const std::string& setting, const Run& run) {
+    const auto times = time_of(o_.runs, device_, run);
+    if (!times) return times.error();
+    report(effect, setting, *times);
+    return {};
+  }
+
+  Result<void> time_capture(const Camera& camera) {
+    for (const int shadows : {0, 1}) {
+      auto done = time_run("capture", shadows > 0 ? "shadow" : "", [&]() -> Result<void> {
+        const auto drawn = device_.capture(camera, {.width = size_.first, .height = size_.second, .shadows = shadows});
+        return drawn ? Result<void>() : drawn.error();
+      });
+      if (!done) return done;
+    }
+    return {};
+  }
+
+  /// All variants of an effect, and of a technique at half resolution as well.
+  Result<void> time_effect(const Effect& effect, Frame& frame) {
+    const std::vector<std::string_view> only_own = {""};
+    for (const std::string_view variant : effect.variants.empty() ? only_own : effect.variants) {
+      EffectSettings settings = look_settings(*find_look("unsharp"));
+      if (auto set = apply_variant(settings, effect, variant); !set) return set;
+      auto done = time_run(effect.name, std::string(variant), [&]() -> Result<void> {
+        const auto ran = device_.run(effect, params_of(settings, effect.name), frame);
+        return ran ? Result<void>() : ran.error();
+      });
+      if (!done) return done;
+      if (effect.kind != EffectKind::kOcclusion || plan_.every > 1) continue;
+      // All that --ao-scale half does: taking pixels out, the technique, putting back, and filling between.
+      Look alone;
+      alone.effects = {"occlusion"};
+      const LookRun half = {.look = &alone, .occlusion = effect.name, .occlusion_every = 2, .settings = &settings};
+      const std::string setting = variant.empty() ? "scale=half" : fmt::format("{} scale=half", variant);
+      done = time_run(effect.name, setting, [&]() -> Result<void> {
+        const auto drawn = run_look(half, device_, frame);
+        return drawn ? Result<void>() : drawn.error();
+      });
+      if (!done) return done;
+    }
+    return {};
+  }
+
+  const BenchOptions& o_;
+  const BenchPlan& plan_;
+  Device& device_;
+  ProgressLine& line_;
+  double steps_ = 1.0, step_ = 0.0;
+  std::pair<int, int> size_;
+  nlohmann::json records_ = nlohmann::json::array();
+};
+
+Result<void> bench(const BenchOptions& o) {
+  const auto plan = plan_of(o);
+  if (!plan) return plan.error();
   auto with_threads = device_of(o);
   if (!with_threads) return with_threads.error();
   Device& device = **with_threads;
@@ -93,88 +226,14 @@ Result<void> bench(const BenchOptions& o) {
   auto scene = load_scene(o.models.empty() ? "scene:claw" : o.models[0]);
   if (!scene) return scene.error();
   if (auto ready = device.prepare(*scene); !ready) return ready;
-
-  nlohmann::json records = nlohmann::json::array();
   line.wipe();
   if (!o.json)
     fmt::print("{} ({} triangles), {}, median and least of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
                scene->triangle_count(), device.description(), o.runs, "effect", "setting", "size", "ms", "ms_min");
-  // As if all took the same time.
-  const double steps = double(sizes.size()) * (o.effect.empty() ? double(effects().size() + 1) : 1.0);
-  double step = 0.0;
-  for (const auto& [width, height] : sizes) {
-    const auto timing = [&, width = width, height = height](std::string_view effect) {
-      line.show(fmt::format("timing {} at {}x{}", effect, width, height), step++ / steps);
-    };
-    const auto report = [&, width = width, height = height](std::string_view effect, const std::string& setting,
-                                                            const Times& t) {
-      records.push_back({{"effect", effect},
-                         {"setting", setting},
-                         {"device", device.name()},
-                         {"width", width},
-                         {"height", height},
-                         {"threads", device.threads()},
-                         {"ms", t.median},
-                         {"ms_min", t.least}});
-      if (*every > 1) records.back()["scale"] = scale;
-      if (t.gpu_median) records.back()["gpu_ms"] = *t.gpu_median;
-      line.wipe();
-      if (!o.json)
-        fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}{}\n", effect, setting, fmt::format("{}x{}", width, height),
-                   t.median, t.least, t.gpu_median ? fmt::format(" {:9.3f} on the GPU", *t.gpu_median) : "");
-    };
-    RenderRequest draw_with;
-    draw_with.width = width;
-    draw_with.height = height;
-    draw_with.look = "unsharp";
-    StageTimes ignored;
-    auto frame = draw(device, *scene, draw_with, ignored);
-    if (!frame) return frame.error();
-    if (*every > 1) {
-      auto small = reduced_frame(device, *frame, *every);
-      if (!small) return small.error();
-      frame = std::move(small);
-    }
-    if (o.effect.empty() || o.effect == "capture") timing("capture");
-    if (*every == 1 && (o.effect.empty() || o.effect == "capture"))
-      for (const bool shadow : {false, true}) {
-        const auto times = time_of(o.runs, device, [&, width = width, height = height]() -> Result<void> {
-          const auto drawn =
-              device.capture(frame->info.camera, {.width = width, .height = height, .shadows = shadow ? 1 : 0});
-          return drawn ? Result<void>() : drawn.error();
-        });
-        if (!times) return times.error();
-        report("capture", shadow ? "shadow" : "", *times);
-      }
-    for (const Effect* effect : effects()) {
-      if (!o.effect.empty() && o.effect != effect->name) continue;
-      timing(effect->name);
-      if (*every > 1 && !runs_reduced(*effect)) continue;
-      const std::vector<std::string_view> only_own = {""};
-      for (const std::string_view variant : effect->variants.empty() ? only_own : effect->variants) {
-        EffectSettings settings = look_settings(*find_look("unsharp"));
-        if (auto set = apply_variant(settings, *effect, variant); !set) return set;
-        const auto times = time_of(o.runs, device, [&]() -> Result<void> {
-          const auto done = device.run(*effect, params_of(settings, effect->name), *frame);
-          return done ? Result<void>() : done.error();
-        });
-        if (!times) return times.error();
-        report(effect->name, std::string(variant), *times);
-        if (effect->kind != EffectKind::kOcclusion || *every > 1) continue;
-        // All that --ao-scale half does: taking pixels out, the technique, putting back, and filling between.
-        Look alone;
-        alone.effects = {"occlusion"};
-        const LookRun half = {.look = &alone, .occlusion = effect->name, .occlusion_every = 2, .settings = &settings};
-        const auto half_times = time_of(o.runs, device, [&]() -> Result<void> {
-          const auto done = run_look(half, device, *frame);
-          return done ? Result<void>() : done.error();
-        });
-        if (!half_times) return half_times.error();
-        report(effect->name, variant.empty() ? "scale=half" : fmt::format("{} scale=half", variant), *half_times);
-      }
-    }
-  }
-  if (o.json) fmt::print("{}\n", records.dump(2));
+  Bench all(o, *plan, device, line);
+  for (const auto& size : plan->sizes)
+    if (auto done = all.time_size(*scene, size); !done) return done;
+  if (o.json) fmt::print("{}\n", all.records().dump(2));
   return {};
 }
 

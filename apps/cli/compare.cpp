@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/measure.h"
 #include "apps/cli/options.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/standard_input.h"
 #include "apps/compare/report.h"
 #include "io/image_file.h"
 
@@ -18,11 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct CompareOptions : CommonOptions {
+struct CompareOptions : MeasureOptions {
   std::string techniques = "all", output = "report", baseline, filter;
   bool light = false;
   std::vector<std::string> sizes = {"960,540", "480,270"};
-  int cameras = 2, samples = 256, runs = 3;
 };
 
 /// A setting as a column of the table holds it.
@@ -67,10 +66,6 @@ void print_table(const Comparison& comparison, Quantity quantity, std::pair<int,
 
 Result<void> run_compare(const CompareOptions& o) {
   CompareSettings settings;
-  settings.models = o.models;
-  settings.cameras = o.cameras;
-  settings.samples = o.samples;
-  settings.runs = o.runs;
   settings.light = o.light;
   settings.filter = o.filter;
   settings.sizes.clear();
@@ -86,12 +81,7 @@ Result<void> run_compare(const CompareOptions& o) {
   });
   settings.sizes.erase(std::unique(settings.sizes.begin(), settings.sizes.end()), settings.sizes.end());
   if (o.techniques != "all") settings.techniques = split(o.techniques);
-  const auto import_with = import_settings(o.request);
-  if (!import_with) return import_with.error();
-  settings.import = *import_with;
-  settings.draw = o.request;
-  settings.load = loader_of(o);
-  if (auto fine = check_standard_input(o.models, o.input_format); !fine) return fine;
+  if (auto done = set_measure(o, settings); !done) return done;
   if (auto fine = check_compare(settings); !fine) return fine;
   nlohmann::json baseline;
   if (!o.baseline.empty()) {
@@ -106,15 +96,10 @@ Result<void> run_compare(const CompareOptions& o) {
   if (auto writable = check_folder(folder, {"index.html", "scores.json"}); !writable) return writable;
 
   ProgressLine line;
-  settings.progress = [&](const std::string& what, double done) {
-    line.show(what, done);
-    return true;
-  };
+  settings.progress = shown_on(line);
   const auto comparison = compare(**device, settings);
   if (!comparison) return comparison.error();
-  line.wipe();
-  for (const std::string& warning : comparison->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
-  if (o.verbose) fmt::print(stderr, "{}\n", (*device)->description());
+  print_measured(o, comparison->warnings, **device, line);
   line.show("writing the page");
   const nlohmann::json scores = scores_json(*comparison);
   const auto page = report_page(*comparison, command_line, **device);
@@ -171,10 +156,7 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->expected(1)
       ->allow_extra_args(false)
       ->group(comparison);
-  command->add_option("--cameras", options->cameras, "at most so many views of each scene [2]")->group(comparison);
-  command->add_option("--samples", options->samples, "rays per pixel of the truth, an even number [256]")
-      ->group(comparison);
-  command->add_option("--runs", options->runs, "runs behind each time [3]")->group(comparison);
+  add_measure_options(*command, *options, comparison);
   command->add_option("--baseline", options->baseline, "an earlier scores.json: fail where a score is worse than there")
       ->group(comparison);
   add_group(*command, *options, kCompare, "Technique");

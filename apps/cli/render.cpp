@@ -88,9 +88,9 @@ Image picture_of_pass(const Image& frame, const std::vector<std::string>& names,
 
 /// The lines alone, in their colour, with alpha.
 Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
-  const auto& line = as<OutlineParams>(settings.find("outline")->second);
+  const auto& line = as<OutlineParams>(params_of(settings, "outline"));
   const Parameter& transfer = *find_parameter(*find_effect("output"), "transfer");
-  const bool srgb = parameter_text(transfer, settings.find("output")->second) == "srgb";
+  const bool srgb = parameter_text(transfer, params_of(settings, "output")) == "srgb";
   Image out(cover.width, cover.height);
   for (const auto& [name, value] : {std::pair{"color.r", line.r}, {"color.g", line.g}, {"color.b", line.b}})
     out.add(name) = Plane(cover.width, cover.height, srgb ? srgb_from_linear(value) : value);

@@ -9,15 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/cli/commands.h"
+#include "apps/cli/measure.h"
 #include "apps/cli/options.h"
 #include "apps/cli/progress.h"
-#include "apps/cli/standard_input.h"
 
 namespace umbrage::cli {
 namespace {
 
-struct TuneOptions : CommonOptions {
-  int cameras = 2, samples = 256, runs = 3, trials = 100;
+struct TuneOptions : MeasureOptions {
+  int trials = 100;
   double budget_ms = 0.0;
   bool json = false;
 };
@@ -77,31 +77,17 @@ void print_table(const Tuning& tuning) {
 
 Result<void> run_tune(const TuneOptions& o) {
   TuneSettings settings;
-  settings.models = o.models;
-  settings.cameras = o.cameras;
-  settings.samples = o.samples;
-  settings.runs = o.runs;
   settings.trials = o.trials;
   settings.budget_ms = o.budget_ms;
-  const auto import_with = import_settings(o.request);
-  if (!import_with) return import_with.error();
-  settings.import = *import_with;
-  settings.draw = o.request;
-  settings.load = loader_of(o);
-  if (auto fine = check_standard_input(o.models, o.input_format); !fine) return fine;
+  if (auto done = set_measure(o, settings); !done) return done;
   if (auto fine = check_tune(settings); !fine) return fine;
   auto device = device_of(o);
   if (!device) return device.error();
   ProgressLine line;
-  settings.progress = [&](const std::string& what, double done) {
-    line.show(what, done);
-    return true;
-  };
+  settings.progress = shown_on(line);
   const auto tuning = tune(**device, settings);
   if (!tuning) return tuning.error();
-  line.wipe();
-  for (const std::string& warning : tuning->warnings) fmt::print(stderr, "umbrage: warning: {}\n", warning);
-  if (o.verbose) fmt::print(stderr, "{}\n", (*device)->description());
+  print_measured(o, tuning->warnings, **device, line);
   if (o.json)
     print_json(*tuning, **device);
   else
@@ -125,10 +111,7 @@ void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
   add_one(*command, *options, "look", search, "recipe whose technique, filter and settings it begins with");
   add_one(*command, *options, "occlusion", search);
   add_one(*command, *options, "occlusion_scale", search, "", "all are tried");
-  command->add_option("--cameras", options->cameras, "at most so many views of each scene [2]")->group(search);
-  command->add_option("--samples", options->samples, "rays per pixel of the truth, an even number [256]")
-      ->group(search);
-  command->add_option("--runs", options->runs, "runs behind each time [3]")->group(search);
+  add_measure_options(*command, *options, search);
   command->add_flag("--json", options->json, "print all that was tried as JSON");
   add_group(*command, *options, kTune, "Technique");
   add_device_options(*command, *options, kTune);

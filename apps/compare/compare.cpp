@@ -10,6 +10,7 @@
 #include "core/suggest.h"
 #include "effects/effects.h"
 #include "reference/reference.h"
+#include "renderer/times.h"
 #include "scene/framing.h"
 
 namespace umbrage {

@@ -2,15 +2,12 @@
 // ray-traced truth; where it is asked for, also the light that techniques gather.
 #pragma once
 #include <array>
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "apps/compare/measure_settings.h"
 #include "reference/metrics.h"
-#include "renderer/models.h"
-#include "renderer/recipe.h"
-#include "renderer/times.h"
 
 namespace umbrage {
 
@@ -22,22 +19,13 @@ enum class Quantity {
 inline constexpr int kQuantities = 2;
 inline constexpr std::array<std::string_view, kQuantities> kQuantityNames = {"occlusion", "light"};
 
-struct CompareSettings {
-  std::vector<std::string> models;  ///< as for load_scene
-  ImportSettings import;
+/// `draw` holds framing, settings, guard band, scale and radius (the reference's own where empty).
+struct CompareSettings : MeasureSettings {
   std::vector<std::string> techniques;                                ///< names; empty: all that there are
   std::vector<std::pair<int, int>> sizes = {{960, 540}, {480, 270}};  ///< the pictures of the first one are kept
-  int cameras = 2;       ///< at most so many per scene: its suggested views, or turns around a file's model
-  int samples = 256;     ///< of the truth, per pixel; even
-  int runs = 3;          ///< behind each time, after one that does not count; the reference runs once
-  bool light = false;    ///< compare Quantity::kLight too
+  bool light = false;                                                 ///< compare Quantity::kLight too
   std::string filter;    ///< an effect of kind kFilter that follows each technique but the reference; empty: none
-  RenderRequest draw;    ///< camera, settings, guard band, scale, radius (the reference's own where empty)
   bool pictures = true;  ///< keep the pictures of the first size
-  /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
-  std::function<Result<Scene>(const std::string&, const ImportSettings&)> load = load_scene;
-  /// Told what is done now, and about the share of the whole that is done; false ends the work.
-  std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
 };
 
 /// One technique at one setting in one picture.

@@ -10,6 +10,7 @@
 #include "apps/compare/pictures.h"
 #include "effects/effects.h"
 #include "reference/reference.h"
+#include "renderer/times.h"
 
 namespace umbrage {
 namespace {
@@ -96,7 +97,7 @@ std::vector<std::string> settings_of(const Search& search, const Candidate& cand
     for (const std::string_view name : effect->tunable)
       all.push_back(
           fmt::format("{}.{}={}", effect->name, name,
-                      parameter_text(*find_parameter(*effect, name), candidate.settings.find(effect->name)->second)));
+                      parameter_text(*find_parameter(*effect, name), params_of(candidate.settings, effect->name))));
   }
   return all;
 }
@@ -180,8 +181,7 @@ Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate&
     if (!effect) continue;
     for (const std::string_view name : effect->tunable) {
       if (is_fixed(draw, effect->name, name)) continue;
-      for (const std::string& value :
-           beside(*find_parameter(*effect, name), from.settings.find(effect->name)->second)) {
+      for (const std::string& value : beside(*find_parameter(*effect, name), params_of(from.settings, effect->name))) {
         Candidate candidate = from;
         if (auto set = apply_setting(candidate.settings, fmt::format("{}.{}={}", effect->name, name, value)); !set)
           return set.error();
@@ -197,7 +197,7 @@ std::string radius_text(const RenderRequest& draw, const Recipe& recipe, const E
   if (!draw.occlusion_radius.empty()) return draw.occlusion_radius;
   const Parameter* own = find_parameter(technique, "radius");
   if (own && own->type == ParameterType::kLength && technique.set_radius)
-    return parameter_text(*own, recipe.settings.find(technique.name)->second);
+    return parameter_text(*own, params_of(recipe.settings, technique.name));
   return reference_radius();
 }
 
@@ -322,7 +322,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
   if (technique->set_radius)
     if (const auto length = parse_length("occlusion_radius", result.radius); length)
       if (const auto radius = radius_in_scene("`occlusion_radius`", *length, first.info); radius)
-        technique->set_radius(*radius, first.info, start.settings.find(technique->name)->second);
+        technique->set_radius(*radius, first.info, params_of(start.settings, technique->name));
   if (auto done = attempt(search, start); !done) return done.error();
   result.budget_ms = settings.budget_ms > 0.0 ? settings.budget_ms : search.trials[0].ms;
 

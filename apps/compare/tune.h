@@ -1,30 +1,18 @@
 // Tune: searches the settings of an occlusion technique, and of the filter behind it, for those that come closest to
 // the ray-traced truth of a scene in a given time.
 #pragma once
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "renderer/models.h"
-#include "renderer/recipe.h"
+#include "apps/compare/measure_settings.h"
 
 namespace umbrage {
 
-struct TuneSettings {
-  std::vector<std::string> models;  ///< as for load_scene
-  ImportSettings import;
-  /// Size, framing, look, technique, radius, and the settings to begin with. The filter is that of the look. The radius
-  /// is that of the technique, if it has one, and else the reference's.
-  RenderRequest draw;
-  int cameras = 2;         ///< at most so many per scene, as in a comparison
-  int samples = 256;       ///< of the truth, per pixel; even
-  int runs = 3;            ///< behind each time, after one that does not count
+/// `draw` holds size, framing, look, technique, radius, and the settings to begin with. The filter is that of the look.
+/// The radius is that of the technique, if it has one, and else the reference's.
+struct TuneSettings : MeasureSettings {
   double budget_ms = 0.0;  ///< of technique, filter and upsampling, in the mean over all pictures; 0: what it takes now
   int trials = 100;        ///< settings that are tried, at most
-  /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
-  std::function<Result<Scene>(const std::string&, const ImportSettings&)> load = load_scene;
-  /// Told what is done now, and about the share of the whole that is done; false ends the work.
-  std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
 };
 
 /// One way to set the technique.

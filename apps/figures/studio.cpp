@@ -62,9 +62,12 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
       fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
   if (with.anti_aliasing) command += fmt::format(" --anti-aliasing {}", *with.anti_aliasing);
   if (!occlusion.empty()) command += " --ao " + occlusion;
-  if (framing.position) command += " --camera-position " + words(*framing.position);
-  if (framing.focal_point) command += " --camera-focal-point " + words(*framing.focal_point);
-  if (framing.view_angle_deg) command += fmt::format(" --camera-view-angle {}", *framing.view_angle_deg);
+  if (framing.position) command += " --camera-position=" + words(*framing.position);
+  if (framing.focal_point) command += " --camera-focal-point=" + words(*framing.focal_point);
+  if (framing.view_angle_deg) command += fmt::format(" --camera-view-angle={}", *framing.view_angle_deg);
+  if (framing.azimuth_deg != 0.0f) command += fmt::format(" --camera-azimuth-angle={}", framing.azimuth_deg);
+  if (framing.elevation_deg != 0.0f) command += fmt::format(" --camera-elevation-angle={}", framing.elevation_deg);
+  if (framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", framing.zoom);
   if (with.layers) command += fmt::format(" --layers {}", *with.layers);
   if (with.extra_views) command += fmt::format(" --extra-views {}", *with.extra_views);
   for (const std::string& setting : with.settings) command += " --set " + setting;

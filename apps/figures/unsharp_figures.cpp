@@ -1,86 +1,16 @@
 // Figures 1 to 6 and the claims of cost of [Chamberlin 2011].
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/matrix_inverse.hpp>
 #include <numeric>
 
 #include "apps/figures/figures.h"
+#include "apps/figures/studio.h"
 #include "effects/effects.h"
-#include "renderer/draw.h"
-#include "renderer/models.h"
 
 namespace umbrage {
 namespace {
 
-/// One picture with the depth behind it.
-struct Shot {
-  Image image;  // color.r, color.g, color.b, depth
-  PictureInfo info;
-  std::string command;
-
-  float gray(int x, int y) const { return image.plane("color.g").at(x, y); }
-  float depth(int x, int y) const { return image.plane("depth").at(x, y); }
-  bool surface(int x, int y) const { return std::isfinite(depth(x, y)); }
-  glm::vec3 world(int x, int y) const {
-    const Camera& c = info.camera;
-    const float d = depth(x, y);
-    const glm::vec4 view((c.left + (float(x) + 0.5f) / float(info.width) * (c.right - c.left)) * d,
-                         (c.top - (float(y) + 0.5f) / float(info.height) * (c.top - c.bottom)) * d, -d, 1.0f);
-    return glm::vec3(glm::inverse(c.view_from_world) * view);
-  }
-  FigurePicture picture(std::string file, std::string caption) const {
-    Image color(image.width, image.height);
-    for (const char* name : {"color.r", "color.g", "color.b"}) color.add(name) = image.plane(name);
-    return {std::move(file), std::move(caption), command, std::move(color)};
-  }
-};
-
-/// Draws one scene again and again with other settings.
-struct Studio {
-  Device& device;
-  std::string model;
-  Scene scene;
-  RenderRequest draw;
-  Framing framing;
-
-  Result<Shot> shoot(const std::vector<std::string>& settings, const std::string& occlusion = "") {
-    RenderRequest with = draw;
-    with.settings.insert(with.settings.end(), settings.begin(), settings.end());
-    with.occlusion = occlusion;
-    StageTimes times;
-    auto recipe = make_recipe(with);
-    if (!recipe) return recipe.error();
-    recipe->framing = framing;
-    auto frame = umbrage::draw(device, scene, *recipe, times);
-    if (!frame) return frame.error();
-    auto image = device.download(*frame, {"color.r", "color.g", "color.b", "depth"});
-    if (!image) return image.error();
-    std::string command =
-        fmt::format("umbrage {} -o out.png --look {} --resolution {},{}", model, with.look, with.width, with.height);
-    if (!occlusion.empty()) command += " --ao " + occlusion;
-    if (framing.position)
-      command += fmt::format(" --camera-position={},{},{} --camera-focal-point={},{},{} --camera-view-angle={}",
-                             framing.position->x, framing.position->y, framing.position->z, framing.focal_point->x,
-                             framing.focal_point->y, framing.focal_point->z, *framing.view_angle_deg);
-    if (framing.azimuth_deg != 0.0f) command += fmt::format(" --camera-azimuth-angle={}", framing.azimuth_deg);
-    if (framing.elevation_deg != 0.0f) command += fmt::format(" --camera-elevation-angle={}", framing.elevation_deg);
-    if (framing.zoom != 1.0f) command += fmt::format(" --camera-zoom-factor={}", framing.zoom);
-    for (const std::string& setting : with.settings) command += " --set " + setting;
-    return Shot{std::move(*image), frame->info, std::move(command)};
-  }
-};
-
-Result<Studio> open_studio(Device& device, const std::string& model, int size) {
-  auto scene = load_scene(model);
-  if (!scene) return scene.error();
-  Studio studio{device, model, std::move(*scene), {}};
-  studio.draw.width = studio.draw.height = size;
-  studio.draw.look = "unsharp";
-  return studio;
-}
-
-/// The device looks at the scene where it lies: a studio is ready once it has stopped moving.
-Result<void> ready(Studio& studio) { return studio.device.prepare(studio.scene); }
+float gray(const Shot& shot, int x, int y) { return shot.value("color.g", x, y); }
 
 /// Looks from one of the scene's suggested views.
 void look_from(Studio& studio, std::size_t view) {
@@ -97,7 +27,7 @@ double mean_change(const Shot& a, const Shot& b, const Test& belongs) {
   long count = 0;
   for (int y = 0; y < a.image.height; ++y)
     for (int x = 0; x < a.image.width; ++x)
-      if (belongs(x, y)) sum += std::abs(a.gray(x, y) - b.gray(x, y)), ++count;
+      if (belongs(x, y)) sum += std::abs(gray(a, x, y) - gray(b, x, y)), ++count;
   return count > 0 ? sum / double(count) : std::nan("");
 }
 
@@ -107,7 +37,7 @@ double mean_gray(const Shot& shot, const Test& belongs) {
   long count = 0;
   for (int y = 0; y < shot.image.height; ++y)
     for (int x = 0; x < shot.image.width; ++x)
-      if (belongs(x, y)) sum += std::clamp(shot.gray(x, y), 0.0f, 1.0f), ++count;
+      if (belongs(x, y)) sum += std::clamp(gray(shot, x, y), 0.0f, 1.0f), ++count;
   return count > 0 ? sum / double(count) : std::nan("");
 }
 
@@ -121,7 +51,7 @@ std::string window(int k, int size) {
 }
 
 Result<Figure> tank_figure(Device& device, int size) {
-  auto studio = open_studio(device, "scene:tank", size);
+  auto studio = open_studio(device, "scene:tank", "unsharp", size);
   if (!studio) return studio.error();
   if (auto done = ready(*studio); !done) return done.error();
   const auto without = studio->shoot({}, "none");
@@ -143,7 +73,7 @@ Result<Figure> tank_figure(Device& device, int size) {
 }
 
 Result<Figure> border_figure(Device& device, const std::string& bunny, int size) {
-  auto studio = open_studio(device, bunny, size);
+  auto studio = open_studio(device, bunny, "unsharp", size);
   if (!studio) return studio.error();
   if (auto done = ready(*studio); !done) return done.error();
   studio->framing.zoom = 3.6f;  // the flank reaches past the picture's sides
@@ -172,7 +102,7 @@ Result<Figure> border_figure(Device& device, const std::string& bunny, int size)
 }
 
 Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) {
-  auto studio = open_studio(device, bunny, size);
+  auto studio = open_studio(device, bunny, "unsharp", size);
   if (!studio) return studio.error();
   if (auto done = ready(*studio); !done) return done.error();
   // From the front, where the chin hangs over the chest.
@@ -200,19 +130,15 @@ Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) 
 }
 
 Result<Figure> threshold_figure(Device& device, int size) {
-  auto studio = open_studio(device, "scene:claw", size);
+  auto studio = open_studio(device, "scene:claw", "unsharp", size);
   if (!studio) return studio.error();
   if (auto done = ready(*studio); !done) return done.error();
   look_from(*studio, 0);
   // A light at the eye leaves silhouettes dark, so that white ones are the mask's doing.
-  const std::vector<std::string> base = {window(40, size), "lighting.rig=head"};
-  const auto with = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), base.begin(), base.end());
-    return studio->shoot(more);
-  };
-  const auto plain = studio->shoot(base, "none");
-  const auto open = with({"unsharp.threshold=0"});
-  const auto checked = with({"unsharp.threshold=0.1"});
+  studio->draw.settings = {window(40, size), "lighting.rig=head"};
+  const auto plain = studio->shoot({}, "none");
+  const auto open = studio->shoot({"unsharp.threshold=0"});
+  const auto checked = studio->shoot({"unsharp.threshold=0.1"});
   if (!plain) return plain.error();
   if (!open) return open.error();
   if (!checked) return checked.error();
@@ -235,7 +161,7 @@ Result<Figure> threshold_figure(Device& device, int size) {
     long count = 0;
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x)
-        count += shot.surface(x, y) && plain->gray(x, y) < kFarFromWhite && shot.gray(x, y) >= 1.0f &&
+        count += shot.surface(x, y) && gray(*plain, x, y) < kFarFromWhite && gray(shot, x, y) >= 1.0f &&
                  shot.world(x, y).z > kClawInFront && before_background(x, y);
     return double(count);
   };
@@ -257,19 +183,15 @@ Result<Figure> threshold_figure(Device& device, int size) {
 }
 
 Result<Figure> claw_figure(Device& device, int size) {
-  auto studio = open_studio(device, "scene:claw", size);
+  auto studio = open_studio(device, "scene:claw", "unsharp", size);
   if (!studio) return studio.error();
   if (auto done = ready(*studio); !done) return done.error();
   look_from(*studio, 0);
   // The far plane lies so far back that claw and body are between 0.02 and 0.1 apart.
-  const std::vector<std::string> base = {window(40, size), "unsharp.near=2", "unsharp.far=212", "lighting.rig=head"};
-  const auto with = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), base.begin(), base.end());
-    return studio->shoot(more);
-  };
-  const auto plain = studio->shoot(base, "none");
-  const auto wide = with({"unsharp.threshold=0.1"});
-  const auto narrow = with({"unsharp.threshold=0.02"});
+  studio->draw.settings = {window(40, size), "unsharp.near=2", "unsharp.far=212", "lighting.rig=head"};
+  const auto plain = studio->shoot({}, "none");
+  const auto wide = studio->shoot({"unsharp.threshold=0.1"});
+  const auto narrow = studio->shoot({"unsharp.threshold=0.02"});
   if (!plain) return plain.error();
   if (!wide) return wide.error();
   if (!narrow) return narrow.error();
@@ -279,9 +201,7 @@ Result<Figure> claw_figure(Device& device, int size) {
     return std::all_of(mesh.positions.begin(), mesh.positions.end(), [&](glm::vec3 p) { return p.z > kClawInFront; });
   });
   if (auto done = ready(without_claw); !done) return done.error();
-  std::vector<std::string> same = base;
-  same.push_back("unsharp.threshold=0.02");
-  const auto alone = without_claw.shoot(same);
+  const auto alone = without_claw.shoot({"unsharp.threshold=0.02"});
   if (!alone) return alone.error();
   // The body along the claw's outline: pixels of the chest with the claw within a quarter of the window to their left.
   const int reach = std::max(1, int(std::lround(10 * size / kPaperSize)));
@@ -352,7 +272,7 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
   progress("time against the window");
   FigureTable windows{"window", "Time of unsharp against the window (bunny)", {}};
   {
-    auto studio = open_studio(device, bunny, size);
+    auto studio = open_studio(device, bunny, "unsharp", size);
     if (!studio) return studio.error();
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();
@@ -365,7 +285,7 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
   progress("time against the number of triangles");
   FigureTable triangles{"triangles", "Time of unsharp against the number of triangles (scene:terrain, k = 40)", {}};
   for (const char* detail : {"1000", "58000", "1000000"}) {
-    auto studio = open_studio(device, fmt::format("scene:terrain?detail={}", detail), size);
+    auto studio = open_studio(device, fmt::format("scene:terrain?detail={}", detail), "unsharp", size);
     if (!studio) return studio.error();
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();

@@ -7,12 +7,11 @@
 
 #include <algorithm>
 #include <list>
-#include <map>
-#include <optional>
 
 #include "core/check.h"
 #include "core/guarded.h"
 #include "devices/cpu/capture.h"
+#include "devices/cpu/cpu_planes.h"
 #include "devices/cpu/soften.h"
 #include "devices/cpu/watch.h"
 #include "devices/shared/host_steps.h"
@@ -24,66 +23,6 @@
 
 namespace umbrage {
 namespace {
-
-/// What a band holds of a plane.
-struct Held {
-  Rows valid;        ///< rows of the picture that are as they would be in the whole one
-  int version = 0;   ///< see WholePlanes
-  int first = 0;     ///< the row, of the plane, that is held first
-  bool made = true;  ///< false: of the whole planes alone
-};
-
-/// What a frame stores. A plane that a pass asked for and nobody made has one value everywhere; all such names of one
-/// value share a plane, since filling a plane for each costs more than the passes that read them.
-struct Planes {
-  Image image;                       ///< of a band, its rows alone
-  std::vector<std::string> neutral;  ///< names that have been asked for, in that order; `image` may have got one since
-  std::map<float, Plane> constants;
-  std::map<std::string, std::pair<int, int>> placed;  ///< by name, size of the reduced picture that lies there
-  std::shared_ptr<Planes> last_reduced;               ///< what was made of this last at reduced resolution
-  // Of a band:
-  std::optional<Band> band;
-  Rows rows;                                      ///< those that are held
-  std::map<std::string, Held, std::less<>> held;  ///< of every plane
-  int passes = 0;                                 ///< that have run
-};
-
-Planes& planes_of(const Frame& frame) { return *static_cast<Planes*>(frame.storage.get()); }
-
-/// The plane of that name, made or neutral, or null.
-const Plane* find_plane(const Planes& planes, std::string_view name) {
-  if (const Plane* made = planes.image.find(name)) return made;
-  const bool neutral = std::find(planes.neutral.begin(), planes.neutral.end(), name) != planes.neutral.end();
-  return neutral ? &planes.constants.at(*neutral_value(name)) : nullptr;
-}
-
-/// That version of a band's plane in the whole picture, or null.
-const Plane* find_whole(const Planes& planes, const PictureInfo& info, std::string_view name, int version) {
-  const auto& all = planes.band->wholes->planes;
-  const auto found = all.find({info.reduced, std::string(name), version});
-  return found != all.end() && found->second.complete ? &found->second.plane : nullptr;
-}
-
-/// What a band holds of the plane of that name, or null where nobody made it.
-const Held* find_held(const Planes& planes, std::string_view name) {
-  const auto found = planes.held.find(name);
-  return found != planes.held.end() ? &found->second : nullptr;
-}
-
-/// `rows` less `margin` of them at either end, but where the picture ends.
-Rows shrunk(const Rows& rows, int margin, int height) {
-  return {rows.begin > 0 ? rows.begin + margin : 0, rows.end < height ? rows.end - margin : height};
-}
-
-Rows divided(const Rows& rows, int factor) {
-  return {reduced_side(rows.begin, factor), reduced_side(rows.end, factor)};
-}
-
-/// By how many rows of the picture a band's margin is too small, where these rows of a plane are valid.
-int missing_margin(const Planes& planes, const Rows& valid, int reduced) {
-  const int above = valid.begin - planes.band->rows.begin, below = planes.band->rows.end - valid.end;
-  return std::max({0, above * reduced, below * reduced});
-}
 
 template <int step>
 void take_every(const float* from, float* to, int count) {
@@ -127,7 +66,7 @@ class CpuDevice final : public Device {
     auto planes =
         arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar); });
     if (!planes) return planes.error();
-    auto stored = std::make_shared<Planes>(Planes{std::move(*planes)});
+    auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
     if (settings.band) {
       stored->band = settings.band;
       stored->rows = held_rows(*settings.band, frame.info.height);
@@ -145,7 +84,7 @@ class CpuDevice final : public Device {
   Result<Frame> upload(const GBuffer& gbuffer) override {
     Frame frame;
     frame.info = gbuffer.info;
-    auto planes = std::make_shared<Planes>(Planes{Image(gbuffer.info.width, gbuffer.info.height)});
+    auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(gbuffer.info.width, gbuffer.info.height)});
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
       for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p) {
         const std::string& name = gbuffer.layers[layer].names[p];
@@ -160,11 +99,11 @@ class CpuDevice final : public Device {
   Result<void> add(const Image& planes, Frame& frame) override {
     for (std::size_t p = 0; p < planes.planes.size(); ++p) {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
-      Planes& all = planes_of(frame);
+      CpuPlanes& all = cpu_planes(frame);
       check_equal(planes.planes[p].height, all.band ? all.rows.count() : frame.info.height, planes.names[p]);
       if (all.band) all.held[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
-      planes_of(frame).image.add(planes.names[p]) = planes.planes[p];
-      planes_of(frame).placed.erase(planes.names[p]);
+      cpu_planes(frame).image.add(planes.names[p]) = planes.planes[p];
+      cpu_planes(frame).placed.erase(planes.names[p]);
     }
     return {};
   }
@@ -172,7 +111,7 @@ class CpuDevice final : public Device {
   Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
                           const ProgressMonitor& monitor) override {
     return run_passes(effect, params, frame, layer, pixels,
-                      [&](const PassRun& pass) { return run_pass(pass, planes_of(frame), monitor); });
+                      [&](const PassRun& pass) { return run_pass(pass, cpu_planes(frame), monitor); });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -180,13 +119,13 @@ class CpuDevice final : public Device {
     Frame small;
     small.info = reduced_info(frame.info, factor);
     // Planes of a reduced frame that nobody has any more are written anew: fresh memory costs as much as the technique.
-    std::shared_ptr<Planes>& last = planes_of(frame).last_reduced;
-    const Planes& from_planes = planes_of(frame);
+    std::shared_ptr<CpuPlanes>& last = cpu_planes(frame).last_reduced;
+    const CpuPlanes& from_planes = cpu_planes(frame);
     const Rows rows = from_planes.band ? divided(from_planes.rows, factor) : Rows{0, small.info.height};
     const bool again =
         last && last.use_count() == 1 && last->image.width == small.info.width && last->image.height == rows.count();
-    if (!again) last = std::make_shared<Planes>(Planes{Image(small.info.width, rows.count())});
-    std::shared_ptr<Planes> planes = last;
+    if (!again) last = std::make_shared<CpuPlanes>(CpuPlanes{Image(small.info.width, rows.count())});
+    std::shared_ptr<CpuPlanes> planes = last;
     if (from_planes.band) {
       planes->band = Band{divided(from_planes.band->rows, factor), 0, from_planes.band->wholes};
       planes->rows = rows;
@@ -198,7 +137,7 @@ class CpuDevice final : public Device {
     for (const std::string& name : names)
       for (int layer = 0; layer < kMostLayers; ++layer) {
         const std::string of_layer = layer_plane(layer, name);
-        const Plane* in = planes_of(frame).image.find(of_layer);
+        const Plane* in = cpu_planes(frame).image.find(of_layer);
         if (!in) continue;
         Plane& out = planes->image.add(of_layer);
         int first = 0;  // row of `in` that the first of `out` is
@@ -206,7 +145,7 @@ class CpuDevice final : public Device {
           planes->held[of_layer] = {divided(held->valid, factor), held->version, rows.begin};
           first = rows.begin * factor - held->first;
         }
-        for_rows(out.height, [&](int y) {
+        for_rows(arena_, out.height, [&](int y) {
           const float* from = in->row(first + y * factor);
           float* to = out.row(y);
           // A step that the compiler knows makes vectors.
@@ -226,22 +165,22 @@ class CpuDevice final : public Device {
     const int factor = small.info.reduced / full.info.reduced;
     check_equal(small.info.width, reduced_side(full.info.width, factor), "width of a reduced frame");
     check_equal(small.info.height, reduced_side(full.info.height, factor), "height of a reduced frame");
-    Planes& whole = planes_of(full);
+    CpuPlanes& whole = cpu_planes(full);
     for (const std::string& name : names) {
-      const Plane* in = find_plane(planes_of(small), name);
+      const Plane* in = find_plane(cpu_planes(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
-      Plane& out = planes_of(full).image.add(reduced_plane(name));
-      if (const Held* held = find_held(planes_of(small), name); held && whole.band) {
+      Plane& out = cpu_planes(full).image.add(reduced_plane(name));
+      if (const Held* held = find_held(cpu_planes(small), name); held && whole.band) {
         // A pass reads it where the rows are that it stands for.
         const Rows valid{held->valid.begin * factor,
                          held->valid.end < small.info.height ? held->valid.end * factor : full.info.height};
         whole.held[reduced_plane(name)] = {valid, ++whole.passes, held->first};
       }
       // The rest is 0 already where a picture of this size lay there before.
-      std::pair<int, int>& placed = planes_of(full).placed[reduced_plane(name)];
+      std::pair<int, int>& placed = cpu_planes(full).placed[reduced_plane(name)];
       const bool fresh = placed != std::pair(in->width, in->height);
       placed = {in->width, in->height};
-      for_rows(fresh ? out.height : in->height, [&](int y) {
+      for_rows(arena_, fresh ? out.height : in->height, [&](int y) {
         const int copied = y < in->height ? in->width : 0;
         std::copy_n(in->row(copied > 0 ? y : 0), copied, out.row(y));
         if (fresh) std::fill_n(out.row(y) + copied, out.width - copied, 0.0f);
@@ -251,7 +190,7 @@ class CpuDevice final : public Device {
   }
 
   std::vector<std::string> plane_names(const Frame& frame) const override {
-    const Planes& planes = planes_of(frame);
+    const CpuPlanes& planes = cpu_planes(frame);
     std::vector<std::string> names = planes.image.names;
     for (const std::string& name : planes.neutral)
       if (!planes.image.find(name)) names.push_back(name);
@@ -259,16 +198,11 @@ class CpuDevice final : public Device {
   }
 
   int missing_rows(const Frame& frame, const std::vector<std::string>& names) const override {
-    const Planes& planes = planes_of(frame);
-    int missing = 0;
-    for (const std::string& name : names)
-      if (const Held* held = planes.band ? find_held(planes, name) : nullptr; held && held->made)
-        missing = std::max(missing, missing_margin(planes, held->valid, frame.info.reduced));
-    return missing;
+    return cpu_planes(frame).band ? missing_band_rows(frame, names) : 0;
   }
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
-    const Planes& planes = planes_of(frame);
+    const CpuPlanes& planes = cpu_planes(frame);
     const std::vector<std::string> wanted = names.empty() ? plane_names(frame) : names;
     if (planes.band) return download_band(frame, wanted);
     Image out(frame.info.inner_width(), frame.info.inner_height());
@@ -282,134 +216,8 @@ class CpuDevice final : public Device {
   }
 
  private:
-  /// Of a band, its rows that lie inside the guard band.
-  Result<Image> download_band(const Frame& frame, const std::vector<std::string>& names) {
-    const Planes& planes = planes_of(frame);
-    const int guard = frame.info.guard;
-    const Rows& own = planes.band->rows;
-    const Rows rows{std::clamp(own.begin, guard, frame.info.height - guard),
-                    std::clamp(own.end, guard, frame.info.height - guard)};
-    Image out(frame.info.inner_width(), rows.count());
-    for (const std::string& name : names) {
-      const Plane* plane = find_plane(planes, name);
-      const Held* held = find_held(planes, name);
-      int first = planes.rows.begin;
-      if (held && !held->made) {
-        plane = find_whole(planes, frame.info, name, held->version);
-        first = 0;
-      } else if (held) {
-        if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a band", name));
-        first = held->first;
-      }
-      if (!plane) return usage_error("the picture has no plane '{}'", name);
-      Plane& to = out.add(name);
-      for (int y = 0; y < rows.count(); ++y)
-        if (rows.begin + y - first < plane->height)
-          std::copy_n(plane->row(rows.begin + y - first) + guard, out.width, to.row(y));
-    }
-    return out;
-  }
-
-  /// What a pass needs of the band that it runs on.
-  struct BandRun {
-    Rows rows;                     ///< for which the outputs can be made
-    std::vector<std::string> far;  ///< planes that it reads anywhere
-    bool done = false;             ///< all it would make is there as whole planes
-    Progression progression;       ///< not finished: it cannot run yet
-  };
-
-  /// Finds out on which rows of a band a pass can run. Where planes have to be whole that are not yet, the band's rows
-  /// become part of them.
-  BandRun prepare_band(const PassRun& run, Planes& planes) {
-    const PictureInfo& info = run.info;
-    BandRun of{.rows = planes.rows};
-    const int version = ++planes.passes;
-    bool all = run.pixels == PixelSet::kAll;
-    for (const std::string_view output : run.pass.outputs)
-      all = all && (!run.is_there(output) || find_whole(planes, info, run.plane(output), version));
-    if (all) {
-      for (const std::string_view output : run.pass.outputs)
-        if (run.is_there(output)) planes.held[run.plane(output)] = {planes.rows, version, 0, false};
-      of.done = true;
-      return of;
-    }
-    const int reach = run.pass.reach ? run.pass.reach(run.constants.data(), run.round) : 0;
-    std::vector<std::string> wanted;
-    const auto& far = run.pass.far_inputs;
-    for (const std::string_view input : run.pass.inputs) {
-      const std::string name = run.plane(input);
-      const Held* held = find_held(planes, name);
-      if (!held) continue;
-      if (!run.pass.reach || std::find(far.begin(), far.end(), input) != far.end()) {
-        of.far.push_back(name);
-        if (!find_whole(planes, info, name, held->version)) wanted.push_back(name);
-      } else if (held->made) {
-        const Rows valid = shrunk(held->valid, reach, info.height);
-        of.rows = {std::max(of.rows.begin, valid.begin), std::min(of.rows.end, valid.end)};
-      }
-    }
-    // Of missing pixels the others keep what they have.
-    if (run.pixels == PixelSet::kMissing)
-      if (const Held* ao = find_held(planes, run.plane("ao")))
-        of.rows = {std::max(of.rows.begin, ao->valid.begin), std::min(of.rows.end, ao->valid.end)};
-    if (!wanted.empty()) {
-      const Rows& own = planes.band->rows;
-      of.progression.finished = false;
-      for (const std::string& name : wanted) {
-        of.progression.missing_rows = missing_margin(planes, find_held(planes, name)->valid, info.reduced);
-        if (of.progression.missing_rows > 0) return of;
-      }
-      for (const std::string& name : wanted) {
-        const Held& held = *find_held(planes, name);
-        Plane& whole = planes.band->wholes->planes[{info.reduced, name, held.version}].plane;
-        if (!whole.data()) whole = Plane(info.width, info.height);
-        const Plane& from = planes.image.plane(name);
-        for_rows(own.count(), [&](int y) {
-          std::copy_n(from.row(own.begin + y - held.first), info.width, whole.row(own.begin + y));
-        });
-      }
-      return of;
-    }
-    if (run.pass.host) return of;
-    for (const std::string_view output : run.pass.outputs) {
-      if (!run.is_there(output)) continue;
-      const std::string name = run.plane(output);
-      // A pass may write a part of what was there before.
-      if (const Held* held = find_held(planes, name); held && !held->made) {
-        const Plane& from = *find_whole(planes, info, name, held->version);
-        Plane& to = planes.image.add(name);
-        for_rows(to.height, [&](int y) { std::copy_n(from.row(planes.rows.begin + y), info.width, to.row(y)); });
-      }
-      planes.held[name] = {of.rows, version, planes.rows.begin};
-    }
-    return of;
-  }
-
-  /// Where row 0 of a plane would be: of a whole one, or of what a band holds of it.
-  static float* row_zero_of(const PassRun& run, const Planes& planes, const BandRun& band, const std::string& name) {
-    const Held* held = find_held(planes, name);
-    const bool far = std::find(band.far.begin(), band.far.end(), name) != band.far.end();
-    const bool whole = held && (far || !held->made);
-    const Plane* plane = whole ? find_whole(planes, run.info, name, held->version) : find_plane(planes, name);
-    return row_zero(const_cast<float*>(plane->data()), plane->stride,
-                    whole  ? 0
-                    : held ? held->first
-                           : planes.rows.begin);
-  }
-
-  /// Calls work(y) for the rows of a plane, from all threads.
-  template <class Work>
-  void for_rows(int height, const Work& work) {
-    constexpr int kRowsAtOnce = 32;  // fewer cost more to hand out than to copy
-    arena_.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<int>(0, height, kRowsAtOnce), [&](const tbb::blocked_range<int>& rows) {
-        for (int y = rows.begin(); y < rows.end(); ++y) work(y);
-      });
-    });
-  }
-
   /// Runs a host step, once for a whole picture. What it makes is that of all of its bands.
-  Result<Progression> run_host(const PassRun& run, Planes& planes, const ProgressMonitor& monitor) {
+  Result<Progression> run_host(const PassRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
     std::list<Plane> whole_neutral;  // a band's own are as high as that
     std::vector<const Plane*> inputs;
@@ -441,7 +249,7 @@ class CpuDevice final : public Device {
     return watch.ended() ? Result<Progression>(interrupted()) : Progression();
   }
 
-  Result<Progression> run_pass(const PassRun& run, Planes& planes, const ProgressMonitor& monitor) {
+  Result<Progression> run_pass(const PassRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const Pass& pass = run.pass;
     const PictureInfo& info = run.info;
     for (std::string_view input : pass.inputs) {
@@ -457,7 +265,7 @@ class CpuDevice final : public Device {
     std::vector<KernelPlane> kernel_planes;
     BandRun band{.rows = {0, info.height}};
     if (planes.band) {
-      band = prepare_band(run, planes);
+      band = prepare_band(run, planes, arena_);
       if (band.done || !band.progression.finished) return band.progression;
     }
     if (pass.host) return run_host(run, planes, monitor);
@@ -480,12 +288,12 @@ class CpuDevice final : public Device {
       kernel_frame.last_row = planes.rows.end - 1;
     }
     const bool tuned = settings_.tuned && pass.tuned && all;
-    const CpuKernel kernel = settings_.scalar ? pass.scalar : tuned ? pass.tuned : pass.lanes;
+    const CpuKernel kernel = settings_.scalar ? pass.kernel.scalar : tuned ? pass.tuned : pass.kernel.lanes;
 
     // Missing pixels are few: each tile leaves lanes over, but pixels far from each other share no cache lines.
     constexpr int kMissingTile = 128;
-    const int tile_width = std::min(all ? pass.tile_width : kMissingTile, stride);
-    const int tile_height = all ? pass.tile_height : kMissingTile;
+    const int tile_width = std::min(all ? pass.tile.width : kMissingTile, stride);
+    const int tile_height = all ? pass.tile.height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (band.rows.count() + tile_height - 1) / tile_height;
     Watch watch(monitor, long(rows) * columns);

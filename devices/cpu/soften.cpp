@@ -106,7 +106,7 @@ int soften_blocks(int pixels) { return (pixels + kSoftenBlock - 1) / kSoftenBloc
 
 void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const PenumbraRadii> radii, bool scalar,
                     Image& image) {
-  const auto kernel_of = [&](const Pass& pass) { return scalar ? pass.scalar : pass.lanes; };
+  const auto kernel_of = [&](const Pass& pass) { return scalar ? pass.kernel.scalar : pass.kernel.lanes; };
   for (const PenumbraRadii& of : radii) {
     Plane& shadow = image.plane(shadow_plane(of.light));
     Plane between(shadow.width, shadow.height);

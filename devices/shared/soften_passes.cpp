@@ -1,30 +1,13 @@
 #include "devices/shared/soften_passes.h"
 
-#include "kernel/kernel_frame.h"
+#include "kernels/soften.h"
+#include "kernels/soften_reach.h"
 
 namespace umbrage {
 
-UMBRAGE_DECLARE_KERNEL(soften)
-UMBRAGE_DECLARE_KERNEL(soften_reach)
-
-namespace {
-
-constexpr std::uint32_t kSoftenSpirv[] = {
-#include "spirv/soften.inc"
-};
-constexpr std::uint32_t kReachSpirv[] = {
-#include "spirv/soften_reach.inc"
-};
-
-}  // namespace
-
 const Pass& soften_reach_pass() {
-  static const Pass pass = {.name = "soften reach",
-                            .inputs = {"penumbra"},
-                            .outputs = {"soften_reach"},
-                            .scalar = run_scalar_soften_reach,
-                            .lanes = run_lanes_soften_reach,
-                            .spirv = kReachSpirv};
+  static const Pass pass = {
+      .name = "soften reach", .inputs = {"penumbra"}, .outputs = {"soften_reach"}, .kernel = soften_reach_kernel()};
   return pass;
 }
 
@@ -32,9 +15,7 @@ const Pass& soften_pass() {
   static const Pass pass = {.name = "soften",
                             .inputs = {"depth", "normal.x", "normal.y", "normal.z", "soften_from", "soften_reach"},
                             .outputs = {"soften_to"},
-                            .scalar = run_scalar_soften,
-                            .lanes = run_lanes_soften,
-                            .spirv = kSoftenSpirv};
+                            .kernel = soften_kernel()};
   return pass;
 }
 

@@ -1,28 +1,22 @@
 #include "devices/vulkan/images.h"
 
+#include <utility>
+
 namespace umbrage {
 
 std::optional<TexelFormat> texel_format(VkFormat format) {
-  switch (format) {
-    case VK_FORMAT_R32_SFLOAT:
-      return TexelFormat{kFloat1, 4, false, false};
-    case VK_FORMAT_D32_SFLOAT:
-      return TexelFormat{kFloat1, 4, false, true};
-    case VK_FORMAT_R32G32B32A32_SFLOAT:
-      return TexelFormat{kFloat4, 16, false, false};
-    case VK_FORMAT_R16G16B16A16_SFLOAT:
-      return TexelFormat{kHalf4, 8, false, false};
-    case VK_FORMAT_R8G8B8A8_UNORM:
-      return TexelFormat{kBytes4, 4, false, false};
-    case VK_FORMAT_R8G8B8A8_SRGB:
-      return TexelFormat{kBytes4, 4, true, false};
-    case VK_FORMAT_B8G8R8A8_UNORM:
-      return TexelFormat{kBytes4Swapped, 4, false, false};
-    case VK_FORMAT_B8G8R8A8_SRGB:
-      return TexelFormat{kBytes4Swapped, 4, true, false};
-    default:
-      return std::nullopt;
-  }
+  static const std::pair<VkFormat, TexelFormat> known[] = {
+      {VK_FORMAT_R32_SFLOAT, {kFloat1, 4, false, false}},
+      {VK_FORMAT_D32_SFLOAT, {kFloat1, 4, false, true}},
+      {VK_FORMAT_R32G32B32A32_SFLOAT, {kFloat4, 16, false, false}},
+      {VK_FORMAT_R16G16B16A16_SFLOAT, {kHalf4, 8, false, false}},
+      {VK_FORMAT_R8G8B8A8_UNORM, {kBytes4, 4, false, false}},
+      {VK_FORMAT_R8G8B8A8_SRGB, {kBytes4, 4, true, false}},
+      {VK_FORMAT_B8G8R8A8_UNORM, {kBytes4Swapped, 4, false, false}},
+      {VK_FORMAT_B8G8R8A8_SRGB, {kBytes4Swapped, 4, true, false}}};
+  for (const auto& [each, texel] : known)
+    if (each == format) return texel;
+  return std::nullopt;
 }
 
 std::string_view texel_format_names() {

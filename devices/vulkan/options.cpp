@@ -3,19 +3,14 @@
 #include <cstring>
 #include <map>
 #include <set>
+#include <spirv/unified1/spirv.hpp>
 #include <string_view>
 #include <utility>
 
 namespace umbrage {
 namespace {
 
-// SPIR-V's numbers.
-constexpr std::size_t kHeaderWords = 5;
-constexpr std::uint32_t kOpNop = 0, kOpName = 5, kOpTypeInt = 21, kOpTypeArray = 28, kOpTypeStruct = 30,
-                        kOpTypePointer = 32, kOpConstant = 43, kOpFunction = 54, kOpVariable = 59, kOpLoad = 61,
-                        kOpAccessChain = 65, kOpMemberDecorate = 72, kOpIEqual = 170, kOpINotEqual = 171;
-constexpr std::uint32_t kOffset = 35;  // a decoration
-constexpr std::uint32_t kWordsShift = 16, kOpMask = 0xffff;
+constexpr std::size_t kHeaderWords = 5;  // of a module, before its first instruction
 
 struct Member {
   std::uint32_t first = 0, second = 0;  // of the block, and of the struct that is there
@@ -40,50 +35,50 @@ KernelOptions options_of(std::span<const std::uint32_t> spirv) {
   std::vector<std::pair<Member, std::size_t>> loads;
   std::set<Member> compared;
   for (std::size_t at = kHeaderWords; at < spirv.size();) {
-    const std::uint32_t words = spirv[at] >> kWordsShift;
+    const std::uint32_t words = spirv[at] >> spv::WordCountShift;
     if (words == 0 || at + words > spirv.size()) break;
     const std::span<const std::uint32_t> op = spirv.subspan(at, words);
-    switch (spirv[at] & kOpMask) {
-      case kOpName:
+    switch (spirv[at] & spv::OpCodeMask) {
+      case spv::OpName:
         if (std::string_view(reinterpret_cast<const char*>(&op[2])) == "constants_block") m.blocks.insert(op[1]);
         break;
-      case kOpMemberDecorate:
-        if (op[3] == kOffset) m.offsets[{op[1], op[2]}] = op[4];
+      case spv::OpMemberDecorate:
+        if (op[3] == spv::DecorationOffset) m.offsets[{op[1], op[2]}] = op[4];
         break;
-      case kOpTypeInt:
+      case spv::OpTypeInt:
         m.ints.insert(op[1]);
         break;
-      case kOpTypeArray:
+      case spv::OpTypeArray:
         m.arrays[op[1]] = {op[2], m.constants[op[3]]};
         break;
-      case kOpTypeStruct:
+      case spv::OpTypeStruct:
         m.structs[op[1]].assign(op.begin() + 2, op.end());
         break;
-      case kOpTypePointer:
+      case spv::OpTypePointer:
         m.pointees[op[1]] = op[3];
         break;
-      case kOpConstant:
+      case spv::OpConstant:
         m.constants[op[2]] = op[3];
         break;
-      case kOpVariable:
+      case spv::OpVariable:
         if (m.blocks.contains(m.pointees[op[1]])) m.block_variables.insert(op[2]);
         break;
-      case kOpFunction:
+      case spv::OpFunction:
         if (found.first_function == 0) found.first_function = at;
         break;
-      case kOpAccessChain:
+      case spv::OpAccessChain:
         if (words >= 6 && m.block_variables.contains(op[3]) && m.constants.contains(op[4]) &&
             m.constants.contains(op[5]))
           m.pointers[op[2]] = {m.constants[op[4]], m.constants[op[5]]};
         break;
-      case kOpLoad:
+      case spv::OpLoad:
         if (const auto from = m.pointers.find(op[3]); from != m.pointers.end() && m.ints.contains(op[1])) {
           m.loaded[op[2]] = from->second;
           loads.push_back({from->second, at});
         }
         break;
-      case kOpIEqual:
-      case kOpINotEqual:
+      case spv::OpIEqual:
+      case spv::OpINotEqual:
         for (const auto& [a, b] : {std::pair(op[3], op[4]), std::pair(op[4], op[3])})
           if (m.loaded.contains(a) && m.constants.contains(b)) compared.insert(m.loaded[a]);
         break;
@@ -133,9 +128,10 @@ std::vector<std::uint32_t> with_options(std::span<const std::uint32_t> spirv, co
     const auto& value = values[load.option];
     if (!value) continue;
     // The number takes the place of what is loaded: a constant of the same id.
-    const std::uint32_t type = rest[load.word + 1], id = rest[load.word + 2], words = rest[load.word] >> kWordsShift;
-    constants.insert(constants.end(), {4u << kWordsShift | kOpConstant, type, id, std::uint32_t(*value)});
-    for (std::uint32_t k = 0; k < words; ++k) rest[load.word + k] = 1u << kWordsShift | kOpNop;
+    const std::uint32_t type = rest[load.word + 1], id = rest[load.word + 2],
+                        words = rest[load.word] >> spv::WordCountShift;
+    constants.insert(constants.end(), {4u << spv::WordCountShift | spv::OpConstant, type, id, std::uint32_t(*value)});
+    for (std::uint32_t k = 0; k < words; ++k) rest[load.word + k] = 1u << spv::WordCountShift | spv::OpNop;
   }
   rest.insert(rest.begin() + std::ptrdiff_t(options.first_function), constants.begin(), constants.end());
   return rest;

@@ -10,30 +10,16 @@
 #include "devices/vulkan/raster.h"
 #include "devices/vulkan/slots.h"
 #include "kernel/frame_constants.h"
+#include "spirv/capture.h"
+#include "spirv/convert.h"
+#include "spirv/corner.h"
+#include "spirv/peel.h"
+#include "spirv/pick.h"
 
 namespace umbrage {
-namespace {
-
-constexpr std::uint32_t kPickSpirv[] = {
-#include "spirv/pick.inc"
-};
-constexpr std::uint32_t kCaptureSpirv[] = {
-#include "spirv/capture.inc"
-};
-constexpr std::uint32_t kConvertSpirv[] = {
-#include "spirv/convert.inc"
-};
-constexpr std::uint32_t kCornerSpirv[] = {
-#include "spirv/corner.inc"
-};
-constexpr std::uint32_t kPeelSpirv[] = {
-#include "spirv/peel.inc"
-};
-
-}  // namespace
 
 GpuStep plain_step(const Pass& pass) {
-  return {.name = pass.name, .inputs = pass.inputs, .outputs = pass.outputs, .spirv = pass.spirv};
+  return {.name = pass.name, .inputs = pass.inputs, .outputs = pass.outputs, .spirv = pass.kernel.spirv};
 }
 
 std::vector<std::string_view> plane_table(const GpuStep& step) {
@@ -176,9 +162,9 @@ Result<VkPipeline> Pipelines::of(const GpuStep& step, std::span<const std::byte>
   return compile(step.spirv, options, bound, pass_layout_, &specialization);
 }
 
-Result<VkPipeline> Pipelines::pick() { return compile(kPickSpirv, {}, false, pick_layout_, nullptr); }
-Result<VkPipeline> Pipelines::capture() { return compile(kCaptureSpirv, {}, false, pass_layout_, nullptr); }
-Result<VkPipeline> Pipelines::convert() { return compile(kConvertSpirv, {}, false, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::pick() { return compile(pick_spirv(), {}, false, pick_layout_, nullptr); }
+Result<VkPipeline> Pipelines::capture() { return compile(capture_spirv(), {}, false, pass_layout_, nullptr); }
+Result<VkPipeline> Pipelines::convert() { return compile(convert_spirv(), {}, false, pass_layout_, nullptr); }
 
 Result<VkShaderModule> Pipelines::shader_of(std::span<const std::uint32_t> words) {
   VkShaderModuleCreateInfo code{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
@@ -201,7 +187,7 @@ Result<VkRenderPass> Pipelines::drawing(bool clear) {
 }
 
 Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
-  const Key key(std::data(kPeelSpirv), Options{masks ? 1 : 0, points ? 1 : 0}, false);
+  const Key key(std::data(peel_spirv()), Options{masks ? 1 : 0, points ? 1 : 0}, false);
   if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
   const auto pass = drawing(true);
   if (!pass) return pass.error();
@@ -211,9 +197,9 @@ Result<VkPipeline> Pipelines::peel(bool masks, bool points) {
   const VkSpecializationInfo values{2, entries, sizeof numbers, numbers};
   VkPipelineShaderStageCreateInfo stages[2] = {{VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO},
                                                {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO}};
-  const auto corner = shader_of(kCornerSpirv);
+  const auto corner = shader_of(corner_spirv());
   if (!corner) return corner.error();
-  const auto pixel = shader_of(kPeelSpirv);
+  const auto pixel = shader_of(peel_spirv());
   if (!pixel) {
     vk.DestroyShaderModule(gpu_->device, *corner, nullptr);
     return pixel.error();

@@ -2,46 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
+#include "kernels/bitmask_bent.h"
+#include "kernels/bitmask_bleeding.h"
+#include "kernels/bitmask_horizon.h"
+#include "kernels/bitmask_layers.h"
+#include "kernels/bitmask_mips.h"
+#include "kernels/bitmask_occlusion.h"
+#include "kernels/bitmask_sent.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(bitmask_mips)
-UMBRAGE_DECLARE_KERNEL(bitmask_sent)
-UMBRAGE_DECLARE_KERNEL(bitmask_horizon)
-UMBRAGE_DECLARE_KERNEL(bitmask_occlusion)
-UMBRAGE_DECLARE_KERNEL(bitmask_layers)
-UMBRAGE_DECLARE_KERNEL(bitmask_bleeding)
-UMBRAGE_DECLARE_KERNEL(bitmask_bent)
-
 namespace {
-
-constexpr std::uint32_t kMipsSpirv[] = {
-#include "spirv/bitmask_mips.inc"
-};
-constexpr std::uint32_t kSentSpirv[] = {
-#include "spirv/bitmask_sent.inc"
-};
-constexpr std::uint32_t kHorizonSpirv[] = {
-#include "spirv/bitmask_horizon.inc"
-};
-constexpr std::uint32_t kOcclusionSpirv[] = {
-#include "spirv/bitmask_occlusion.inc"
-};
-constexpr std::uint32_t kLayersSpirv[] = {
-#include "spirv/bitmask_layers.inc"
-};
-constexpr std::uint32_t kBleedingSpirv[] = {
-#include "spirv/bitmask_bleeding.inc"
-};
-constexpr std::uint32_t kBentSpirv[] = {
-#include "spirv/bitmask_bent.inc"
-};
 
 constexpr float kOpenness = 0.7f;  // of ambient light, where nobody has measured it: typical of a room
 
@@ -50,121 +25,45 @@ constexpr float kOpenness = 0.7f;  // of ambient light, where nobody has measure
 constexpr float kSlopeAlways = 0.4f, kSlopeOfOne = 0.4f;
 
 const std::vector<Parameter> kTable = {
-    {.name = "slices",
-     .help = "planes through the line of sight in which occluders are sought",
-     .type = ParameterType::kInt,
-     .offset = offsetof(BitmaskParams, slices),
-     .initial = 2,
-     .least = 1,
-     .most = 64},
-    {.name = "steps",
-     .help = "depths that are read along each side of a slice",
-     .type = ParameterType::kInt,
-     .offset = offsetof(BitmaskParams, steps),
-     .initial = 8,
-     .least = 1,
-     .most = 512},
-    {.name = "distribution",
-     .help = "power of the steps' distances: the higher, the more of them lie near the pixel",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(BitmaskParams, distribution),
-     .initial = kBitmaskStep15,
-     .choices = {"1", "1.5", "2", "3"}},
-    {.name = "radius",
-     .help = "how far away occluders are sought, in scene units or as a share of the scene's radius",
-     .type = ParameterType::kLength,
-     .offset = offsetof(BitmaskParams, radius),
-     .initial = 10.0,
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .initially_relative = true,
-     .above_zero = true},
-    {.name = "mode",
-     .help = "where occluders end in depth: at their assumed thickness, nowhere, or at the next depth layer, of which "
-             "each occludes by itself, and at the assumed thickness at the latest",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(BitmaskParams, mode),
-     .choices = {"thick", "infinite", "layers"}},
-    {.name = "thickness",
-     .help = "assumed thickness of occluders, in radii",
-     .offset = offsetof(BitmaskParams, thickness),
-     .initial = 0.05,
-     .least = 0.0,
-     .most = 100.0},
-    {.name = "slope",
-     .help = "assumed thickness of occluders as a share of their distance; the larger of the two holds",
-     .offset = offsetof(BitmaskParams, slope),
-     .least = 0.0,
-     .most = 100.0,
-     .zero_means = "automatic"},
-    {.name = "measure",
-     .help =
-         "what a bit of a slice is: an equal share of cosine-weighted directions, an equal angle, or an equal step of "
-         "the sine of the angle to the normal",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(BitmaskParams, measure),
-     .choices = {"exact", "uniform", "sectors"}},
-    {.name = "falloff",
-     .help = "mode infinite: the last share of the radius, over which occluders fade",
-     .offset = offsetof(BitmaskParams, falloff),
-     .initial = 0.0,
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "noise",
-     .help = "what turns slices and moves steps from pixel to pixel: a sequence along a Hilbert curve, a tile of 4x4 "
-             "pixels, a hash, or nothing",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(BitmaskParams, noise),
-     .initial = kBitmaskTile,
-     .choices = {"hilbert", "tile", "hash", "none"}},
-    {.name = "frame",
-     .help = "number of the picture among several that are averaged: each has other noise",
-     .type = ParameterType::kInt,
-     .offset = offsetof(BitmaskParams, frame),
-     .least = 0,
-     .most = 65535},
-    {.name = "mips",
-     .help = "read what is far away in the picture from smaller copies of it",
-     .type = ParameterType::kBool,
-     .offset = offsetof(BitmaskParams, mips)},
-    {.name = "border",
-     .help = "what lies outside the picture: left out of the count, or open",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(BitmaskParams, border),
-     .choices = {"skip", "open"}},
-    {.name = "bent",
-     .help = "write the plane `bent` as well: the mean of the open directions",
-     .type = ParameterType::kBool,
-     .offset = offsetof(BitmaskParams, bent)},
-    {.name = "bleeding",
-     .help = "factor of the light that occluders reflect",
-     .offset = offsetof(BitmaskParams, bleeding),
-     .initial = 0.0,
-     .least = 0.0,
-     .most = 100.0,
-     .zero_means = "off"},
-    {.name = "ambient_bounce",
-     .help = "factor of the ambient light that surfaces send on",
-     .offset = offsetof(BitmaskParams, ambient_bounce),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 10.0},
-    {.name = "bounces",
-     .help = "how often light is reflected: 1, or more with what arrived the time before",
-     .type = ParameterType::kInt,
-     .offset = offsetof(BitmaskParams, bounces),
-     .initial = 1,
-     .least = 1,
-     .most = 16},
-    {.name = "layers",
-     .help = "mode layers: depth layers in which occluders are sought, of those that were captured",
-     .type = ParameterType::kInt,
-     .offset = offsetof(BitmaskParams, layers),
-     .initial = 0,
-     .least = 0,
-     .most = kLayersRead,
-     .zero_means = "all"},
+    int_row("slices", &BitmaskParams::slices, {.initial = 2, .min = 1, .max = 64},
+            "planes through the line of sight in which occluders are sought"),
+    int_row("steps", &BitmaskParams::steps, {.initial = 8, .min = 1, .max = 512},
+            "depths that are read along each side of a slice"),
+    choice_row("distribution", &BitmaskParams::distribution, kBitmaskStep15, {"1", "1.5", "2", "3"},
+               "power of the steps' distances: the higher, the more of them lie near the pixel"),
+    radius_row("radius", &BitmaskParams::radius,
+               "how far away occluders are sought, in scene units or as a share of the scene's radius"),
+    choice_row(
+        "mode", &BitmaskParams::mode, 0, {"thick", "infinite", "layers"},
+        "where occluders end in depth: at their assumed thickness, nowhere, or at the next depth layer, of which "
+        "each occludes by itself, and at the assumed thickness at the latest"),
+    real_row("thickness", &BitmaskParams::thickness, {.initial = 0.05, .max = 100},
+             "assumed thickness of occluders, in radii"),
+    real_row("slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
+             "assumed thickness of occluders as a share of their distance; the larger of the two holds"),
+    choice_row(
+        "measure", &BitmaskParams::measure, 0, {"exact", "uniform", "sectors"},
+        "what a bit of a slice is: an equal share of cosine-weighted directions, an equal angle, or an equal step of "
+        "the sine of the angle to the normal"),
+    real_row("falloff", &BitmaskParams::falloff, {.max = 1},
+             "mode infinite: the last share of the radius, over which occluders fade"),
+    choice_row("noise", &BitmaskParams::noise, kBitmaskTile, {"hilbert", "tile", "hash", "none"},
+               "what turns slices and moves steps from pixel to pixel: a sequence along a Hilbert curve, a tile of 4x4 "
+               "pixels, a hash, or nothing"),
+    int_row("frame", &BitmaskParams::frame, {.max = 65535},
+            "number of the picture among several that are averaged: each has other noise"),
+    bool_row("mips", &BitmaskParams::mips, false, "read what is far away in the picture from smaller copies of it"),
+    choice_row("border", &BitmaskParams::border, 0, {"skip", "open"},
+               "what lies outside the picture: left out of the count, or open"),
+    bool_row("bent", &BitmaskParams::bent, false, "write the plane `bent` as well: the mean of the open directions"),
+    real_row("bleeding", &BitmaskParams::bleeding, {.max = 100, .zero_means = "off"},
+             "factor of the light that occluders reflect"),
+    real_row("ambient_bounce", &BitmaskParams::ambient_bounce, {.initial = 1, .max = 10},
+             "factor of the ambient light that surfaces send on"),
+    int_row("bounces", &BitmaskParams::bounces, {.initial = 1, .min = 1, .max = 16},
+            "how often light is reflected: 1, or more with what arrived the time before"),
+    int_row("layers", &BitmaskParams::layers, {.max = kLayersRead, .zero_means = "all"},
+            "mode layers: depth layers in which occluders are sought, of those that were captured"),
 };
 
 // One tap of one, the fewest, may cover the whole slice: two quanta.
@@ -199,10 +98,7 @@ void fill_mips(const PictureInfo& info, BitmaskConstants& c) {
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<BitmaskParams>(bytes);
-  auto& c = *static_cast<BitmaskConstants*>(out);
-  c = {};
+void fill_constants(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
   c.slices = params.slices;
   c.steps = params.steps;
   c.one_over_steps = 1.0f / float(params.steps);
@@ -211,12 +107,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
   c.one_over_slices = 1.0f / float(params.slices);
-  const float radius = absolute_length(params.radius, info.scene_radius);
-  c.radius = std::clamp(radius, 1e-15f, 1e15f);  // its square stays a number
+  c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);  // its square stays a number
   c.radius2 = c.radius * c.radius;
-  const Camera& camera = info.camera;
-  const float column = (camera.right - camera.left) / float(info.width);
-  const float row = -(camera.top - camera.bottom) / float(info.height);
+  const float column = info.pixel_width(), row = -info.pixel_height();
   c.reach = c.radius / column;
   c.step_y = column / row;
   c.along_y = row / column;
@@ -238,10 +131,6 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.openness = kOpenness;
   fill_layers(params, info, c);
   c.slope = params.slope > 0.0f ? params.slope : kSlopeAlways + kSlopeOfOne / float(std::max(c.layer_count, 1));
-}
-
-void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
-  as<BitmaskParams>(bytes).radius = {radius, 0};
 }
 
 bool has_mips(const ParameterBytes& bytes) {
@@ -270,9 +159,6 @@ Planes joined(Planes a, const Planes& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
-const Planes kOwn = {"normal.x", "normal.y", "normal.z", "bitmask_mips"};
-const Planes kSurface = joined({"depth"}, kOwn);
-
 Planes packed_planes() { return of_all_layers({"hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
 Planes sent_inputs() {
   return joined(of_all_layers({"normal.x", "normal.y", "normal.z", "direct.r", "direct.g", "direct.b", "ambient.r",
@@ -280,104 +166,56 @@ Planes sent_inputs() {
                 {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
 }
 
-Planes far_planes() {
-  return joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}), {"bitmask_mips"});
+Planes sending_planes() { return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
+
+/// A pass that seeks occluders in these planes, anywhere in the picture, and writes `ao` and perhaps more.
+Pass search_pass(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&), const Planes& seen,
+                 const Planes& more_outputs = {}) {
+  return {.name = name,
+          .inputs = joined(seen, {"normal.x", "normal.y", "normal.z", "bitmask_mips"}),
+          .outputs = joined({"ao"}, more_outputs),
+          .kernel = kernel,
+          .needed = needed,
+          .tile = kSquareTile,
+          .reach = own_row,
+          .far_inputs = joined(seen, {"bitmask_mips"})};
 }
 
 }  // namespace
 
-const Effect& effect_bitmask() {
-  static const Effect effect = {
-      .name = "bitmask",
-      .summary =
-          "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
-      .source = "Therrien et al. 2023",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(BitmaskParams),
-      .constants_size = sizeof(BitmaskConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius,
-      .noise = "frame",
-      .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
-      .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
-                   "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
-                   "mode=layers bleeding=1"},
-      .quantum = kQuantum,
-      .passes = {{.name = "mips",
-                  .inputs = {"depth"},
-                  .outputs = {"bitmask_mips"},
-                  .scalar = run_scalar_bitmask_mips,
-                  .lanes = run_lanes_bitmask_mips,
-                  .spirv = kMipsSpirv,
-                  .needed = has_mips},
-                 {.name = "sent",
-                  .inputs = sent_inputs(),
-                  .outputs = packed_planes(),
-                  .scalar = run_scalar_bitmask_sent,
-                  .lanes = run_lanes_bitmask_sent,
-                  .spirv = kSentSpirv,
-                  .needed = bleeds,
-                  .reach = own_row},
-                 {.name = "horizon",
-                  .inputs = kSurface,
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_bitmask_horizon,
-                  .lanes = run_lanes_bitmask_horizon,
-                  .spirv = kHorizonSpirv,
-                  .needed = by_horizon,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth", "bitmask_mips"}},
-                 {.name = "occlusion",
-                  .inputs = kSurface,
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_bitmask_occlusion,
-                  .lanes = run_lanes_bitmask_occlusion,
-                  .spirv = kOcclusionSpirv,
-                  .needed = by_bits,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth", "bitmask_mips"}},
-                 {.name = "layers",
-                  .inputs = joined(of_all_layers({"depth"}), kOwn),
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_bitmask_layers,
-                  .lanes = run_lanes_bitmask_layers,
-                  .spirv = kLayersSpirv,
-                  .needed = through_layers,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()},
-                 {.name = "bleeding",
-                  .inputs = joined(of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}),
-                                   kOwn),
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_bitmask_bleeding,
-                  .lanes = run_lanes_bitmask_bleeding,
-                  .spirv = kBleedingSpirv,
-                  .needed = bleeds,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()},
-                 {.name = "bent",
-                  .inputs = joined(of_all_layers({"depth"}), kOwn),
-                  .outputs = {"ao", "bent.x", "bent.y", "bent.z"},
-                  .scalar = run_scalar_bitmask_bent,
-                  .lanes = run_lanes_bitmask_bent,
-                  .spirv = kBentSpirv,
-                  .needed = bends,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_bitmask() {
+  return occlusion_effect<fill_constants>(
+      kTable,
+      {.name = "bitmask",
+       .summary =
+           "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
+       .source = "Therrien et al. 2023",
+       .set_radius = set_radius_of<&BitmaskParams::radius>,
+       .noise = "frame",
+       .tunable = {"slices", "steps", "distribution", "mode", "thickness", "slope"},
+       .variants = {"", "slices=1 steps=6", "slices=2 steps=12", "slices=4 steps=24", "mode=infinite",
+                    "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
+                    "mode=layers bleeding=1"},
+       .quantum = kQuantum,
+       .passes = {{.name = "mips",
+                   .inputs = {"depth"},
+                   .outputs = {"bitmask_mips"},
+                   .kernel = bitmask_mips_kernel(),
+                   .needed = has_mips},
+                  {.name = "sent",
+                   .inputs = sent_inputs(),
+                   .outputs = packed_planes(),
+                   .kernel = bitmask_sent_kernel(),
+                   .needed = bleeds,
+                   .reach = own_row},
+                  search_pass("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
+                  search_pass("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
+                  search_pass("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
+                  search_pass("bleeding", bitmask_bleeding_kernel(), bleeds, sending_planes(),
+                              {"indirect.r", "indirect.g", "indirect.b"}),
+                  search_pass("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
+                              {"bent.x", "bent.y", "bent.z"})},
+       .rounds = rounds});
 }
 
 }  // namespace umbrage

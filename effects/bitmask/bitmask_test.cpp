@@ -20,19 +20,12 @@
 namespace umbrage {
 namespace {
 
+using test::joined;
 using test::Settings;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRadian = kPi / 180.0;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-Settings joined(Settings first, const Settings& second) {
-  for (const auto& [name, value] : second) {
-    std::erase_if(first, [&](const auto& pair) { return pair.first == name; });
-    first.push_back({name, value});
-  }
-  return first;
-}
 
 /// The nearest of some planes along a ray, as a depth buffer holds it.
 struct Wall {
@@ -148,7 +141,7 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
     const KernelFrame kernel_frame{frame, &constants, planes};
     const bool gathers = pass.name != "mips" && pass.name != "sent";
     const Tile tile = gathers ? Tile{x0, m, x0 + 16, m + 1} : Tile{0, 0, width, height};
-    (scalar ? pass.scalar : pass.lanes)(kernel_frame, tile);
+    (scalar ? pass.kernel.scalar : pass.kernel.lanes)(kernel_frame, tile);
   }
   for (std::size_t k = 0; k < wanted.size(); ++k) found[k] = image.plane(wanted[k]).at(width / 2, height / 2);
   return found;

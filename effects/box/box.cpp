@@ -1,64 +1,29 @@
 #include "effects/box/box.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/box_ao_across.h"
+#include "kernels/box_ao_down.h"
+#include "kernels/box_indirect_across.h"
+#include "kernels/box_indirect_down.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(box_ao_across)
-UMBRAGE_DECLARE_KERNEL(box_ao_down)
-UMBRAGE_DECLARE_KERNEL(box_indirect_across)
-UMBRAGE_DECLARE_KERNEL(box_indirect_down)
-
 namespace {
 
-constexpr std::uint32_t kAoAcrossSpirv[] = {
-#include "spirv/box_ao_across.inc"
-};
-constexpr std::uint32_t kAoDownSpirv[] = {
-#include "spirv/box_ao_down.inc"
-};
-constexpr std::uint32_t kIndirectAcrossSpirv[] = {
-#include "spirv/box_indirect_across.inc"
-};
-constexpr std::uint32_t kIndirectDownSpirv[] = {
-#include "spirv/box_indirect_down.inc"
-};
-
 const std::vector<Parameter> kTable = {
-    {.name = "size",
-     .help = "side of the window: that of the noise's tile, whose noise then leaves no trace on flat surfaces",
-     .type = ParameterType::kInt,
-     .offset = offsetof(BoxParams, size),
-     .initial = 4,
-     .least = 1,
-     .most = 15,
-     .unit = "px"},
-    {.name = "background",
-     .help = "what lies where there is no surface: left out of the mean, or mixed in as in the paper",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(BoxParams, background),
-     .choices = {"skip", "mix"}},
-    {.name = "ao",
-     .help = "blur the occlusion",
-     .type = ParameterType::kBool,
-     .offset = offsetof(BoxParams, ao),
-     .initial = 1},
-    {.name = "indirect",
-     .help = "blur the reflected light",
-     .type = ParameterType::kBool,
-     .offset = offsetof(BoxParams, indirect),
-     .initial = 1},
+    int_row("size", &BoxParams::size, {.initial = 4, .min = 1, .max = 15, .unit = "px"},
+            "side of the window: that of the noise's tile, whose noise then leaves no trace on flat surfaces"),
+    choice_row("background", &BoxParams::background, 0, {"skip", "mix"},
+               "what lies where there is no surface: left out of the mean, or mixed in as in the paper"),
+    bool_row("ao", &BoxParams::ao, true, "blur the occlusion"),
+    bool_row("indirect", &BoxParams::indirect, true, "blur the reflected light"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<BoxParams>(bytes);
+void fill_constants(const BoxParams& params, const PictureInfo&, BoxConstants& c) {
   // A window of even size reaches one pixel farther to the left and upwards.
   const int first = -(params.size / 2);
-  *static_cast<BoxConstants*>(out) = {first, first + params.size - 1, params.background == 0 ? 1 : 0};
+  c = {first, first + params.size - 1, params.background == 0 ? 1 : 0};
 }
 
 bool blurs_ao(const ParameterBytes& bytes) { return as<BoxParams>(bytes).ao != 0; }
@@ -71,51 +36,36 @@ int reach(const void* constants, int) {
 
 }  // namespace
 
-const Effect& effect_box() {
-  static const Effect effect = {
-      .name = "box",
-      .summary = "averages occlusion and reflected light over a small square",
-      .source = "Colliander and Törnquist 2015",
-      .kind = EffectKind::kFilter,
-      .parameters = kTable,
-      .params_size = sizeof(BoxParams),
-      .constants_size = sizeof(BoxConstants),
-      .constants = fill_constants,
-      .variants = {"", "indirect=off", "size=8"},
-      .passes = {{.name = "ao across",
-                  .inputs = {"ao", "depth"},
-                  .outputs = {"box_ao", "box_count"},
-                  .scalar = run_scalar_box_ao_across,
-                  .lanes = run_lanes_box_ao_across,
-                  .spirv = kAoAcrossSpirv,
-                  .needed = blurs_ao,
-                  .reach = own_row},
-                 {.name = "ao down",
-                  .inputs = {"box_ao", "box_count"},
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_box_ao_down,
-                  .lanes = run_lanes_box_ao_down,
-                  .spirv = kAoDownSpirv,
-                  .needed = blurs_ao,
-                  .reach = reach},
-                 {.name = "indirect across",
-                  .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
-                  .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
-                  .scalar = run_scalar_box_indirect_across,
-                  .lanes = run_lanes_box_indirect_across,
-                  .spirv = kIndirectAcrossSpirv,
-                  .needed = blurs_indirect,
-                  .reach = own_row},
-                 {.name = "indirect down",
-                  .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
-                  .outputs = {"indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_box_indirect_down,
-                  .lanes = run_lanes_box_indirect_down,
-                  .spirv = kIndirectDownSpirv,
-                  .needed = blurs_indirect,
-                  .reach = reach}},
-  };
-  return effect;
+Effect effect_box() {
+  return filter_effect<fill_constants>(
+      kTable, {.name = "box",
+               .summary = "averages occlusion and reflected light over a small square",
+               .source = "Colliander and Törnquist 2015",
+               .variants = {"", "indirect=off", "size=8"},
+               .passes = {{.name = "ao across",
+                           .inputs = {"ao", "depth"},
+                           .outputs = {"box_ao", "box_count"},
+                           .kernel = box_ao_across_kernel(),
+                           .needed = blurs_ao,
+                           .reach = own_row},
+                          {.name = "ao down",
+                           .inputs = {"box_ao", "box_count"},
+                           .outputs = {"ao"},
+                           .kernel = box_ao_down_kernel(),
+                           .needed = blurs_ao,
+                           .reach = reach},
+                          {.name = "indirect across",
+                           .inputs = {"indirect.r", "indirect.g", "indirect.b", "depth"},
+                           .outputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                           .kernel = box_indirect_across_kernel(),
+                           .needed = blurs_indirect,
+                           .reach = own_row},
+                          {.name = "indirect down",
+                           .inputs = {"box_indirect.r", "box_indirect.g", "box_indirect.b", "box_count"},
+                           .outputs = {"indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = box_indirect_down_kernel(),
+                           .needed = blurs_indirect,
+                           .reach = reach}}});
 }
 
 }  // namespace umbrage

@@ -12,10 +12,10 @@
 namespace umbrage {
 namespace {
 
+using test::kIndirect;
 using test::Settings;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr const char* kIndirect[] = {"indirect.r", "indirect.g", "indirect.b"};
 
 /// Occlusion and light of all sizes, with holes in the surface.
 GBuffer noisy() {

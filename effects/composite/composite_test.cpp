@@ -11,13 +11,7 @@
 namespace umbrage {
 namespace {
 
-using test::Settings;
-
-constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
-constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
-constexpr const char* kIndirect[] = {"indirect.r", "indirect.g", "indirect.b"};
-constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
-constexpr const char* kLit[] = {"lit.r", "lit.g", "lit.b"};
+using namespace test;
 
 /// Light and occlusion of all sizes; occlusion from -0.5 to 2, as unsharp masks have it.
 GBuffer light_and_occlusion() {

@@ -2,86 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/denoise_ao_across.h"
+#include "kernels/denoise_ao_down.h"
+#include "kernels/denoise_light_across.h"
+#include "kernels/denoise_light_down.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(denoise_ao_across)
-UMBRAGE_DECLARE_KERNEL(denoise_ao_down)
-UMBRAGE_DECLARE_KERNEL(denoise_light_across)
-UMBRAGE_DECLARE_KERNEL(denoise_light_down)
-
 namespace {
-
-constexpr std::uint32_t kAoAcrossSpirv[] = {
-#include "spirv/denoise_ao_across.inc"
-};
-constexpr std::uint32_t kAoDownSpirv[] = {
-#include "spirv/denoise_ao_down.inc"
-};
-constexpr std::uint32_t kLightAcrossSpirv[] = {
-#include "spirv/denoise_light_across.inc"
-};
-constexpr std::uint32_t kLightDownSpirv[] = {
-#include "spirv/denoise_light_down.inc"
-};
 
 constexpr int kMostRounds = 6;                 // 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
-    {.name = "rounds",
-     .help = "how often the 5x5 filter is applied, each time with its pixels twice as far apart",
-     .type = ParameterType::kInt,
-     .offset = offsetof(DenoiseParams, rounds),
-     .initial = 1,
-     .least = 0,
-     .most = kMostRounds},
-    {.name = "occlusion",
-     .help = "share of the occlusion's noise that is filtered",
-     .offset = offsetof(DenoiseParams, occlusion),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "indirect",
-     .help = "share of the reflected light's noise that is filtered",
-     .offset = offsetof(DenoiseParams, indirect),
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "distance",
-     .help = "how far a pixel may lie off another's plane to join it fully",
-     .offset = offsetof(DenoiseParams, distance),
-     .initial = 1.0,
-     .least = 0.01,
-     .most = 100.0,
-     .unit = "px"},
-    {.name = "angle",
-     .help = "by how much normals may differ for pixels to join fully",
-     .offset = offsetof(DenoiseParams, angle),
-     .initial = 25.0,
-     .least = 1.0,
-     .most = 180.0,
-     .unit = "deg"},
-    {.name = "light_rounds",
-     .help = "how often reflected light is filtered, if not as often as occlusion",
-     .type = ParameterType::kInt,
-     .offset = offsetof(DenoiseParams, light_rounds),
-     .least = 0,
-     .most = kMostRounds,
-     .zero_means = "as rounds"},
-    {.name = "for_height",
-     .help =
-         "height of the picture that the rounds are meant for: one twice as high takes one more, rounded, up to six",
-     .type = ParameterType::kInt,
-     .offset = offsetof(DenoiseParams, for_height),
-     .least = 0,
-     .most = 65536,
-     .unit = "px",
-     .zero_means = "any"},
+    int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMostRounds},
+            "how often the 5x5 filter is applied, each time with its pixels twice as far apart"),
+    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1},
+             "share of the occlusion's noise that is filtered"),
+    real_row("indirect", &DenoiseParams::indirect, {.max = 1}, "share of the reflected light's noise that is filtered"),
+    real_row("distance", &DenoiseParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
+             "how far a pixel may lie off another's plane to join it fully"),
+    real_row("angle", &DenoiseParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
+             "by how much normals may differ for pixels to join fully"),
+    int_row("light_rounds", &DenoiseParams::light_rounds, {.max = kMostRounds, .zero_means = "as rounds"},
+            "how often reflected light is filtered, if not as often as occlusion"),
+    int_row(
+        "for_height", &DenoiseParams::for_height, {.max = 65536, .unit = "px", .zero_means = "any"},
+        "height of the picture that the rounds are meant for: one twice as high takes one more, rounded, up to six"),
 };
 
 int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }
@@ -93,17 +42,16 @@ int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   return std::min(rounds + std::max(more, 0), kMostRounds);
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<DenoiseParams>(bytes);
+void fill_constants(const DenoiseParams& params, const PictureInfo& info, DenoiseConstants& c) {
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
-  *static_cast<DenoiseConstants*>(out) = {kNear,
-                                          kFar,
-                                          params.occlusion,
-                                          params.indirect,
-                                          params.distance,
-                                          float(1.0 / (1.0 - cosine)),
-                                          grown(params.rounds, params, info),
-                                          grown(light_rounds(params), params, info)};
+  c = {kNear,
+       kFar,
+       params.occlusion,
+       params.indirect,
+       params.distance,
+       float(1.0 / (1.0 - cosine)),
+       grown(params.rounds, params, info),
+       grown(light_rounds(params), params, info)};
 }
 
 bool light_too(const ParameterBytes& bytes) {
@@ -125,55 +73,40 @@ int reach(const void*, int round) { return 2 << round; }
 
 }  // namespace
 
-const Effect& effect_denoise() {
-  static const Effect effect = {
-      .name = "denoise",
-      .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
-      .source = "Dammertz et al. 2010",
-      .kind = EffectKind::kFilter,
-      .parameters = kTable,
-      .params_size = sizeof(DenoiseParams),
-      .constants_size = sizeof(DenoiseConstants),
-      .constants = fill_constants,
-      .tunable = {"rounds", "distance", "angle"},
-      .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
-      .passes = {{.name = "ao_across",
-                  .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"denoise_ao"},
-                  .scalar = run_scalar_denoise_ao_across,
-                  .lanes = run_lanes_denoise_ao_across,
-                  .spirv = kAoAcrossSpirv,
-                  .needed = ao_alone,
-                  .reach = own_row},
-                 {.name = "ao_down",
-                  .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_denoise_ao_down,
-                  .lanes = run_lanes_denoise_ao_down,
-                  .spirv = kAoDownSpirv,
-                  .needed = ao_alone,
-                  .reach = reach},
-                 {.name = "light_across",
-                  .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
-                             "normal.z"},
-                  .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
-                  .scalar = run_scalar_denoise_light_across,
-                  .lanes = run_lanes_denoise_light_across,
-                  .spirv = kLightAcrossSpirv,
-                  .needed = light_too,
-                  .reach = own_row},
-                 {.name = "light_down",
-                  .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b", "depth",
-                             "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_denoise_light_down,
-                  .lanes = run_lanes_denoise_light_down,
-                  .spirv = kLightDownSpirv,
-                  .needed = light_too,
-                  .reach = reach}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_denoise() {
+  return filter_effect<fill_constants>(
+      kTable, {.name = "denoise",
+               .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
+               .source = "Dammertz et al. 2010",
+               .tunable = {"rounds", "distance", "angle"},
+               .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},
+               .passes = {{.name = "ao_across",
+                           .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"denoise_ao"},
+                           .kernel = denoise_ao_across_kernel(),
+                           .needed = ao_alone,
+                           .reach = own_row},
+                          {.name = "ao_down",
+                           .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao"},
+                           .kernel = denoise_ao_down_kernel(),
+                           .needed = ao_alone,
+                           .reach = reach},
+                          {.name = "light_across",
+                           .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
+                                      "normal.z"},
+                           .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
+                           .kernel = denoise_light_across_kernel(),
+                           .needed = light_too,
+                           .reach = own_row},
+                          {.name = "light_down",
+                           .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b",
+                                      "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = denoise_light_down_kernel(),
+                           .needed = light_too,
+                           .reach = reach}},
+               .rounds = rounds});
 }
 
 }  // namespace umbrage

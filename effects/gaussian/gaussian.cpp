@@ -1,45 +1,25 @@
 #include "effects/gaussian/gaussian.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/gaussian_across.h"
+#include "kernels/gaussian_down.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(gaussian_across)
-UMBRAGE_DECLARE_KERNEL(gaussian_down)
-
 namespace {
-
-constexpr std::uint32_t kAcrossSpirv[] = {
-#include "spirv/gaussian_across.inc"
-};
-constexpr std::uint32_t kDownSpirv[] = {
-#include "spirv/gaussian_down.inc"
-};
 
 constexpr float kSide = 0.25f;  // [1 2 1]/4
 
 const std::vector<Parameter> kTable = {
     // "Several times" [Lajzer and Nottingham]. Each round halves noise that repeats every 4 pixels: 6 % of it are left.
-    {.name = "rounds",
-     .help = "how often the 3x3 Gaussian is applied",
-     .type = ParameterType::kInt,
-     .offset = offsetof(GaussianParams, rounds),
-     .initial = 4,
-     .least = 0,
-     .most = 64},
-    {.name = "edges",
-     .help = "blur along each surface only, not across its silhouette or into the background",
-     .type = ParameterType::kBool,
-     .offset = offsetof(GaussianParams, edges)},
+    int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64}, "how often the 3x3 Gaussian is applied"),
+    bool_row("edges", &GaussianParams::edges, false,
+             "blur along each surface only, not across its silhouette or into the background"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<GaussianParams>(bytes);
-  *static_cast<GaussianConstants*>(out) = {params.rounds > 0 ? kSide : 0.0f, params.edges};
+void fill_constants(const GaussianParams& params, const PictureInfo&, GaussianConstants& c) {
+  c = {params.rounds > 0 ? kSide : 0.0f, params.edges};
 }
 
 /// No round is one that changes nothing.
@@ -49,35 +29,24 @@ int reach(const void*, int) { return 1; }
 
 }  // namespace
 
-const Effect& effect_gaussian() {
-  static const Effect effect = {
-      .name = "gaussian",
-      .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kFilter,
-      .parameters = kTable,
-      .params_size = sizeof(GaussianParams),
-      .constants_size = sizeof(GaussianConstants),
-      .constants = fill_constants,
-      .tunable = {"rounds"},
-      .variants = {"", "rounds=1", "edges=on"},
-      .passes = {{.name = "across",
-                  .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"gaussian_ao"},
-                  .scalar = run_scalar_gaussian_across,
-                  .lanes = run_lanes_gaussian_across,
-                  .spirv = kAcrossSpirv,
-                  .reach = own_row},
-                 {.name = "down",
-                  .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_gaussian_down,
-                  .lanes = run_lanes_gaussian_down,
-                  .spirv = kDownSpirv,
-                  .reach = reach}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_gaussian() {
+  return filter_effect<fill_constants>(
+      kTable, {.name = "gaussian",
+               .summary = "blurs the occlusion by a 3x3 Gaussian, several times",
+               .source = "Lajzer and Nottingham",
+               .tunable = {"rounds"},
+               .variants = {"", "rounds=1", "edges=on"},
+               .passes = {{.name = "across",
+                           .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"gaussian_ao"},
+                           .kernel = gaussian_across_kernel(),
+                           .reach = own_row},
+                          {.name = "down",
+                           .inputs = {"gaussian_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao"},
+                           .kernel = gaussian_down_kernel(),
+                           .reach = reach}},
+               .rounds = rounds});
 }
 
 }  // namespace umbrage

@@ -128,18 +128,7 @@ TEST(Gaussian, EdgesBlurPlanesAtGrazingAnglesAsWithout) {
       GBuffer g = step(48, 64, 99);
       if (orthographic) g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, 0.75f);
       fill_randomly(ao_of(g));
-      const Camera& camera = g.info.camera;
-      const double tilt = tilt_deg * 3.14159265358979 / 180.0, ny = std::sin(tilt), nz = std::cos(tilt);
-      int horizon = 0;  // rows above it show nothing
-      for (int y = 63; y >= 0; --y)
-        for (int x = 0; x < 48; ++x) {
-          const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / 64.0;
-          const double depth = orthographic ? 40.0 + ny / nz * v : 5.0 * nz / (nz - ny * v);
-          if (depth < 0.0) horizon = std::max(horizon, y + 1);
-          g.layers[0].plane("depth").at(x, y) = depth > 0.0 ? float(depth) : std::numeric_limits<float>::infinity();
-          g.layers[0].plane("normal.y").at(x, y) = float(ny);
-          g.layers[0].plane("normal.z").at(x, y) = float(nz);
-        }
+      const int horizon = test::tilt_about_x(g, tilt_deg);
       const Image without = test::run_effect(*find_effect("gaussian"), g, rounds(3, "off"), {});
       test::on_every_target("gaussian", g, rounds(3, "on"), [&](const Image& image) {
         const int first = horizon > 0 ? horizon + 3 : 0;  // three rounds see three rows

@@ -1,66 +1,39 @@
 #include "effects/ground/ground.h"
 
-#include <cstddef>
-
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/ground.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(ground)
-
 namespace {
 
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/ground.inc"
-};
-
 const std::vector<Parameter> kTable = {
-    {.name = "strength",
-     .help = "how dark the shade on the ground is",
-     .offset = offsetof(GroundParams, strength),
-     .initial = 1.0,
-     .most = 2.0},
-    {.name = "blend",
-     .help = "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(GroundParams, blend),
-     .choices = {"light", "display"}},
+    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "how dark the shade on the ground is"),
+    choice_row("blend", &GroundParams::blend, 0, {"light", "display"},
+               "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<GroundParams>(bytes);
-  *static_cast<GroundConstants*>(out) = {.object = float(info.ground_object),
-                                         .strength = params.strength,
-                                         .display = params.blend,
-                                         .middle_x = info.ground_middle.x,
-                                         .middle_y = info.ground_middle.y,
-                                         .middle_z = info.ground_middle.z,
-                                         .inverse_fades = info.ground_fades > 0.0f ? 1.0f / info.ground_fades : 0.0f};
+void fill_constants(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
+  c = {.object = float(info.ground_object),
+       .strength = params.strength,
+       .display = params.blend,
+       .middle_x = info.ground_middle.x,
+       .middle_y = info.ground_middle.y,
+       .middle_z = info.ground_middle.z,
+       .inverse_fades = info.ground_fades > 0.0f ? 1.0f / info.ground_fades : 0.0f};
 }
 
 }  // namespace
 
-const Effect& effect_ground() {
-  static const Effect effect = {
-      .name = "ground",
-      .summary = "leaves of the ground under a model the shade on it alone",
-      .source = "",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(GroundParams),
-      .constants_size = sizeof(GroundConstants),
-      .constants = fill_constants,
-      .passes = {{.name = "ground",
-                  .inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
-                             "lit.r", "lit.g", "lit.b"},
-                  .outputs = {"lit.r", "lit.g", "lit.b", "cover"},
-                  .scalar = run_scalar_ground,
-                  .lanes = run_lanes_ground,
-                  .spirv = kSpirv,
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_ground() {
+  return shading_effect<fill_constants>(
+      kTable, {.name = "ground",
+               .summary = "leaves of the ground under a model the shade on it alone",
+               .source = "",
+               .passes = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
+                                      "lit.r", "lit.g", "lit.b"},
+                           .outputs = {"lit.r", "lit.g", "lit.b", "cover"},
+                           .kernel = ground_kernel(),
+                           .reach = own_row}}});
 }
 
 }  // namespace umbrage

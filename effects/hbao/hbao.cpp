@@ -2,75 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/hbao.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(hbao)
-
 namespace {
 
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/hbao.inc"
-};
-
 const std::vector<Parameter> kTable = {
-    {.name = "directions",
-     .help = "directions in the picture in which the horizon is sought",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HbaoParams, directions),
-     .initial = 6,
-     .least = 1,
-     .most = 64},
-    {.name = "steps",
-     .help = "depths that are read in each direction",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HbaoParams, steps),
-     .initial = 6,
-     .least = 1,
-     .most = 256},
-    {.name = "radius",
-     .help = "how far away occluders are sought, in scene units or as a share of the scene's radius",
-     .type = ParameterType::kLength,
-     .offset = offsetof(HbaoParams, radius),
-     .initial = 10.0,
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .initially_relative = true,
-     .above_zero = true},
-    {.name = "angle_bias",
-     .help = "what rises less above the tangent plane does not occlude",
-     .offset = offsetof(HbaoParams, angle_bias),
-     .initial = 10.0,
-     .least = 0.0,
-     .most = 89.0,
-     .unit = "deg"},
-    {.name = "attenuation",
-     .help = "occluders count less the farther they are, by 1 - r^2",
-     .type = ParameterType::kBool,
-     .offset = offsetof(HbaoParams, attenuation),
-     .initial = 1},
-    {.name = "strength",
-     .help = "factor of the occlusion",
-     .offset = offsetof(HbaoParams, strength),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 10.0},
+    int_row("directions", &HbaoParams::directions, {.initial = 6, .min = 1, .max = 64},
+            "directions in the picture in which the horizon is sought"),
+    int_row("steps", &HbaoParams::steps, {.initial = 6, .min = 1, .max = 256},
+            "depths that are read in each direction"),
+    radius_row("radius", &HbaoParams::radius,
+               "how far away occluders are sought, in scene units or as a share of the scene's radius"),
+    real_row("angle_bias", &HbaoParams::angle_bias, {.initial = 10, .max = 89, .unit = "deg"},
+             "what rises less above the tangent plane does not occlude"),
+    bool_row("attenuation", &HbaoParams::attenuation, true, "occluders count less the farther they are, by 1 - r^2"),
+    real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),
 };
 
 // One tap of one may be the whole horizon: two quanta.
 constexpr double kQuantum = 0.5;
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<HbaoParams>(bytes);
-  auto& c = *static_cast<HbaoConstants*>(out);
-  c = {};
+void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConstants& c) {
   c.directions = params.directions;
   c.steps = params.steps;
   c.one_over_steps = 1.0f / float(params.steps);
@@ -78,12 +35,9 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
   c.turn_share = 1.0f / float(params.directions);
-  const float radius = absolute_length(params.radius, info.scene_radius);
-  c.radius = std::clamp(radius, 1e-15f, 1e15f);
+  c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);
   c.radius2 = c.radius * c.radius;
-  const Camera& camera = info.camera;
-  const float column = (camera.right - camera.left) / float(info.width);
-  const float row = (camera.top - camera.bottom) / float(info.height);
+  const float column = info.pixel_width(), row = info.pixel_height();
   c.reach = c.radius / column;
   c.rows = -column / row;
   const double bias = params.angle_bias * std::numbers::pi / 180.0;
@@ -93,37 +47,18 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.factor = params.strength / float(params.directions);
 }
 
-void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) { as<HbaoParams>(bytes).radius = {radius, 0}; }
-
 }  // namespace
 
-const Effect& effect_hbao() {
-  static const Effect effect = {
-      .name = "hbao",
-      .summary = "horizons in several directions: darker the higher they stand over the surface",
-      .source = "Bavoil et al. 2008",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(HbaoParams),
-      .constants_size = sizeof(HbaoConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius,
-      .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
-      .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
-      .quantum = kQuantum,
-      .passes = {{.name = "hbao",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_hbao,
-                  .lanes = run_lanes_hbao,
-                  .spirv = kSpirv,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth"},
-                  .for_missing = true}},
-  };
-  return effect;
+Effect effect_hbao() {
+  return occlusion_effect<fill_constants>(
+      kTable, {.name = "hbao",
+               .summary = "horizons in several directions: darker the higher they stand over the surface",
+               .source = "Bavoil et al. 2008",
+               .set_radius = set_radius_of<&HbaoParams::radius>,
+               .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
+               .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
+               .quantum = kQuantum,
+               .passes = {sampling_pass(hbao_kernel())}});
 }
 
 }  // namespace umbrage

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <glm/matrix.hpp>
 #include <numbers>
 #include <numeric>
@@ -11,28 +10,13 @@
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "kernel/kernel_frame.h"
+#include "kernels/hemisphere_bleeding.h"
+#include "kernels/hemisphere_occlusion.h"
+#include "kernels/hemisphere_sent.h"
+#include "kernels/hemisphere_tangents.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(hemisphere_sent)
-UMBRAGE_DECLARE_KERNEL(hemisphere_occlusion)
-UMBRAGE_DECLARE_KERNEL(hemisphere_bleeding)
-UMBRAGE_DECLARE_KERNEL(hemisphere_tangents)
-
 namespace {
-
-constexpr std::uint32_t kSentSpirv[] = {
-#include "spirv/hemisphere_sent.inc"
-};
-constexpr std::uint32_t kOcclusionSpirv[] = {
-#include "spirv/hemisphere_occlusion.inc"
-};
-constexpr std::uint32_t kBleedingSpirv[] = {
-#include "spirv/hemisphere_bleeding.inc"
-};
-constexpr std::uint32_t kTangentsSpirv[] = {
-#include "spirv/hemisphere_tangents.inc"
-};
 
 // The paper's switches: its sample and noise tables, comparison of depths alone, a range in window depth that falls
 // with the square of the depth, a fixed size of fragment.
@@ -45,162 +29,62 @@ constexpr float kOpenness = 0.7f;         // of ambient light, where nobody has 
 constexpr float kLeastNearShare = 1e-4f;  // of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
-    {.name = "samples",
-     .help = "sample points per pixel",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HemisphereParams, samples),
-     .initial = 16,
-     .least = 1,
-     .most = kHemisphereMostSamples},
-    {.name = "shape",
-     .help = "sample the half of a ball above the surface, or the whole of it",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(HemisphereParams, shape),
-     .choices = {"hemisphere", "sphere"}},
-    {.name = "radius",
-     .help = "radius of the hemisphere, in scene units or as a share of the scene's radius",
-     .type = ParameterType::kLength,
-     .offset = offsetof(HemisphereParams, radius),
-     .initial = 10.0,
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .initially_relative = true,
-     .above_zero = true},
-    {.name = "distribution",
-     .help = "lengths of the sample points: evenly by their logarithm, or random directions with the paper's lengths",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(HemisphereParams, distribution),
-     .choices = {"even", "paper"}},
-    {.name = "seed",
-     .help = "another number gives other sample points and other noise",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HemisphereParams, seed),
-     .least = 0,
-     .most = 1e6},
-    {.name = "noise",
-     .help = "side of the tile of noise that turns the sample points; 1: none",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HemisphereParams, noise),
-     .initial = 4,
-     .least = 0,
-     .most = 64,
-     .unit = "px",
-     .zero_means = "as large as the picture"},
-    {.name = "range",
-     .help =
-         "how far in depth an occluder may be: anywhere, within a limit that is constant or falls with the depth or "
-         "with its square, or fading beyond the limit",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(HemisphereParams, range),
-     .initial = kHemisphereRangeSmoothstep,
-     .choices = {"none", "constant", "linear", "quadratic", "smoothstep"}},
-    {.name = "range_depth",
-     .help = "the depth that the range is one of: distance along the view axis, or window depth in [0, 1]",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(HemisphereParams, range_depth),
-     .choices = {"view", "window"}},
-    {.name = "range_factor",
-     .help = "the range's limit in radii; of window depth: in radii over the depth span, far - near",
-     .offset = offsetof(HemisphereParams, range_factor),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 100.0},
-    {.name = "near",
-     .help = "distance of window depth's near plane",
-     .offset = offsetof(HemisphereParams, near_depth),
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .zero_means = "automatic"},
-    {.name = "far",
-     .help = "distance of window depth's far plane",
-     .offset = offsetof(HemisphereParams, far_depth),
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .zero_means = "automatic"},
-    {.name = "bias",
-     .help = "what rises less than this share of the radius (over the surface, or before the sample: see bias_of) does "
-             "not occlude",
-     .offset = offsetof(HemisphereParams, bias),
-     .initial = 0.02,
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "bias_of",
-     .help = "what an occluder must rise above: the surface's plane, which leaves planes open, or only the sample's "
-             "depth, as in the paper",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(HemisphereParams, bias_of),
-     .choices = {"surface", "depth"}},
-    {.name = "weight",
-     .help = "how much one occluder adds to the occlusion",
-     .offset = offsetof(HemisphereParams, weight),
-     .initial = 1.5,
-     .least = 0.0,
-     .most = 10.0},
-    {.name = "border",
-     .help = "what a sample outside the picture is: left out of the count, or the nearest pixel",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(HemisphereParams, border),
-     .choices = {"skip", "clamp"}},
-    {.name = "occlusion",
-     .help = "write occlusion; off: all is open",
-     .type = ParameterType::kBool,
-     .offset = offsetof(HemisphereParams, occlusion),
-     .initial = 1},
-    {.name = "bleeding",
-     .help = "factor of the light that occluders reflect",
-     .offset = offsetof(HemisphereParams, bleeding),
-     .initial = 0.0,
-     .least = 0.0,
-     .most = 100.0,
-     .zero_means = "off"},
-    {.name = "area",
-     .help = "surface that an occluding sample stands for: measured from the samples' density, an equal share of the "
-             "radius's disc, or the paper's fixed fragment",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(HemisphereParams, area),
-     .choices = {"measured", "equal", "paper"}},
-    {.name = "fragment_area",
-     .help = "area paper: size of a fragment, in squares of the radius",
-     .offset = offsetof(HemisphereParams, fragment_area),
-     .initial = 0.05,
-     .least = 0.0,
-     .most = 100.0},
-    {.name = "floor",
-     .help =
-         "share of the radius: length of the shortest sample of distribution even, and least distance of an emitter "
-         "elsewhere",
-     .offset = offsetof(HemisphereParams, floor),
-     .initial = 0.02,
-     .least = 0.0,
-     .most = 0.5},
-    {.name = "layers",
-     .help = "depth layers in which occluders are sought, of those that were captured",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HemisphereParams, layers),
-     .initial = 0,
-     .least = 0,
-     .most = kLayersRead,
-     .zero_means = "all"},
-    {.name = "ambient_bounce",
-     .help = "factor of the ambient light that surfaces send on",
-     .offset = offsetof(HemisphereParams, ambient_bounce),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 10.0},
-    {.name = "bounces",
-     .help = "how often light is reflected: 1, or more with what arrived the time before",
-     .type = ParameterType::kInt,
-     .offset = offsetof(HemisphereParams, bounces),
-     .initial = 1,
-     .least = 1,
-     .most = 16},
-    {.name = "tangents",
-     .help = "write the plane `tangent` as well: about the normal, where each pixel's sample points are turned to",
-     .type = ParameterType::kBool,
-     .offset = offsetof(HemisphereParams, tangents)},
+    int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMostSamples},
+            "sample points per pixel"),
+    choice_row("shape", &HemisphereParams::shape, 0, {"hemisphere", "sphere"},
+               "sample the half of a ball above the surface, or the whole of it"),
+    radius_row("radius", &HemisphereParams::radius,
+               "radius of the hemisphere, in scene units or as a share of the scene's radius"),
+    choice_row(
+        "distribution", &HemisphereParams::distribution, 0, {"even", "paper"},
+        "lengths of the sample points: evenly by their logarithm, or random directions with the paper's lengths"),
+    int_row("seed", &HemisphereParams::seed, {.max = 1e6}, "another number gives other sample points and other noise"),
+    int_row("noise", &HemisphereParams::noise,
+            {.initial = 4, .max = 64, .unit = "px", .zero_means = "as large as the picture"},
+            "side of the tile of noise that turns the sample points; 1: none"),
+    choice_row(
+        "range", &HemisphereParams::range, kHemisphereRangeSmoothstep,
+        {"none", "constant", "linear", "quadratic", "smoothstep"},
+        "how far in depth an occluder may be: anywhere, within a limit that is constant or falls with the depth or "
+        "with its square, or fading beyond the limit"),
+    choice_row("range_depth", &HemisphereParams::range_depth, 0, {"view", "window"},
+               "the depth that the range is one of: distance along the view axis, or window depth in [0, 1]"),
+    real_row("range_factor", &HemisphereParams::range_factor, {.initial = 1, .max = 100},
+             "the range's limit in radii; of window depth: in radii over the depth span, far - near"),
+    real_row("near", &HemisphereParams::near_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
+             "distance of window depth's near plane"),
+    real_row("far", &HemisphereParams::far_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
+             "distance of window depth's far plane"),
+    real_row("bias", &HemisphereParams::bias, {.initial = 0.02, .max = 1},
+             "what rises less than this share of the radius (over the surface, or before the sample: see bias_of) does "
+             "not occlude"),
+    choice_row("bias_of", &HemisphereParams::bias_of, 0, {"surface", "depth"},
+               "what an occluder must rise above: the surface's plane, which leaves planes open, or only the sample's "
+               "depth, as in the paper"),
+    real_row("weight", &HemisphereParams::weight, {.initial = 1.5, .max = 10},
+             "how much one occluder adds to the occlusion"),
+    choice_row("border", &HemisphereParams::border, 0, {"skip", "clamp"},
+               "what a sample outside the picture is: left out of the count, or the nearest pixel"),
+    bool_row("occlusion", &HemisphereParams::occlusion, true, "write occlusion; off: all is open"),
+    real_row("bleeding", &HemisphereParams::bleeding, {.max = 100, .zero_means = "off"},
+             "factor of the light that occluders reflect"),
+    choice_row("area", &HemisphereParams::area, 0, {"measured", "equal", "paper"},
+               "surface that an occluding sample stands for: measured from the samples' density, an equal share of the "
+               "radius's disc, or the paper's fixed fragment"),
+    real_row("fragment_area", &HemisphereParams::fragment_area, {.initial = 0.05, .max = 100},
+             "area paper: size of a fragment, in squares of the radius"),
+    real_row(
+        "floor", &HemisphereParams::floor, {.initial = 0.02, .max = 0.5},
+        "share of the radius: length of the shortest sample of distribution even, and least distance of an emitter "
+        "elsewhere"),
+    int_row("layers", &HemisphereParams::layers, {.max = kLayersRead, .zero_means = "all"},
+            "depth layers in which occluders are sought, of those that were captured"),
+    real_row("ambient_bounce", &HemisphereParams::ambient_bounce, {.initial = 1, .max = 10},
+             "factor of the ambient light that surfaces send on"),
+    int_row("bounces", &HemisphereParams::bounces, {.initial = 1, .min = 1, .max = 16},
+            "how often light is reflected: 1, or more with what arrived the time before"),
+    bool_row("tangents", &HemisphereParams::tangents, false,
+             "write the plane `tangent` as well: about the normal, where each pixel's sample points are turned to"),
 };
 
 // One flipped sample of one, the fewest, turns occlusion and light from nothing to whole: two quanta.
@@ -299,10 +183,7 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<HemisphereParams>(bytes);
-  auto& c = *static_cast<HemisphereConstants*>(out);
-  c = {};
+void fill_constants(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
   c.samples = params.samples;
   c.radius = absolute_length(params.radius, info.scene_radius);
   c.even = params.distribution == kHemisphereEven ? 1 : 0;
@@ -362,10 +243,6 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
     fill_paper_points(params, c.points);
 }
 
-void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
-  as<HemisphereParams>(bytes).radius = {radius, 0};
-}
-
 bool bleeds(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
 bool occludes_alone(const ParameterBytes& bytes) { return !bleeds(bytes); }
 bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
@@ -407,74 +284,55 @@ std::vector<std::string_view> far_planes() {
 
 }  // namespace
 
-const Effect& effect_hemisphere() {
-  static const Effect effect = {
-      .name = "hemisphere",
-      .summary = "sample points above the surface: darker where they are hidden, coloured by what hides them",
-      .source = "Colliander and Törnquist 2015",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(HemisphereParams),
-      .constants_size = sizeof(HemisphereConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius,
-      .noise = "seed",
-      .tunable = {"samples", "distribution", "range", "bias"},
-      .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
-      .quantum = kQuantum,
-      .passes = {{.name = "sent",
-                  .inputs = sent_inputs(),
-                  .outputs = packed_planes(),
-                  .later_inputs = sent_later_inputs(),
-                  .scalar = run_scalar_hemisphere_sent,
-                  .lanes = run_lanes_hemisphere_sent,
-                  .spirv = kSentSpirv,
-                  .needed = bleeds,
-                  .reach = own_row},
-                 {.name = "occlusion",
-                  .inputs = occlusion_inputs(),
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_hemisphere_occlusion,
-                  .lanes = run_lanes_hemisphere_occlusion,
-                  .spirv = kOcclusionSpirv,
-                  .needed = occludes_alone,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = of_all_layers({"depth"})},
-                 {.name = "bleeding",
-                  .inputs = bleeding_inputs(),
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_hemisphere_bleeding,
-                  .lanes = run_lanes_hemisphere_bleeding,
-                  .spirv = kBleedingSpirv,
-                  .needed = bleeds,
-                  .tile_width = 256,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = far_planes()},
-                 // Their light is not worth packing what all of the picture sends.
-                 {.name = "missing",
-                  .inputs = occlusion_inputs(),
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_hemisphere_occlusion,
-                  .lanes = run_lanes_hemisphere_occlusion,
-                  .spirv = kOcclusionSpirv,
-                  .reach = own_row,
-                  .far_inputs = of_all_layers({"depth"}),
-                  .for_all = false,
-                  .for_missing = true},
-                 {.name = "tangents",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"tangent.x", "tangent.y", "tangent.z"},
-                  .scalar = run_scalar_hemisphere_tangents,
-                  .lanes = run_lanes_hemisphere_tangents,
-                  .spirv = kTangentsSpirv,
-                  .needed = shows_tangents,
-                  .reach = own_row}},
-      .rounds = rounds,
-  };
-  return effect;
+Effect effect_hemisphere() {
+  return occlusion_effect<fill_constants>(
+      kTable, {.name = "hemisphere",
+               .summary = "sample points above the surface: darker where they are hidden, coloured by what hides them",
+               .source = "Colliander and Törnquist 2015",
+               .set_radius = set_radius_of<&HemisphereParams::radius>,
+               .noise = "seed",
+               .tunable = {"samples", "distribution", "range", "bias"},
+               .variants = {"", "samples=8", "samples=32 bleeding=1", "samples=64", "samples=64 bleeding=1", kPaper},
+               .quantum = kQuantum,
+               .passes = {{.name = "sent",
+                           .inputs = sent_inputs(),
+                           .outputs = packed_planes(),
+                           .later_inputs = sent_later_inputs(),
+                           .kernel = hemisphere_sent_kernel(),
+                           .needed = bleeds,
+                           .reach = own_row},
+                          {.name = "occlusion",
+                           .inputs = occlusion_inputs(),
+                           .outputs = {"ao"},
+                           .kernel = hemisphere_occlusion_kernel(),
+                           .needed = occludes_alone,
+                           .tile = kSquareTile,
+                           .reach = own_row,
+                           .far_inputs = of_all_layers({"depth"})},
+                          {.name = "bleeding",
+                           .inputs = bleeding_inputs(),
+                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = hemisphere_bleeding_kernel(),
+                           .needed = bleeds,
+                           .tile = {256, 32},
+                           .reach = own_row,
+                           .far_inputs = far_planes()},
+                          // Their light is not worth packing what all of the picture sends.
+                          {.name = "missing",
+                           .inputs = occlusion_inputs(),
+                           .outputs = {"ao"},
+                           .kernel = hemisphere_occlusion_kernel(),
+                           .reach = own_row,
+                           .far_inputs = of_all_layers({"depth"}),
+                           .for_all = false,
+                           .for_missing = true},
+                          {.name = "tangents",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"tangent.x", "tangent.y", "tangent.z"},
+                           .kernel = hemisphere_tangents_kernel(),
+                           .needed = shows_tangents,
+                           .reach = own_row}},
+               .rounds = rounds});
 }
 
 }  // namespace umbrage

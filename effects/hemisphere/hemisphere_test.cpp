@@ -18,33 +18,17 @@
 namespace umbrage {
 namespace {
 
-using test::Settings;
+using namespace test;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr double kPi = 3.14159265358979323846;
-constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
-constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
-constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
-constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
-constexpr const char* kIndirect[] = {"indirect.r", "indirect.g", "indirect.b"};
-
-Settings joined(Settings first, const Settings& second) {
-  for (const auto& [name, value] : second) {
-    std::erase_if(first, [&](const auto& pair) { return pair.first == name; });
-    first.push_back({name, value});
-  }
-  return first;
-}
 
 Image run(const GBuffer& g, const Settings& settings) {
   return test::run_effect(*find_effect("hemisphere"), g, settings, {});
 }
 
 HemisphereConstants constants(const GBuffer& g, const Settings& settings) {
-  const Effect& effect = *find_effect("hemisphere");
-  HemisphereConstants c;
-  effect.constants(test::parameters_of(effect, settings), g.info, &c);
-  return c;
+  return test::constants_of<HemisphereConstants>("hemisphere", g.info, settings);
 }
 
 // ---- scenes of rectangles

@@ -1,77 +1,38 @@
 #include "effects/lighting/lighting.h"
 
 #include <algorithm>
-#include <cstddef>
 
 #include "core/effect.h"
 #include "core/light_rig.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/lighting.h"
+#include "kernels/lighting_open.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(lighting)
-UMBRAGE_DECLARE_KERNEL(lighting_open)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/lighting.inc"
-};
 
 constexpr double kMostFactor = 100.0;
 
-constexpr std::uint32_t kOpenSpirv[] = {
-#include "spirv/lighting_open.inc"
-};
-
 const std::vector<Parameter> kTable = {
-    {.name = "ambient",
-     .help = "factor on the light from everywhere",
-     .offset = offsetof(LightingParams, ambient),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "diffuse",
-     .help = "factor on diffuse reflection of the lights",
-     .offset = offsetof(LightingParams, diffuse),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "specular",
-     .help = "factor on highlights",
-     .offset = offsetof(LightingParams, specular),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "emission",
-     .help = "factor on the light that surfaces send out by themselves",
-     .offset = offsetof(LightingParams, emission),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "shadow",
-     .help = "how dark shadows are",
-     .offset = offsetof(LightingParams, shadow),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "material",
-     .help =
-         "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
-         "(for output.transfer=none)",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(LightingParams, material),
-     .choices = {"scene", "clay", "display"}},
-    {.name = "open",
-     .help = "write also how bright a white surface is where nothing is in the lights' way, which `ground` reads",
-     .type = ParameterType::kBool,
-     .offset = offsetof(LightingParams, open)},
-    {.name = "rig",
-     .help = "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(LightingParams, rig),
-     .choices = {"scene", "head", "key"}},
+    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMostFactor},
+             "factor on the light from everywhere"),
+    real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMostFactor},
+             "factor on diffuse reflection of the lights"),
+    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMostFactor}, "factor on highlights"),
+    real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMostFactor},
+             "factor on the light that surfaces send out by themselves"),
+    real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "how dark shadows are"),
+    choice_row(
+        "material", &LightingParams::material, 0, {"scene", "clay", "display"},
+        "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
+        "(for output.transfer=none)"),
+    bool_row("open", &LightingParams::open, false,
+             "write also how bright a white surface is where nothing is in the lights' way, which `ground` reads"),
+    choice_row(
+        "rig", &LightingParams::rig, 0, {"scene", "head", "key"},
+        "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<LightingParams>(bytes);
-  auto& c = *static_cast<LightingConstants*>(out);
-  c = {};
+void fill_constants(const LightingParams& params, const PictureInfo& info, LightingConstants& c) {
   c.clay = params.material == 1 ? 1 : 0;
   c.display = params.material == 2 ? 1 : 0;
   c.diffuse = params.diffuse;
@@ -94,10 +55,7 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   c.light_count = int(rig.lights.size());
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];
-    c.kind[k] = light.point ? 1 : 0;
-    c.x[k] = light.where.x;
-    c.y[k] = light.where.y;
-    c.z[k] = light.where.z;
+    set_place(light, k, c);
     c.r[k] = light.color.r;
     c.g[k] = light.color.g;
     c.b[k] = light.color.b;
@@ -107,35 +65,24 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
 
 }  // namespace
 
-const Effect& effect_lighting() {
-  static const Effect effect = {
-      .name = "lighting",
-      .summary = "Lambert and Blinn-Phong light from the G-buffer, direct and ambient apart",
-      .source = "Blinn 1977",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(LightingParams),
-      .constants_size = sizeof(LightingConstants),
-      .constants = fill_constants,
-      .passes = {{.name = "lighting",
-                  .inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
-                             "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
-                             "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
-                  .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
-                  .scalar = run_scalar_lighting,
-                  .lanes = run_lanes_lighting,
-                  .spirv = kSpirv,
-                  .reach = own_row},
-                 {.name = "lighting_open",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"open_light"},
-                  .scalar = run_scalar_lighting_open,
-                  .lanes = run_lanes_lighting_open,
-                  .spirv = kOpenSpirv,
-                  .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_lighting() {
+  return shading_effect<fill_constants>(
+      kTable,
+      {.name = "lighting",
+       .summary = "Lambert and Blinn-Phong light from the G-buffer, direct and ambient apart",
+       .source = "Blinn 1977",
+       .passes = {{.inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
+                              "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
+                              "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
+                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
+                   .kernel = lighting_kernel(),
+                   .reach = own_row},
+                  {.name = "lighting_open",
+                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                   .outputs = {"open_light"},
+                   .kernel = lighting_open_kernel(),
+                   .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
+                   .reach = own_row}}});
 }
 
 }  // namespace umbrage

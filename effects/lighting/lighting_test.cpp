@@ -11,11 +11,9 @@
 namespace umbrage {
 namespace {
 
-using test::Settings;
+using namespace test;
 
 constexpr int kMostLights = 16;  // as lighting.h has it; the tests' own copy
-constexpr const char* kDirect[] = {"direct.r", "direct.g", "direct.b"};
-constexpr const char* kAmbient[] = {"ambient.r", "ambient.g", "ambient.b"};
 
 // ---- the formulas in double
 // --------------------------------------------------------------------------------------------
@@ -140,8 +138,6 @@ GBuffer uniform(int width, int height, float depth, glm::vec3 normal, float albe
   GBuffer g = test::empty_gbuffer(width, height);
   g.info.lights.clear();
   g.layers[0].add("depth") = Plane(width, height, depth);
-  constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
-  constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
   for (int c = 0; c < 3; ++c) {
     g.layers[0].add(kNormal[c]) = Plane(width, height, normal[c]);
     g.layers[0].add(kAlbedo[c]) = Plane(width, height, albedo);

@@ -1,30 +1,18 @@
 #include "effects/normals/normals.h"
 
-#include <cstddef>
-
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/normals.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(normals)
-
 namespace {
 
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/normals.inc"
-};
-
 const std::vector<Parameter> kTable = {
-    {.name = "sides",
-     .help = "of a pixel's neighbours on two sides: the one on its own surface, or the mean of both",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(NormalsParams, sides),
-     .choices = {"better", "mean"}},
+    choice_row("sides", &NormalsParams::sides, 0, {"better", "mean"},
+               "of a pixel's neighbours on two sides: the one on its own surface, or the mean of both"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  *static_cast<NormalsConstants*>(out) = {.mean = as<NormalsParams>(bytes).sides};
+void fill_constants(const NormalsParams& params, const PictureInfo&, NormalsConstants& c) {
+  c = {.mean = params.sides};
 }
 
 /// Two pixels in each direction.
@@ -32,27 +20,16 @@ int reach(const void*, int) { return 2; }
 
 }  // namespace
 
-const Effect& effect_normals() {
-  static const Effect effect = {
-      .name = "normals",
-      .summary = "normals from depth alone, sharp at edges",
-      .source = "Wu 2020",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(NormalsParams),
-      .constants_size = sizeof(NormalsConstants),
-      .constants = fill_constants,
-      .variants = {"", "sides=mean"},
-      .quantum = 1.0,
-      .passes = {{.name = "normals",
-                  .inputs = {"depth"},
-                  .outputs = {"normal.x", "normal.y", "normal.z"},
-                  .scalar = run_scalar_normals,
-                  .lanes = run_lanes_normals,
-                  .spirv = kSpirv,
-                  .reach = reach}},
-  };
-  return effect;
+Effect effect_normals() {
+  return shading_effect<fill_constants>(kTable, {.name = "normals",
+                                                 .summary = "normals from depth alone, sharp at edges",
+                                                 .source = "Wu 2020",
+                                                 .variants = {"", "sides=mean"},
+                                                 .quantum = 1.0,
+                                                 .passes = {{.inputs = {"depth"},
+                                                             .outputs = {"normal.x", "normal.y", "normal.z"},
+                                                             .kernel = normals_kernel(),
+                                                             .reach = reach}}});
 }
 
 }  // namespace umbrage

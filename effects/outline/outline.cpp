@@ -2,39 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
 #include "effects/outline/outline_draw.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/outline_breaks.h"
+#include "kernels/outline_color.h"
+#include "kernels/outline_edges.h"
+#include "kernels/outline_paper.h"
+#include "kernels/outline_turns.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(outline_breaks)
-UMBRAGE_DECLARE_KERNEL(outline_turns)
-UMBRAGE_DECLARE_KERNEL(outline_edges)
-UMBRAGE_DECLARE_KERNEL(outline_paper)
-UMBRAGE_DECLARE_KERNEL(outline_color)
-
 namespace {
-
-constexpr std::uint32_t kBreaksSpirv[] = {
-#include "spirv/outline_breaks.inc"
-};
-constexpr std::uint32_t kTurnsSpirv[] = {
-#include "spirv/outline_turns.inc"
-};
-constexpr std::uint32_t kEdgesSpirv[] = {
-#include "spirv/outline_edges.inc"
-};
-constexpr std::uint32_t kPaperSpirv[] = {
-#include "spirv/outline_paper.inc"
-};
-constexpr std::uint32_t kColorSpirv[] = {
-#include "spirv/outline_color.inc"
-};
 
 // Automatic planes of the paper's window depth, as `unsharp` has them: the farthest corner at 90 % of the range, and
 // the ratio of 2 to 15 between near and far.
@@ -42,114 +22,65 @@ constexpr float kFarShare = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
 
 const std::vector<Parameter> kTable = {
-    {.name = "mode",
-     .help = "lines that hold up at any size and angle, or the paper's rule of eight neighbours",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(OutlineParams, mode),
-     .choices = {"robust", "paper"}},
-    {.name = "width",
-     .help = "robust: width of the line, in pixels or as a share of the picture's height, at most 16 pixels",
-     .type = ParameterType::kLength,
-     .offset = offsetof(OutlineParams, width),
-     .initial = 2.0,
-     .least = 0.5,
-     .most = kOutlineWidest,
-     .unit = "px"},
-    {.name = "r",
-     .help = "red of the line, linear, in the finished picture: lines are not exposed",
-     .offset = offsetof(OutlineParams, r),
-     .most = 1.0},
-    {.name = "g", .help = "green of the line, likewise", .offset = offsetof(OutlineParams, g), .most = 1.0},
-    {.name = "b", .help = "blue of the line, likewise", .offset = offsetof(OutlineParams, b), .most = 1.0},
-    {.name = "opacity",
-     .help = "how much of what lies under the line it hides",
-     .offset = offsetof(OutlineParams, opacity),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "depth",
-     .help = "robust: a surface that lies so many pixel sizes behind its neighbour's plane is another one",
-     .offset = offsetof(OutlineParams, depth),
-     .initial = 3.0,
-     .least = 0.5,
-     .most = 1000.0,
-     .unit = "px"},
-    {.name = "crease",
-     .help = "robust: faces that meet at this angle or more have an edge",
-     .offset = offsetof(OutlineParams, crease_deg),
-     .initial = 30.0,
-     .least = 1.0,
-     .most = 180.0,
-     .unit = "deg"},
-    {.name = "convex",
-     .help = "robust: draw edges that stand out, such as a box's",
-     .type = ParameterType::kBool,
-     .offset = offsetof(OutlineParams, convex),
-     .initial = 1.0},
-    {.name = "concave",
-     .help = "robust: draw edges that lie in, such as a room's corners",
-     .type = ParameterType::kBool,
-     .offset = offsetof(OutlineParams, concave),
-     .initial = 1.0},
-    {.name = "ids",
-     .help = "robust: what parts surfaces that touch: nothing, other objects, other materials, or either",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(OutlineParams, ids),
-     .initial = kOutlineObjects,
-     .choices = {"none", "objects", "materials", "both"}},
-    {.name = "recede",
-     .help = "robust: how much lines become thinner with distance, in perspective: 0 not at all, 1 most",
-     .offset = offsetof(OutlineParams, recede),
-     .most = 1.0},
-    {.name = "inner",
-     .help = "robust: how much thinner lines are where an object hides itself, the less it lies behind; and free ends",
-     .offset = offsetof(OutlineParams, inner),
-     .most = 1.0},
-    {.name = "paper_depth",
-     .help = "paper: threshold of window depth, times 1 less the depth",
-     .offset = offsetof(OutlineParams, paper_depth),
-     .initial = 0.05,
-     .most = 1.0},
-    {.name = "paper_normal",
-     .help = "paper: threshold of the normals' dot product",
-     .offset = offsetof(OutlineParams, paper_normal),
-     .initial = 0.95,
-     .least = -1.0,
-     .most = 1.0},
+    choice_row("mode", &OutlineParams::mode, 0, {"robust", "paper"},
+               "lines that hold up at any size and angle, or the paper's rule of eight neighbours"),
+    length_row("width", &OutlineParams::width, {.initial = 2, .min = 0.5, .max = kOutlineWidest, .unit = "px"},
+               "robust: width of the line, in pixels or as a share of the picture's height, at most 16 pixels"),
+    real_row("r", &OutlineParams::r, {.max = 1},
+             "red of the line, linear, in the finished picture: lines are not exposed"),
+    real_row("g", &OutlineParams::g, {.max = 1}, "green of the line, likewise"),
+    real_row("b", &OutlineParams::b, {.max = 1}, "blue of the line, likewise"),
+    real_row("opacity", &OutlineParams::opacity, {.initial = 1, .max = 1},
+             "how much of what lies under the line it hides"),
+    real_row("depth", &OutlineParams::depth, {.initial = 3, .min = 0.5, .max = 1000, .unit = "px"},
+             "robust: a surface that lies so many pixel sizes behind its neighbour's plane is another one"),
+    real_row("crease", &OutlineParams::crease_deg, {.initial = 30, .min = 1, .max = 180, .unit = "deg"},
+             "robust: faces that meet at this angle or more have an edge"),
+    bool_row("convex", &OutlineParams::convex, true, "robust: draw edges that stand out, such as a box's"),
+    bool_row("concave", &OutlineParams::concave, true, "robust: draw edges that lie in, such as a room's corners"),
+    choice_row("ids", &OutlineParams::ids, kOutlineObjects, {"none", "objects", "materials", "both"},
+               "robust: what parts surfaces that touch: nothing, other objects, other materials, or either"),
+    real_row("recede", &OutlineParams::recede, {.max = 1},
+             "robust: how much lines become thinner with distance, in perspective: 0 not at all, 1 most"),
+    real_row("inner", &OutlineParams::inner, {.max = 1},
+             "robust: how much thinner lines are where an object hides itself, the less it lies behind; and free ends"),
+    real_row("paper_depth", &OutlineParams::paper_depth, {.initial = 0.05, .max = 1},
+             "paper: threshold of window depth, times 1 less the depth"),
+    real_row("paper_normal", &OutlineParams::paper_normal, {.initial = 0.95, .min = -1.0, .max = 1},
+             "paper: threshold of the normals' dot product"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
+void fill_constants(const OutlineParams& params, const PictureInfo& info, OutlineConstants& c) {
   constexpr float kUnitHeight = 1024.0f;  // of the picture that lengths of strokes are for
-  const auto& params = as<OutlineParams>(bytes);
   const auto height = float(info.inner_height());
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
   const float far_depth = std::max(info.depth_max / kFarShare, 1e-30f);
   // Windows of creases are up to an 85th of the picture high, narrow up to a 200th: what is an edge is one at any size.
   // A line that hides so much of its own object is half as wide as others. What a camera that frames a model sees lies
   // between about two and four of its radii: lines recede beyond.
-  *static_cast<OutlineConstants*>(out) = {
-      .width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineWidest),
-      .r = params.r,
-      .g = params.g,
-      .b = params.b,
-      .opacity = params.opacity,
-      .depth = 2.0f * params.depth,
-      .crease_chord = 2.0f * std::sin(0.5f * crease),
-      .convex = params.convex,
-      .concave = params.concave,
-      .objects = params.ids & kOutlineObjects ? 1 : 0,
-      .materials = params.ids & kOutlineMaterials ? 1 : 0,
-      .max_window = std::clamp(int(std::lround(0.5f * (height / 85.0f - 1.0f))), 0, kOutlineMaxWindow),
-      .narrow = height / 200.0f,
-      .coarser = 0.04f * std::min(1.0f, kUnitHeight / height),
-      .scale = height / kUnitHeight,
-      .recede = params.recede,
-      .recede_from = std::max(2.0f * info.depth_min, 0.25f * info.depth_max),
-      .inner = params.inner,
-      .inner_px = params.depth * height / 256.0f,
-      .paper_depth = params.paper_depth,
-      .paper_normal = params.paper_normal,
-      .near_depth = far_depth * kNearToFar,
-      .far_depth = far_depth};
+  c = {.width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineWidest),
+       .r = params.r,
+       .g = params.g,
+       .b = params.b,
+       .opacity = params.opacity,
+       .depth = 2.0f * params.depth,
+       .crease_chord = 2.0f * std::sin(0.5f * crease),
+       .convex = params.convex,
+       .concave = params.concave,
+       .objects = params.ids & kOutlineObjects ? 1 : 0,
+       .materials = params.ids & kOutlineMaterials ? 1 : 0,
+       .max_window = std::clamp(int(std::lround(0.5f * (height / 85.0f - 1.0f))), 0, kOutlineMaxWindow),
+       .narrow = height / 200.0f,
+       .coarser = 0.04f * std::min(1.0f, kUnitHeight / height),
+       .scale = height / kUnitHeight,
+       .recede = params.recede,
+       .recede_from = std::max(2.0f * info.depth_min, 0.25f * info.depth_max),
+       .inner = params.inner,
+       .inner_px = params.depth * height / 256.0f,
+       .paper_depth = params.paper_depth,
+       .paper_normal = params.paper_normal,
+       .near_depth = far_depth * kNearToFar,
+       .far_depth = far_depth};
 }
 
 bool is_drawn(const ParameterBytes& bytes) { return as<OutlineParams>(bytes).opacity > 0.0f; }
@@ -172,65 +103,49 @@ int paper_reach(const void*, int) { return 1; }
 
 }  // namespace
 
-const Effect& effect_outline() {
-  static const Effect effect = {
-      .name = "outline",
-      .summary = "lines where objects end, overlap or have edges",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(OutlineParams),
-      .constants_size = sizeof(OutlineConstants),
-      .constants = fill_constants,
-      .variants = {"", "width=4", "width=8", "mode=paper"},
-      .quantum = 1.0,
-      .passes = {{.name = "outline_breaks",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
-                  .outputs = {"outline_break_right", "outline_break_below"},
-                  .scalar = run_scalar_outline_breaks,
-                  .lanes = run_lanes_outline_breaks,
-                  .spirv = kBreaksSpirv,
-                  .needed = is_robust,
-                  .reach = breaks_reach},
-                 {.name = "outline_turns",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below"},
-                  .outputs = {"outline_turn_right", "outline_turn_below"},
-                  .scalar = run_scalar_outline_turns,
-                  .lanes = run_lanes_outline_turns,
-                  .spirv = kTurnsSpirv,
-                  .needed = is_robust,
-                  .reach = turns_reach},
-                 {.name = "outline_edges",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right", "outline_break_below",
-                             "outline_turn_right", "outline_turn_below"},
-                  .outputs = {"outline_edge_right", "outline_edge_below"},
-                  .scalar = run_scalar_outline_edges,
-                  .lanes = run_lanes_outline_edges,
-                  .spirv = kEdgesSpirv,
-                  .needed = is_robust,
-                  .reach = turns_reach},
-                 {.name = "outline_strokes",
-                  .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
-                  .outputs = {"outline"},
-                  .host = run_host_outline,
-                  .needed = is_robust},
-                 {.name = "outline_paper",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"outline"},
-                  .scalar = run_scalar_outline_paper,
-                  .lanes = run_lanes_outline_paper,
-                  .spirv = kPaperSpirv,
-                  .needed = is_paper,
-                  .reach = paper_reach},
-                 {.name = "outline_color",
-                  .outputs = {"line.r", "line.g", "line.b"},
-                  .scalar = run_scalar_outline_color,
-                  .lanes = run_lanes_outline_color,
-                  .spirv = kColorSpirv,
-                  .needed = is_coloured,
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_outline() {
+  return shading_effect<fill_constants>(
+      kTable, {.name = "outline",
+               .summary = "lines where objects end, overlap or have edges",
+               .source = "Lajzer and Nottingham",
+               .variants = {"", "width=4", "width=8", "mode=paper"},
+               .quantum = 1.0,
+               .passes = {{.name = "outline_breaks",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "object_id", "material_id"},
+                           .outputs = {"outline_break_right", "outline_break_below"},
+                           .kernel = outline_breaks_kernel(),
+                           .needed = is_robust,
+                           .reach = breaks_reach},
+                          {.name = "outline_turns",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
+                                      "outline_break_below"},
+                           .outputs = {"outline_turn_right", "outline_turn_below"},
+                           .kernel = outline_turns_kernel(),
+                           .needed = is_robust,
+                           .reach = turns_reach},
+                          {.name = "outline_edges",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z", "outline_break_right",
+                                      "outline_break_below", "outline_turn_right", "outline_turn_below"},
+                           .outputs = {"outline_edge_right", "outline_edge_below"},
+                           .kernel = outline_edges_kernel(),
+                           .needed = is_robust,
+                           .reach = turns_reach},
+                          {.name = "outline_strokes",
+                           .inputs = {"outline_edge_right", "outline_edge_below", "depth", "object_id"},
+                           .outputs = {"outline"},
+                           .host = run_host_outline,
+                           .needed = is_robust},
+                          {.name = "outline_paper",
+                           .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"outline"},
+                           .kernel = outline_paper_kernel(),
+                           .needed = is_paper,
+                           .reach = paper_reach},
+                          {.name = "outline_color",
+                           .outputs = {"line.r", "line.g", "line.b"},
+                           .kernel = outline_color_kernel(),
+                           .needed = is_coloured,
+                           .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -25,8 +25,7 @@ struct Traced {
 Traced traced(const GBuffer& g, const Settings& settings = {}, const CpuSettings& cpu = {}) {
   const Effect& effect = *find_effect("outline");
   Traced t{run_effect(effect, g, settings, cpu), {}};
-  OutlineConstants constants;
-  effect.constants(parameters_of(effect, settings), g.info, &constants);
+  const auto constants = constants_of<OutlineConstants>("outline", g.info, settings);
   std::vector<HostPlane> inputs;
   for (const char* name : {"outline_edge_right", "outline_edge_below"})
     inputs.push_back({name, t.planes.plane(name).row(0), t.planes.plane(name).stride});
@@ -355,9 +354,7 @@ TEST(OutlineLines, ClosedOnesAreCutWhereTheyAreFaint) {
     set("outline_edge_below", k, 150, 2.0f);
   }
   GBuffer g = seen({kSize, kSize}, ground(90.0, 0.0));
-  OutlineConstants constants;
-  const Effect& effect = *find_effect("outline");
-  effect.constants(parameters_of(effect, {}), g.info, &constants);
+  const auto constants = constants_of<OutlineConstants>("outline", g.info, {});
   std::vector<HostPlane> inputs;
   for (std::size_t k = 0; k < edges.names.size(); ++k)
     inputs.push_back({edges.names[k], edges.planes[k].row(0), edges.planes[k].stride});

@@ -1,88 +1,52 @@
 #include "effects/output/output.h"
 
 #include <cmath>
-#include <cstddef>
 
 #include "core/effect.h"
 #include "core/srgb.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/output.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(output)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/output.inc"
-};
 
 constexpr double kMostStops = 20.0;
 
 const std::vector<Parameter> kTable = {
-    {.name = "exposure",
-     .help = "brightness, in stops: 1 doubles the light",
-     .offset = offsetof(OutputParams, exposure),
-     .least = -kMostStops,
-     .most = kMostStops,
-     .unit = "stops"},
-    {.name = "metering",
-     .help = "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "
-             "bright the light is that --hdri-file gives",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(OutputParams, metering),
-     .choices = {"none", "picture", "light"}},
-    {.name = "shoulder",
-     .help = "light from which on it is compressed, so that nothing exceeds white; 1: nothing is",
-     .offset = offsetof(OutputParams, shoulder),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "transfer",
-     .help = "from linear light to 8-bit values: the sRGB curve, or the values as they are",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(OutputParams, transfer),
-     .choices = {"srgb", "none"}},
-    {.name = "background_r",
-     .help = "red where there is no surface, as written to the file",
-     .offset = offsetof(OutputParams, background_r),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "background_g",
-     .help = "green where there is no surface, as written to the file",
-     .offset = offsetof(OutputParams, background_g),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "background_b",
-     .help = "blue where there is no surface, as written to the file",
-     .offset = offsetof(OutputParams, background_b),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "transparent",
-     .help = "alpha 0 and black where there is no surface",
-     .type = ParameterType::kBool,
-     .offset = offsetof(OutputParams, transparent)},
-    {.name = "sky",
-     .help = "show the light of the planes `sky`, which --hdri-skybox makes, where there is no surface",
-     .type = ParameterType::kBool,
-     .offset = offsetof(OutputParams, sky)},
+    real_row("exposure", &OutputParams::exposure, {.min = -kMostStops, .max = kMostStops, .unit = "stops"},
+             "brightness, in stops: 1 doubles the light"),
+    choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
+               "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "
+               "bright the light is that --hdri-file gives"),
+    real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
+             "light from which on it is compressed, so that nothing exceeds white; 1: nothing is"),
+    choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},
+               "from linear light to 8-bit values: the sRGB curve, or the values as they are"),
+    real_row("background_r", &OutputParams::background_r, {.initial = 1, .max = 1},
+             "red where there is no surface, as written to the file"),
+    real_row("background_g", &OutputParams::background_g, {.initial = 1, .max = 1},
+             "green where there is no surface, as written to the file"),
+    real_row("background_b", &OutputParams::background_b, {.initial = 1, .max = 1},
+             "blue where there is no surface, as written to the file"),
+    bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
+    bool_row("sky", &OutputParams::sky, false,
+             "show the light of the planes `sky`, which --hdri-skybox makes, where there is no surface"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<OutputParams>(bytes);
+void fill_constants(const OutputParams& params, const PictureInfo&, OutputConstants& c) {
   const float opaque = params.transparent ? 0.0f : 1.0f;
   const auto light = [&](float v) { return params.transfer == 0 ? linear_from_srgb(v) : v; };
-  *static_cast<OutputConstants*>(out) = {.sky = params.sky,
-                                         .gain = std::exp2(params.exposure),
-                                         .shoulder = params.shoulder,
-                                         .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
-                                         .transfer = params.transfer,
-                                         .background_r = params.background_r * opaque,
-                                         .background_g = params.background_g * opaque,
-                                         .background_b = params.background_b * opaque,
-                                         .behind_r = light(params.background_r),
-                                         .behind_g = light(params.background_g),
-                                         .behind_b = light(params.background_b),
-                                         .background_alpha = opaque};
+  c = {.sky = params.sky,
+       .gain = std::exp2(params.exposure),
+       .shoulder = params.shoulder,
+       .room = params.shoulder < 1.0f ? 1.0f / (1.0f - params.shoulder) : 0.0f,
+       .transfer = params.transfer,
+       .background_r = params.background_r * opaque,
+       .background_g = params.background_g * opaque,
+       .background_b = params.background_b * opaque,
+       .behind_r = light(params.background_r),
+       .behind_g = light(params.background_g),
+       .behind_b = light(params.background_b),
+       .background_alpha = opaque};
 }
 
 Exposure exposed_by(const ParameterBytes& params) {
@@ -100,28 +64,18 @@ void add_stops(float stops, ParameterBytes& params) { as<OutputParams>(params).e
 
 }  // namespace
 
-const Effect& effect_output() {
-  static const Effect effect = {
-      .name = "output",
-      .summary = "light to picture: exposure, transfer function, background",
-      .source = "IEC 61966-2-1",
-      .kind = EffectKind::kOutput,
-      .parameters = kTable,
-      .params_size = sizeof(OutputParams),
-      .constants_size = sizeof(OutputConstants),
-      .constants = fill_constants,
-      .exposed_by = exposed_by,
-      .add_stops = add_stops,
-      .passes = {{.name = "output",
-                  .inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b", "cover",
-                             "cover_for_eye", "sky.r", "sky.g", "sky.b"},
-                  .outputs = {"color.r", "color.g", "color.b", "color.a"},
-                  .scalar = run_scalar_output,
-                  .lanes = run_lanes_output,
-                  .spirv = kSpirv,
-                  .reach = own_row}},
-  };
-  return effect;
+Effect effect_output() {
+  return output_effect<fill_constants>(
+      kTable, {.name = "output",
+               .summary = "light to picture: exposure, transfer function, background",
+               .source = "IEC 61966-2-1",
+               .exposed_by = exposed_by,
+               .add_stops = add_stops,
+               .passes = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
+                                      "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
+                           .outputs = {"color.r", "color.g", "color.b", "color.a"},
+                           .kernel = output_kernel(),
+                           .reach = own_row}}});
 }
 
 }  // namespace umbrage

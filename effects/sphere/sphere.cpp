@@ -2,22 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/absolute_length.h"
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/sphere.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(sphere)
-
 namespace {
-
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/sphere.inc"
-};
 
 // The listing: 16 pixels of a picture 512 wide; 5 of 8 samples.
 constexpr double kRadiusPercent = 100.0 * 16.0 / 512.0;
@@ -30,111 +22,39 @@ constexpr std::string_view kOurs =
 constexpr float kLeastNearShare = 1e-4f;  // of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
-    {.name = "samples",
-     .help = "sample points per pixel",
-     .type = ParameterType::kInt,
-     .offset = offsetof(SphereParams, samples),
-     .initial = 8,
-     .least = 1,
-     .most = kSphereMostSamples},
-    {.name = "radius",
-     .help = "radius of the sphere, in pixels or as a share of the picture's width",
-     .type = ParameterType::kLength,
-     .offset = offsetof(SphereParams, radius),
-     .initial = kRadiusPercent,
-     .least = 0.0,
-     .most = kMostRadius,
-     .unit = "px",
-     .initially_relative = true},
-    {.name = "reach",
-     .help = "radius of the sphere in the scene, in its units or as a share of its radius; it replaces `radius`",
-     .type = ParameterType::kLength,
-     .offset = offsetof(SphereParams, reach),
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .zero_means = "off: `radius` holds"},
-    {.name = "depth",
-     .help = "the depth that is compared: window depth in [0, 1], or distance along the view axis",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(SphereParams, depth),
-     .choices = {"window", "linear"}},
-    {.name = "near",
-     .help = "distance of window depth's near plane",
-     .offset = offsetof(SphereParams, near_depth),
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .zero_means = "automatic"},
-    {.name = "far",
-     .help = "distance of window depth's far plane",
-     .offset = offsetof(SphereParams, far_depth),
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .zero_means = "automatic"},
-    {.name = "reflect",
-     .help = "what turns the sample points of each pixel: a tiled random vector, the pixel's normal, or nothing",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(SphereParams, reflect),
-     .choices = {"random", "normal", "none"}},
-    {.name = "noise_size",
-     .help = "side of the tile of random vectors",
-     .type = ParameterType::kInt,
-     .offset = offsetof(SphereParams, noise_size),
-     .initial = 4,
-     .least = 0,
-     .most = 1024,
-     .unit = "px",
-     .zero_means = "as large as the picture"},
-    {.name = "shape",
-     .help = "sample the whole sphere, or the half above the surface, where only what rises above it occludes",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(SphereParams, shape),
-     .choices = {"sphere", "hemisphere"}},
-    {.name = "sample_z",
-     .help = "give samples a depth of their own; off: that of the pixel",
-     .type = ParameterType::kBool,
-     .offset = offsetof(SphereParams, sample_z)},
-    {.name = "threshold",
-     .help = "a smaller share of occluding samples is none",
-     .offset = offsetof(SphereParams, threshold),
-     .initial = kThreshold,
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "map",
-     .help = "from the share of occluding samples to occlusion: its square, or itself",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(SphereParams, map),
-     .choices = {"quadratic", "linear"}},
-    {.name = "range",
-     .help = "how occluders far before the pixel count: fully, not at all, or less and less",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(SphereParams, range),
-     .choices = {"off", "hard", "smooth"}},
-    {.name = "range_factor",
-     .help = "where the range ends, in radii; of a difference of window depth, in shares of the width",
-     .offset = offsetof(SphereParams, range_factor),
-     .initial = 0.05,
-     .least = 0.0,
-     .most = 100.0},
-    {.name = "bias",
-     .help = "shape hemisphere: what rises less than this share of the radius above the surface does not occlude",
-     .offset = offsetof(SphereParams, bias),
-     .initial = 0.02,
-     .least = 0.0,
-     .most = 1.0},
-    {.name = "border",
-     .help = "what a sample outside the picture is: the nearest pixel, or left out of the count",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(SphereParams, border),
-     .choices = {"clamp", "skip"}},
-    {.name = "strength",
-     .help = "factor of the occlusion",
-     .offset = offsetof(SphereParams, strength),
-     .initial = 1.0,
-     .least = 0.0,
-     .most = 10.0},
+    int_row("samples", &SphereParams::samples, {.initial = 8, .min = 1, .max = kSphereMostSamples},
+            "sample points per pixel"),
+    length_row("radius", &SphereParams::radius, {.initial_percent = kRadiusPercent, .max = kMostRadius, .unit = "px"},
+               "radius of the sphere, in pixels or as a share of the picture's width"),
+    length_row("reach", &SphereParams::reach, {.max = 1e12, .unit = "scene units", .zero_means = "off: `radius` holds"},
+               "radius of the sphere in the scene, in its units or as a share of its radius; it replaces `radius`"),
+    choice_row("depth", &SphereParams::depth, 0, {"window", "linear"},
+               "the depth that is compared: window depth in [0, 1], or distance along the view axis"),
+    real_row("near", &SphereParams::near_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
+             "distance of window depth's near plane"),
+    real_row("far", &SphereParams::far_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
+             "distance of window depth's far plane"),
+    choice_row("reflect", &SphereParams::reflect, 0, {"random", "normal", "none"},
+               "what turns the sample points of each pixel: a tiled random vector, the pixel's normal, or nothing"),
+    int_row("noise_size", &SphereParams::noise_size,
+            {.initial = 4, .max = 1024, .unit = "px", .zero_means = "as large as the picture"},
+            "side of the tile of random vectors"),
+    choice_row("shape", &SphereParams::shape, 0, {"sphere", "hemisphere"},
+               "sample the whole sphere, or the half above the surface, where only what rises above it occludes"),
+    bool_row("sample_z", &SphereParams::sample_z, false, "give samples a depth of their own; off: that of the pixel"),
+    real_row("threshold", &SphereParams::threshold, {.initial = kThreshold, .max = 1},
+             "a smaller share of occluding samples is none"),
+    choice_row("map", &SphereParams::map, 0, {"quadratic", "linear"},
+               "from the share of occluding samples to occlusion: its square, or itself"),
+    choice_row("range", &SphereParams::range, 0, {"off", "hard", "smooth"},
+               "how occluders far before the pixel count: fully, not at all, or less and less"),
+    real_row("range_factor", &SphereParams::range_factor, {.initial = 0.05, .max = 100},
+             "where the range ends, in radii; of a difference of window depth, in shares of the width"),
+    real_row("bias", &SphereParams::bias, {.initial = 0.02, .max = 1},
+             "shape hemisphere: what rises less than this share of the radius above the surface does not occlude"),
+    choice_row("border", &SphereParams::border, 0, {"clamp", "skip"},
+               "what a sample outside the picture is: the nearest pixel, or left out of the count"),
+    real_row("strength", &SphereParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),
 };
 
 // One flipped sample moves `ao` by 25/64 at the listing's threshold; one of one sample, the fewest, by two quanta.
@@ -166,9 +86,7 @@ void fill_points(int count, bool pairs, float* points) {
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<SphereParams>(bytes);
-  auto& c = *static_cast<SphereConstants*>(out);
+void fill_constants(const SphereParams& params, const PictureInfo& info, SphereConstants& c) {
   const float width = info.share_width();
   c.samples = params.samples;
   c.radius_px = length_px(params.radius, width, info);
@@ -203,39 +121,18 @@ void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* 
   fill_points(params.samples, params.shape == 0, c.points);
 }
 
-void set_radius(float radius, const PictureInfo&, ParameterBytes& bytes) {
-  as<SphereParams>(bytes).reach = {radius, 0};
-}
-
 }  // namespace
 
-const Effect& effect_sphere() {
-  static const Effect effect = {
-      .name = "sphere",
-      .summary = "sample points in a sphere: darker where more of them lie behind something",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(SphereParams),
-      .constants_size = sizeof(SphereConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius,
-      .tunable = {"samples", "shape", "threshold", "strength"},
-      .variants = {"", "samples=16", "samples=32", kOurs},
-      .quantum = kQuantum,
-      .passes = {{.name = "sphere",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_sphere,
-                  .lanes = run_lanes_sphere,
-                  .spirv = kSpirv,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"depth"},
-                  .for_missing = true}},
-  };
-  return effect;
+Effect effect_sphere() {
+  return occlusion_effect<fill_constants>(
+      kTable, {.name = "sphere",
+               .summary = "sample points in a sphere: darker where more of them lie behind something",
+               .source = "Lajzer and Nottingham",
+               .set_radius = set_radius_of<&SphereParams::reach>,
+               .tunable = {"samples", "shape", "threshold", "strength"},
+               .variants = {"", "samples=16", "samples=32", kOurs},
+               .quantum = kQuantum,
+               .passes = {sampling_pass(sphere_kernel())}});
 }
 
 }  // namespace umbrage

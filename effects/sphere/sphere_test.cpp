@@ -14,6 +14,7 @@
 namespace umbrage {
 namespace {
 
+using test::joined;
 using test::Settings;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -25,23 +26,12 @@ const Settings kPlainShare = {{"reflect", "none"}, {"threshold", "0"}, {"map", "
 const Settings kOurs = {{"shape", "hemisphere"}, {"sample_z", "on"}, {"depth", "linear"}, {"range", "smooth"},
                         {"range_factor", "1"},   {"map", "linear"},  {"threshold", "0"},  {"border", "skip"}};
 
-Settings joined(Settings first, const Settings& second) {
-  for (const auto& [name, value] : second) {
-    std::erase_if(first, [&](const auto& pair) { return pair.first == name; });
-    first.push_back({name, value});
-  }
-  return first;
-}
-
 Plane ao(const GBuffer& g, const Settings& settings) {
   return test::run_effect(*find_effect("sphere"), g, settings, {}).planes[0];
 }
 
 SphereConstants constants(const GBuffer& g, const Settings& settings) {
-  const Effect& effect = *find_effect("sphere");
-  SphereConstants c;
-  effect.constants(test::parameters_of(effect, settings), g.info, &c);
-  return c;
+  return test::constants_of<SphereConstants>("sphere", g.info, settings);
 }
 
 std::vector<glm::dvec3> points(const GBuffer& g, const Settings& settings) {

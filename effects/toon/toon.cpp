@@ -2,26 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <glm/geometric.hpp>
 
 #include "core/effect.h"
 #include "core/light_rig.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/toon.h"
+#include "kernels/toon_light.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(toon_light)
-UMBRAGE_DECLARE_KERNEL(toon)
-
 namespace {
-
-constexpr std::uint32_t kLightSpirv[] = {
-#include "spirv/toon_light.inc"
-};
-constexpr std::uint32_t kSpirv[] = {
-#include "spirv/toon.inc"
-};
 
 constexpr double kMostFactor = 100.0;
 constexpr double kPaperBands = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
@@ -30,88 +19,37 @@ constexpr double kPaperBands = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // 
 constexpr float kLeastChange = 5e-5f;
 
 const std::vector<Parameter> kTable = {
-    {.name = "mode",
-     .help = "a given number of bands in a ramp of colours, or the paper's steps of the object's colour",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ToonParams, mode),
-     .choices = {"ramp", "paper"}},
-    {.name = "bands",
-     .help = "how many bands; in the paper's mode how many per unit of intensity",
-     .type = ParameterType::kInt,
-     .offset = offsetof(ToonParams, bands),
-     .initial = kPaperBands,
-     .least = 1.0,
-     .most = 256.0},
-    {.name = "ambient",
-     .help = "intensity of light from everywhere that occlusion darkens; the key light's is 1",
-     .offset = offsetof(ToonParams, ambient),
-     .initial = kPaperAmbient,
-     .most = kMostFactor},
-    {.name = "extra",
-     .help = "intensity of light from everywhere that nothing darkens",
-     .offset = offsetof(ToonParams, extra),
-     .initial = kPaperExtra,
-     .most = kMostFactor},
-    {.name = "rig",
-     .help = "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ToonParams, rig),
-     .choices = {"scene", "head", "key"}},
-    {.name = "shadow",
-     .help = "how dark the key light's shadow is",
-     .offset = offsetof(ToonParams, shadow),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "softness",
-     .help = "width of the edge between two bands, in bands; 0: antialiased, about a pixel (ramp)",
-     .offset = offsetof(ToonParams, softness),
-     .most = 1.0},
-    {.name = "specular",
-     .help = "factor on highlights",
-     .offset = offsetof(ToonParams, specular),
-     .initial = 1.0,
-     .most = kMostFactor},
-    {.name = "highlight_size",
-     .help = "factor on the diameter of highlights (ramp)",
-     .offset = offsetof(ToonParams, highlight_size),
-     .initial = 1.0,
-     .least = 0.01,
-     .most = 10.0},
-    {.name = "shadow_r",
-     .help = "red of the darkest band on white (ramp)",
-     .offset = offsetof(ToonParams, shadow_r),
-     .initial = 0.18,
-     .most = 1.0},
-    {.name = "shadow_g",
-     .help = "green of the darkest band on white (ramp)",
-     .offset = offsetof(ToonParams, shadow_g),
-     .initial = 0.16,
-     .most = 1.0},
-    {.name = "shadow_b",
-     .help = "blue of the darkest band on white (ramp)",
-     .offset = offsetof(ToonParams, shadow_b),
-     .initial = 0.30,
-     .most = 1.0},
-    {.name = "light_r",
-     .help = "red of the brightest band on white, and of highlights (ramp)",
-     .offset = offsetof(ToonParams, light_r),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "light_g",
-     .help = "green of the brightest band on white, and of highlights (ramp)",
-     .offset = offsetof(ToonParams, light_g),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "light_b",
-     .help = "blue of the brightest band on white, and of highlights (ramp)",
-     .offset = offsetof(ToonParams, light_b),
-     .initial = 1.0,
-     .most = 1.0},
-    {.name = "albedo",
-     .help = "the object's colour: its albedo, its albedo as a display shows it (for output.transfer=none), or white",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(ToonParams, albedo),
-     .choices = {"texture", "display", "clay"}},
+    choice_row("mode", &ToonParams::mode, 0, {"ramp", "paper"},
+               "a given number of bands in a ramp of colours, or the paper's steps of the object's colour"),
+    int_row("bands", &ToonParams::bands, {.initial = kPaperBands, .min = 1, .max = 256},
+            "how many bands; in the paper's mode how many per unit of intensity"),
+    real_row("ambient", &ToonParams::ambient, {.initial = kPaperAmbient, .max = kMostFactor},
+             "intensity of light from everywhere that occlusion darkens; the key light's is 1"),
+    real_row("extra", &ToonParams::extra, {.initial = kPaperExtra, .max = kMostFactor},
+             "intensity of light from everywhere that nothing darkens"),
+    choice_row(
+        "rig", &ToonParams::rig, 0, {"scene", "head", "key"},
+        "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera"),
+    real_row("shadow", &ToonParams::shadow, {.initial = 1, .max = 1}, "how dark the key light's shadow is"),
+    real_row("softness", &ToonParams::softness, {.max = 1},
+             "width of the edge between two bands, in bands; 0: antialiased, about a pixel (ramp)"),
+    real_row("specular", &ToonParams::specular, {.initial = 1, .max = kMostFactor}, "factor on highlights"),
+    real_row("highlight_size", &ToonParams::highlight_size, {.initial = 1, .min = 0.01, .max = 10},
+             "factor on the diameter of highlights (ramp)"),
+    real_row("shadow_r", &ToonParams::shadow_r, {.initial = 0.18, .max = 1}, "red of the darkest band on white (ramp)"),
+    real_row("shadow_g", &ToonParams::shadow_g, {.initial = 0.16, .max = 1},
+             "green of the darkest band on white (ramp)"),
+    real_row("shadow_b", &ToonParams::shadow_b, {.initial = 0.30, .max = 1},
+             "blue of the darkest band on white (ramp)"),
+    real_row("light_r", &ToonParams::light_r, {.initial = 1, .max = 1},
+             "red of the brightest band on white, and of highlights (ramp)"),
+    real_row("light_g", &ToonParams::light_g, {.initial = 1, .max = 1},
+             "green of the brightest band on white, and of highlights (ramp)"),
+    real_row("light_b", &ToonParams::light_b, {.initial = 1, .max = 1},
+             "blue of the brightest band on white, and of highlights (ramp)"),
+    choice_row(
+        "albedo", &ToonParams::albedo, 0, {"texture", "display", "clay"},
+        "the object's colour: its albedo, its albedo as a display shows it (for output.transfer=none), or white"),
 };
 
 float luminance(const glm::vec3& color) { return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f)); }
@@ -145,19 +83,13 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   const float key = rig.lights.empty() ? 0.0f : luminance(rig.lights[0].color);
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];
-    c.kind[k] = light.point ? 1 : 0;
-    c.x[k] = light.where.x;
-    c.y[k] = light.where.y;
-    c.z[k] = light.where.z;
+    set_place(light, k, c);
     c.share[k] = k == 0 ? 1.0f : key > 0.0f ? luminance(light.color) / key : 0.0f;
     c.reach_squared[k] = paper ? 0.0f : light.reach_squared;
   }
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<ToonParams>(bytes);
-  auto& c = *static_cast<ToonConstants*>(out);
-  c = {};
+void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
   c.mode = params.mode;
   c.albedo = params.albedo;
   c.bands = float(params.bands);
@@ -196,35 +128,25 @@ int bands_reach(const void* constants, int) { return std::max(static_cast<const 
 
 }  // namespace
 
-const Effect& effect_toon() {
-  static const Effect effect = {
-      .name = "toon",
-      .summary = "toon bands of light, with antialiased edges, coloured shadows and round highlights",
-      .source = "Lajzer and Nottingham",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(ToonParams),
-      .constants_size = sizeof(ToonConstants),
-      .constants = fill_constants,
-      .variants = {"", "mode=paper"},
-      .quantum = 1.0 / kPaperBands,
-      .passes = {{.name = "light",
-                  .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
-                  .outputs = {"toon_intensity", "toon_highlight"},
-                  .scalar = run_scalar_toon_light,
-                  .lanes = run_lanes_toon_light,
-                  .spirv = kLightSpirv,
-                  .reach = light_reach},
-                 {.name = "bands",
-                  .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b",
-                             "specular"},
-                  .outputs = {"lit.r", "lit.g", "lit.b"},
-                  .scalar = run_scalar_toon,
-                  .lanes = run_lanes_toon,
-                  .spirv = kSpirv,
-                  .reach = bands_reach}},
-  };
-  return effect;
+Effect effect_toon() {
+  return shading_effect<fill_constants>(
+      kTable,
+      {.name = "toon",
+       .summary = "toon bands of light, with antialiased edges, coloured shadows and round highlights",
+       .source = "Lajzer and Nottingham",
+       .variants = {"", "mode=paper"},
+       .quantum = 1.0 / kPaperBands,
+       .passes = {
+           {.name = "light",
+            .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
+            .outputs = {"toon_intensity", "toon_highlight"},
+            .kernel = toon_light_kernel(),
+            .reach = light_reach},
+           {.name = "bands",
+            .inputs = {"depth", "toon_intensity", "toon_highlight", "albedo.r", "albedo.g", "albedo.b", "specular"},
+            .outputs = {"lit.r", "lit.g", "lit.b"},
+            .kernel = toon_kernel(),
+            .reach = bands_reach}}});
 }
 
 }  // namespace umbrage

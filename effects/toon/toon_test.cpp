@@ -16,20 +16,12 @@
 namespace umbrage {
 namespace {
 
-using test::Settings;
+using namespace test;
 
-constexpr const char* kLit[] = {"lit.r", "lit.g", "lit.b"};
-constexpr const char* kNormal[] = {"normal.x", "normal.y", "normal.z"};
-constexpr const char* kAlbedo[] = {"albedo.r", "albedo.g", "albedo.b"};
 const Settings kNoAmbient = {{"ambient", "0"}, {"extra", "0"}};
 
 // ---- pictures
 // --------------------------------------------------------------------------------------------------------
-
-Settings with(Settings settings, const Settings& more) {
-  settings.insert(settings.end(), more.begin(), more.end());
-  return settings;
-}
 
 void set_normal(GBuffer& g, int x, int y, glm::dvec3 normal) {
   for (int c = 0; c < 3; ++c) g.layers[0].plane(kNormal[c]).at(x, y) = float(normal[c]);
@@ -196,7 +188,7 @@ TEST(Toon, SphereHasAsManyBandsAsAsked) {
   const GBuffer g = sphere();
   for (const char* mode : {"ramp", "paper"})
     for (const int bands : {2, 3, 4, 8}) {
-      const Settings settings = with(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", bands)}});
+      const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", bands)}});
       test::on_every_target("toon", g, settings, [&](const Image& out) {
         // Values are compared at a resolution that tells edges' values from bands'.
         std::map<long, long> histogram;
@@ -215,7 +207,7 @@ TEST(Toon, SphereHasAsManyBandsAsAsked) {
 TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
   const GBuffer g = sphere();
   for (const int bands : {2, 4}) {
-    const Settings settings = with(kNoAmbient, {{"bands", fmt::format("{}", bands)}, {"shadow_g", "0"}});
+    const Settings settings = joined(kNoAmbient, {{"bands", fmt::format("{}", bands)}, {"shadow_g", "0"}});
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       double sum = 0.0, farthest = 0.0, worst_whole = 0.0;
       long between = 0;
@@ -329,7 +321,7 @@ TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
       for (int x = 12; x < 29; ++x)
         EXPECT_NEAR(out.plane("lit.g").at(x, y), out.plane("lit.g").at(0, 0), 1e-4f) << x << ", " << y;
   });
-  test::on_every_target("toon", g, with(kNoAmbient, {{"softness", "1"}}), [&](const Image& out) {
+  test::on_every_target("toon", g, joined(kNoAmbient, {{"softness", "1"}}), [&](const Image& out) {
     EXPECT_GT(out.plane("lit.g").at(20, 20), out.plane("lit.g").at(17, 20));
     EXPECT_GT(out.plane("lit.g").at(17, 20), out.plane("lit.g").at(13, 20));
   });
@@ -343,7 +335,7 @@ TEST(Toon, SoftnessWidensEdges) {
     for (int y = 0; y < 3; ++y) g.layers[0].plane("ao").at(x, y) = float(x + 0.37) / 32.0f;
   for (const double softness : {0.0, 0.5, 1.0}) {
     const Settings settings =
-        with(kNoAmbient, {{"bands", "4"}, {"shadow_r", "0"}, {"softness", fmt::format("{}", softness)}});
+        joined(kNoAmbient, {{"bands", "4"}, {"shadow_r", "0"}, {"softness", fmt::format("{}", softness)}});
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       for (int x = 1; x < kWidth - 1; ++x) {
         const double t = (x + 0.37) / 8.0, width = std::max(0.125, softness);
@@ -408,7 +400,7 @@ TEST(Toon, FacesAreNotSpeckled) {
     EXPECT_EQ(spread({0, 0, -1}, {{"bands", bands}}), 0.0) << bands;  // turned away
   }
   // Light that falls on an edge exactly: one colour, between both bands'.
-  const Settings on_edge = with(kNoAmbient, {{"bands", "2"}, {"shadow_r", "0"}});
+  const Settings on_edge = joined(kNoAmbient, {{"bands", "2"}, {"shadow_r", "0"}});
   EXPECT_LE(spread({std::sqrt(0.75), 0, 0.5}, on_edge), 0.03);
 }
 
@@ -550,7 +542,7 @@ TEST(Toon, RampEndsInItsColours) {
                            {"light_r", "0.9"},  {"light_g", "0.8"},  {"light_b", "0.7"}};
   const double dark[] = {0.1, 0.2, 0.5}, bright[] = {0.9, 0.8, 0.7};
   for (const int bands : {1, 2, 3, 4, 256}) {
-    const Settings settings = with(with(colors, {{"bands", fmt::format("{}", bands)}}), kNoAmbient);
+    const Settings settings = joined(joined(colors, {{"bands", fmt::format("{}", bands)}}), kNoAmbient);
     for (const bool towards : {true, false})
       test::on_every_target("toon", face(3, 2, {0, 0, towards ? 1.0f : -1.0f}), settings, [&](const Image& out) {
         for (int c = 0; c < 3; ++c)
@@ -558,7 +550,7 @@ TEST(Toon, RampEndsInItsColours) {
       });
   }
   // The middle of three bands lies in their middle.
-  test::on_every_target("toon", face(3, 2, {float(std::sqrt(0.75)), 0, 0.5f}), with(colors, {{"bands", "3"}}),
+  test::on_every_target("toon", face(3, 2, {float(std::sqrt(0.75)), 0, 0.5f}), joined(colors, {{"bands", "3"}}),
                         [&](const Image& out) {
                           for (int c = 0; c < 3; ++c)
                             EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), 0.5 * (dark[c] + bright[c]), 1e-6);
@@ -634,13 +626,14 @@ TEST(Toon, BackgroundAndNumbersThatAreNoneAreDefined) {
   image.plane("albedo.r").at(10, 0) = infinity;
   set_normal(g, 12, 0, {0, 0, 0});
   for (const char* mode : {"ramp", "paper"})
-    test::on_every_target("toon", g, with(kNoAmbient, {{"mode", mode}, {"shadow_r", "0.125"}}), [&](const Image& out) {
-      const float dark = mode == std::string_view("ramp") ? 0.125f : 0.0f;
-      for (const int x : {0, 2, 10}) EXPECT_EQ(out.plane("lit.r").at(x, 0), 0.0f) << x;
-      for (const int x : {4, 6, 12}) EXPECT_EQ(out.plane("lit.r").at(x, 0), dark) << x;
-      for (int x = 0; x < 16; ++x) EXPECT_TRUE(std::isfinite(out.plane("lit.g").at(x, 0))) << x;
-      for (const int x : {14, 15}) EXPECT_EQ(out.plane("lit.r").at(x, 0), 1.0f) << x;
-    });
+    test::on_every_target("toon", g, joined(kNoAmbient, {{"mode", mode}, {"shadow_r", "0.125"}}),
+                          [&](const Image& out) {
+                            const float dark = mode == std::string_view("ramp") ? 0.125f : 0.0f;
+                            for (const int x : {0, 2, 10}) EXPECT_EQ(out.plane("lit.r").at(x, 0), 0.0f) << x;
+                            for (const int x : {4, 6, 12}) EXPECT_EQ(out.plane("lit.r").at(x, 0), dark) << x;
+                            for (int x = 0; x < 16; ++x) EXPECT_TRUE(std::isfinite(out.plane("lit.g").at(x, 0))) << x;
+                            for (const int x : {14, 15}) EXPECT_EQ(out.plane("lit.r").at(x, 0), 1.0f) << x;
+                          });
 }
 
 TEST(Toon, NumbersOfBandsOutsideTheRangeAreRefused) {

@@ -2,44 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 #include "core/effect.h"
 #include "effects/unsharp/unsharp_sums.h"
 #include "kernel/kernel_frame.h"
+#include "kernels/linearize.h"
+#include "kernels/unsharp.h"
+#include "spirv/unsharp_across.h"
+#include "spirv/unsharp_blocks.h"
+#include "spirv/unsharp_blocks16.h"
+#include "spirv/unsharp_blocks4.h"
+#include "spirv/unsharp_blocks8.h"
+#include "spirv/unsharp_down.h"
 
 namespace umbrage {
 
-UMBRAGE_DECLARE_KERNEL(linearize)
-UMBRAGE_DECLARE_KERNEL(unsharp)
 void run_tuned_unsharp(const KernelFrame&, const Tile&);  // unsharp.tuned.cpp
 
 namespace {
-
-constexpr std::uint32_t kLinearizeSpirv[] = {
-#include "spirv/linearize.inc"
-};
-constexpr std::uint32_t kUnsharpSpirv[] = {
-#include "spirv/unsharp.inc"
-};
-constexpr std::uint32_t kAcrossSpirv[] = {
-#include "spirv/unsharp_across.inc"
-};
-constexpr std::uint32_t kDownSpirv[] = {
-#include "spirv/unsharp_down.inc"
-};
-constexpr std::uint32_t kBlocks4Spirv[] = {
-#include "spirv/unsharp_blocks4.inc"
-};
-constexpr std::uint32_t kBlocks8Spirv[] = {
-#include "spirv/unsharp_blocks8.inc"
-};
-constexpr std::uint32_t kBlocks16Spirv[] = {
-#include "spirv/unsharp_blocks16.inc"
-};
-constexpr std::uint32_t kBlocksSpirv[] = {
-#include "spirv/unsharp_blocks.inc"
-};
 
 // The automatic far plane leaves the farthest geometry at 90 % of the depth range, the paper's largest threshold away
 // from the end; the near plane keeps the listing's ratio of 2 to 15.
@@ -49,67 +29,26 @@ constexpr float kNearToFar = 2.0f / 15.0f;
 constexpr float kSigmasPerKernel = 4.0f;
 
 const std::vector<Parameter> kTable = {
-    {.name = "kernel",
-     .help = "side of the window that is averaged, in pixels or as a share of the picture's height",
-     .type = ParameterType::kLength,
-     .offset = offsetof(UnsharpParams, kernel),
-     .initial = 4.0,
-     .least = 1.0,
-     .most = kUnsharpLargestKernel,
-     .unit = "px",
-     .initially_relative = true},
-    {.name = "threshold",
-     .help = "samples whose linearised depth differs by this much or more do not count",
-     .offset = offsetof(UnsharpParams, threshold),
-     .initial = 0.02,
-     .least = 0.0,
-     .most = 1.0,
-     .zero_means = "none"},
-    {.name = "border",
-     .help = "what a sample outside the picture is: skipped, window depth 0, the nearest pixel, or the picture again",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(UnsharpParams, border),
-     .choices = {"skip", "zero", "clamp", "repeat"}},
-    {.name = "strength",
-     .help = "factor from a difference of linearised depth to a difference of brightness",
-     .offset = offsetof(UnsharpParams, strength),
-     .initial = 20.0,
-     .least = 0.0,
-     .most = 1000.0},
-    {.name = "linearization",
-     .help = "linearised depth: z/F, 2z/(z+F) as the paper's listing has it, or (z-N)/(F-N)",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(UnsharpParams, linearization),
-     .choices = {"linear", "listing", "extent"}},
-    {.name = "near",
-     .help = "distance N of the near plane",
-     .offset = offsetof(UnsharpParams, near_depth),
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .zero_means = "automatic"},
-    {.name = "far",
-     .help = "distance F of the far plane",
-     .offset = offsetof(UnsharpParams, far_depth),
-     .least = 0.0,
-     .most = 1e12,
-     .unit = "scene units",
-     .zero_means = "automatic"},
-    {.name = "background",
-     .help = "pixels without a surface: on the far plane, or left out of every window",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(UnsharpParams, background),
-     .choices = {"far", "ignore"}},
-    {.name = "white_edge",
-     .help = "keep the brightening on the near side of an edge",
-     .type = ParameterType::kBool,
-     .offset = offsetof(UnsharpParams, white_edge),
-     .initial = 1.0},
-    {.name = "window",
-     .help = "weights of the window",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(UnsharpParams, window),
-     .choices = {"box", "gaussian"}},
+    length_row("kernel", &UnsharpParams::kernel,
+               {.initial_percent = 4, .min = 1, .max = kUnsharpLargestKernel, .unit = "px"},
+               "side of the window that is averaged, in pixels or as a share of the picture's height"),
+    real_row("threshold", &UnsharpParams::threshold, {.initial = 0.02, .max = 1, .zero_means = "none"},
+             "samples whose linearised depth differs by this much or more do not count"),
+    choice_row(
+        "border", &UnsharpParams::border, 0, {"skip", "zero", "clamp", "repeat"},
+        "what a sample outside the picture is: skipped, window depth 0, the nearest pixel, or the picture again"),
+    real_row("strength", &UnsharpParams::strength, {.initial = 20, .max = 1000},
+             "factor from a difference of linearised depth to a difference of brightness"),
+    choice_row("linearization", &UnsharpParams::linearization, 0, {"linear", "listing", "extent"},
+               "linearised depth: z/F, 2z/(z+F) as the paper's listing has it, or (z-N)/(F-N)"),
+    real_row("near", &UnsharpParams::near_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
+             "distance N of the near plane"),
+    real_row("far", &UnsharpParams::far_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
+             "distance F of the far plane"),
+    choice_row("background", &UnsharpParams::background, 0, {"far", "ignore"},
+               "pixels without a surface: on the far plane, or left out of every window"),
+    bool_row("white_edge", &UnsharpParams::white_edge, true, "keep the brightening on the near side of an edge"),
+    choice_row("window", &UnsharpParams::window, 0, {"box", "gaussian"}, "weights of the window"),
 };
 
 int kernel_side(const Length& kernel, const PictureInfo& info) {
@@ -117,9 +56,7 @@ int kernel_side(const Length& kernel, const PictureInfo& info) {
   return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpLargestKernel))));
 }
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo& info, void* out) {
-  const auto& params = as<UnsharpParams>(bytes);
-  auto& c = *static_cast<UnsharpConstants*>(out);
+void fill_constants(const UnsharpParams& params, const PictureInfo& info, UnsharpConstants& c) {
   const int side = kernel_side(params.kernel, info);
   const int half = side / 2;
   // The listing's window starts floor(k/2) to the left and below; rows here are counted from the top.
@@ -180,13 +117,13 @@ const std::vector<GpuWay> kGpuWays = {
      .steps = {{.name = "across",
                 .inputs = {"unsharp_depth"},
                 .outputs = {"unsharp_row_high", "unsharp_row_low"},
-                .spirv = kAcrossSpirv,
+                .spirv = unsharp_across_spirv(),
                 .group_width = kUnsharpSegment,
                 .group_height = 1},
                {.name = "down",
                 .inputs = {"depth", "unsharp_depth", "unsharp_row_high", "unsharp_row_low"},
                 .outputs = {"ao"},
-                .spirv = kDownSpirv,
+                .spirv = unsharp_down_spirv(),
                 .group_width = kUnsharpStripWidth,
                 .group_height = kUnsharpStripHeight}}},
     {.fits = has_blocks,
@@ -194,58 +131,45 @@ const std::vector<GpuWay> kGpuWays = {
          {.name = "blocks of 4",
           .inputs = {"unsharp_depth"},
           .outputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
-          .spirv = kBlocks4Spirv},
+          .spirv = unsharp_blocks4_spirv()},
          {.name = "blocks of 8",
           .inputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
           .outputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
-          .spirv = kBlocks8Spirv},
+          .spirv = unsharp_blocks8_spirv()},
          {.name = "blocks of 16",
           .inputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
           .outputs = {"unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
-          .spirv = kBlocks16Spirv},
+          .spirv = unsharp_blocks16_spirv()},
          {.name = "unsharp",
           .inputs = {"depth", "unsharp_depth", "unsharp_least4", "unsharp_greatest4", "unsharp_sum4", "unsharp_least8",
                      "unsharp_greatest8", "unsharp_sum8", "unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
           .outputs = {"ao"},
-          .spirv = kBlocksSpirv}}}};
+          .spirv = unsharp_blocks_spirv()}}}};
 
 }  // namespace
 
-const Effect& effect_unsharp() {
-  static const Effect effect = {
-      .name = "unsharp",
-      .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
-      .source = "Chamberlin 2011",
-      .kind = EffectKind::kOcclusion,
-      .parameters = kTable,
-      .params_size = sizeof(UnsharpParams),
-      .constants_size = sizeof(UnsharpConstants),
-      .constants = fill_constants,
-      .set_radius = set_radius,
-      .tunable = {"kernel", "threshold", "strength"},
-      .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0", "kernel=121 threshold=0",
-                   "kernel=15 window=gaussian"},
-      .passes = {{.name = "linearize",
-                  .inputs = {"depth"},
-                  .outputs = {"unsharp_depth"},
-                  .scalar = run_scalar_linearize,
-                  .lanes = run_lanes_linearize,
-                  .spirv = kLinearizeSpirv,
-                  .reach = own_row},
-                 {.name = "unsharp",
-                  .inputs = {"depth", "unsharp_depth"},
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_unsharp,
-                  .lanes = run_lanes_unsharp,
-                  .tuned = run_tuned_unsharp,
-                  .spirv = kUnsharpSpirv,
-                  .gpu_ways = kGpuWays,
-                  .tile_width = 128,
-                  .tile_height = 32,
-                  .reach = own_row,
-                  .far_inputs = {"unsharp_depth"}}},
-  };
-  return effect;
+Effect effect_unsharp() {
+  return occlusion_effect<fill_constants>(
+      kTable, {.name = "unsharp",
+               .summary = "unsharp mask of the depth buffer: darker where the surroundings are nearer",
+               .source = "Chamberlin 2011",
+               .set_radius = set_radius,
+               .tunable = {"kernel", "threshold", "strength"},
+               .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0",
+                            "kernel=121 threshold=0", "kernel=15 window=gaussian"},
+               .passes = {{.name = "linearize",
+                           .inputs = {"depth"},
+                           .outputs = {"unsharp_depth"},
+                           .kernel = linearize_kernel(),
+                           .reach = own_row},
+                          {.inputs = {"depth", "unsharp_depth"},
+                           .outputs = {"ao"},
+                           .kernel = unsharp_kernel(),
+                           .tuned = run_tuned_unsharp,
+                           .gpu_ways = kGpuWays,
+                           .tile = kSquareTile,
+                           .reach = own_row,
+                           .far_inputs = {"unsharp_depth"}}}});
 }
 
 }  // namespace umbrage

@@ -1,61 +1,32 @@
 #include "effects/upsample/upsample.h"
 
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 
 #include "core/effect.h"
-#include "kernel/kernel_frame.h"
+#include "kernels/upsample_ao.h"
+#include "kernels/upsample_light.h"
 
 namespace umbrage {
-
-UMBRAGE_DECLARE_KERNEL(upsample_ao)
-UMBRAGE_DECLARE_KERNEL(upsample_light)
-
 namespace {
 
-constexpr std::uint32_t kAoSpirv[] = {
-#include "spirv/upsample_ao.inc"
-};
-constexpr std::uint32_t kLightSpirv[] = {
-#include "spirv/upsample_light.inc"
-};
-
 const std::vector<Parameter> kTable = {
-    {.name = "factor",
-     .help = "pixels across and down that one at reduced resolution stands for; --ao-scale sets it",
-     .type = ParameterType::kChoice,
-     .offset = offsetof(UpsampleParams, factor),
-     .choices = {"2", "4"}},
-    {.name = "indirect",
-     .help = "upsample the reflected light too, not the occlusion alone; --ao-scale sets it",
-     .type = ParameterType::kBool,
-     .offset = offsetof(UpsampleParams, indirect)},
-    {.name = "leave",
-     .help = "leave pixels that too few others fit for the technique to compute; --ao-scale sets it",
-     .type = ParameterType::kBool,
-     .offset = offsetof(UpsampleParams, leave)},
-    {.name = "distance",
-     .help = "how far a pixel may lie off another's plane to join it fully",
-     .offset = offsetof(UpsampleParams, distance),
-     .initial = 1.0,
-     .least = 0.01,
-     .most = 100.0,
-     .unit = "px"},
-    {.name = "angle",
-     .help = "by how much normals may differ for pixels to join fully",
-     .offset = offsetof(UpsampleParams, angle),
-     .initial = 25.0,
-     .least = 1.0,
-     .most = 180.0,
-     .unit = "deg"},
+    choice_row("factor", &UpsampleParams::factor, 0, {"2", "4"},
+               "pixels across and down that one at reduced resolution stands for; --ao-scale sets it"),
+    bool_row("indirect", &UpsampleParams::indirect, false,
+             "upsample the reflected light too, not the occlusion alone; --ao-scale sets it"),
+    bool_row("leave", &UpsampleParams::leave, false,
+             "leave pixels that too few others fit for the technique to compute; --ao-scale sets it"),
+    real_row("distance", &UpsampleParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
+             "how far a pixel may lie off another's plane to join it fully"),
+    real_row("angle", &UpsampleParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
+             "by how much normals may differ for pixels to join fully"),
 };
 
-void fill_constants(const ParameterBytes& bytes, const PictureInfo&, void* out) {
-  const auto& params = as<UpsampleParams>(bytes);
+void fill_constants(const UpsampleParams& params, const PictureInfo&, UpsampleConstants& c) {
   const int factor = params.factor == kUpsampleQuarter ? 4 : 2;
   const double cosine = std::cos(params.angle * std::numbers::pi / 180.0);
-  *static_cast<UpsampleConstants*>(out) = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
+  c = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
 }
 
 bool light_too(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
@@ -73,37 +44,26 @@ void set_reduction(const Reduction& reduction, ParameterBytes& bytes) {
 
 }  // namespace
 
-const Effect& effect_upsample() {
-  static const Effect effect = {
-      .name = "upsample",
-      .summary = "brings occlusion and reflected light from reduced to full resolution, along surfaces",
-      .source = "Kopf et al. 2007",
-      .kind = EffectKind::kShading,
-      .parameters = kTable,
-      .params_size = sizeof(UpsampleParams),
-      .constants_size = sizeof(UpsampleConstants),
-      .constants = fill_constants,
-      .set_reduction = set_reduction,
-      .variants = {"", "factor=4", "indirect=on"},
-      .passes = {{.name = "ao",
-                  .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao"},
-                  .scalar = run_scalar_upsample_ao,
-                  .lanes = run_lanes_upsample_ao,
-                  .spirv = kAoSpirv,
-                  .needed = ao_alone,
-                  .reach = reach},
-                 {.name = "light",
-                  .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b", "depth",
-                             "normal.x", "normal.y", "normal.z"},
-                  .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                  .scalar = run_scalar_upsample_light,
-                  .lanes = run_lanes_upsample_light,
-                  .spirv = kLightSpirv,
-                  .needed = light_too,
-                  .reach = reach}},
-  };
-  return effect;
+Effect effect_upsample() {
+  return shading_effect<fill_constants>(
+      kTable, {.name = "upsample",
+               .summary = "brings occlusion and reflected light from reduced to full resolution, along surfaces",
+               .source = "Kopf et al. 2007",
+               .set_reduction = set_reduction,
+               .variants = {"", "factor=4", "indirect=on"},
+               .passes = {{.name = "ao",
+                           .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao"},
+                           .kernel = upsample_ao_kernel(),
+                           .needed = ao_alone,
+                           .reach = reach},
+                          {.name = "light",
+                           .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b",
+                                      "depth", "normal.x", "normal.y", "normal.z"},
+                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                           .kernel = upsample_light_kernel(),
+                           .needed = light_too,
+                           .reach = reach}}});
 }
 
 }  // namespace umbrage

@@ -271,18 +271,7 @@ TEST(Upsample, PlanesAtGrazingAnglesAreAsFacingOnes) {
       for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 48; ++x) ao.at(x, y) = float(test::hash(x + 4099u * y) >> 8) * 0x1p-24f;
       const Image facing = test::run_effect(*find_effect("upsample"), g, by(2, false), {});
-      const Camera& camera = g.info.camera;
-      const double tilt = tilt_deg * 3.14159265358979 / 180.0, ny = std::sin(tilt), nz = std::cos(tilt);
-      int horizon = 0;  // rows above it show nothing
-      for (int y = 63; y >= 0; --y)
-        for (int x = 0; x < 48; ++x) {
-          const double v = camera.top - (camera.top - camera.bottom) * (y + 0.5) / 64.0;
-          const double depth = orthographic ? 40.0 + ny / nz * v : 5.0 * nz / (nz - ny * v);
-          if (depth < 0.0) horizon = std::max(horizon, y + 1);
-          g.layers[0].plane("depth").at(x, y) = depth > 0.0 ? float(depth) : kInfinity;
-          g.layers[0].plane("normal.y").at(x, y) = float(ny);
-          g.layers[0].plane("normal.z").at(x, y) = float(nz);
-        }
+      const int horizon = test::tilt_about_x(g, tilt_deg);
       test::on_every_target("upsample", g, by(2, false), [&](const Image& image) {
         const int first = horizon > 0 ? horizon + 2 : 0;
         EXPECT_LT(first, 30);

@@ -6,12 +6,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <string_view>
-#include <system_error>
 
 #include "scene/readers/vertex_colors.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
@@ -64,13 +63,9 @@ struct Words {
 
 Result<Scene> read_off(const fs::path& path) {
   const std::string file = path.string();
-  std::ifstream stream(path, std::ios::binary);
-  std::error_code error;
-  std::string bytes(std::size_t(fs::file_size(path, error)), '\0');
-  if (!stream || error || !stream.read(bytes.data(), std::streamsize(bytes.size()))) {
-    return file_error("{}: cannot be read", file);
-  }
-  Words words{bytes};
+  const auto bytes = read_whole_file(path);
+  if (!bytes) return bytes.error();
+  Words words{*bytes};
   std::string_view kind = words.word();
   if (!kind.ends_with("OFF") || kind.find_first_not_of("STCNOF") != std::string_view::npos) {
     return file_error("{}: cannot be read as OFF (its first word is not OFF, COFF, NOFF or the like)", file);

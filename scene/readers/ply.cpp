@@ -11,10 +11,10 @@
 #include <fstream>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include "scene/readers/vertex_colors.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
@@ -347,13 +347,9 @@ std::string ply_texture(const fs::path& path) {
 
 Result<Scene> read_ply(const fs::path& path, std::string& texture_name) {
   const std::string file = path.string();
-  std::ifstream stream(path, std::ios::binary);
-  std::error_code error;
-  std::string bytes(std::size_t(fs::file_size(path, error)), '\0');
-  if (!stream || error || !stream.read(bytes.data(), std::streamsize(bytes.size()))) {
-    return file_error("{}: cannot be read", file);
-  }
-  std::string_view text = bytes;
+  const auto bytes = read_whole_file(path);
+  if (!bytes) return bytes.error();
+  std::string_view text = *bytes;
   Result<Header> header = read_header(text, file);
   if (!header) return header.error();
   texture_name = header->texture;

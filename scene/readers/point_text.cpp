@@ -4,13 +4,12 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <glm/geometric.hpp>
 #include <string>
 #include <string_view>
-#include <system_error>
 
 #include "scene/readers/vertex_colors.h"
+#include "scene/readers/whole_file.h"
 
 namespace umbrage {
 namespace {
@@ -83,15 +82,11 @@ Scene scene_of(Mesh mesh, const fs::path& file) {
 
 Result<Scene> read_xyz(const fs::path& path) {
   const std::string file = path.string();
-  std::ifstream stream(path, std::ios::binary);
-  std::error_code error;
-  std::string text(std::size_t(fs::file_size(path, error)), '\0');
-  if (!stream || error || !stream.read(text.data(), std::streamsize(text.size()))) {
-    return file_error("{}: cannot be read", file);
-  }
+  const auto text = read_whole_file(path);
+  if (!text) return text.error();
   std::vector<Row> rows;
   std::size_t wrong = 0;
-  for_each_line(text, [&](std::string_view line, std::size_t number) {
+  for_each_line(*text, [&](std::string_view line, std::size_t number) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);

@@ -144,19 +144,12 @@ void read_as_setting(std::string_view bytes) {
     Length length, above_zero;
   };
   static const std::vector<Parameter> table = {
-      {.name = "real", .offset = offsetof(Params, real), .least = -1.5, .most = 1e6},
-      {.name = "whole", .type = ParameterType::kInt, .offset = offsetof(Params, whole), .least = -3, .most = 1e9},
-      {.name = "on", .type = ParameterType::kBool, .offset = offsetof(Params, on)},
-      {.name = "choice",
-       .type = ParameterType::kChoice,
-       .offset = offsetof(Params, choice),
-       .choices = {"skip", "zero", "clamp"}},
-      {.name = "length", .type = ParameterType::kLength, .offset = offsetof(Params, length), .most = 1e3},
-      {.name = "above_zero",
-       .type = ParameterType::kLength,
-       .offset = offsetof(Params, above_zero),
-       .most = 1e9,
-       .above_zero = true}};
+      real_row("real", &Params::real, {.min = -1.5, .max = 1e6}, ""),
+      int_row("whole", &Params::whole, {.min = -3, .max = 1e9}, ""),
+      bool_row("on", &Params::on, false, ""),
+      choice_row("choice", &Params::choice, 0, {"skip", "zero", "clamp"}, ""),
+      length_row("length", &Params::length, {.max = 1e3}, ""),
+      length_row("above_zero", &Params::above_zero, {.max = 1e9, .above_zero = true}, "")};
   if (bytes.empty()) return;
   const Parameter& row = table[static_cast<unsigned char>(bytes[0]) % table.size()];
   const std::string_view text = bytes.substr(1);

@@ -1,0 +1,40 @@
+#include "apps/cli/measure.h"
+
+#include "apps/cli/standard_input.h"
+
+namespace umbrage::cli {
+
+void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group) {
+  command.add_option("--cameras", o.cameras, "at most so many views of each scene [2]")->group(group);
+  command.add_option("--samples", o.samples, "rays per pixel of the truth, an even number [256]")->group(group);
+  command.add_option("--runs", o.runs, "runs behind each time [3]")->group(group);
+}
+
+Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings) {
+  settings.models = o.models;
+  settings.cameras = o.cameras;
+  settings.samples = o.samples;
+  settings.runs = o.runs;
+  const auto import_with = import_settings(o.request);
+  if (!import_with) return import_with.error();
+  settings.import = *import_with;
+  settings.draw = o.request;
+  settings.load = loader_of(o);
+  return check_standard_input(o.models, o.input_format);
+}
+
+std::function<bool(const std::string&, double)> shown_on(ProgressLine& line) {
+  return [&line](const std::string& what, double done) {
+    line.show(what, done);
+    return true;
+  };
+}
+
+void print_measured(const MeasureOptions& o, const std::vector<std::string>& warnings, const Device& device,
+                    ProgressLine& line) {
+  line.wipe();
+  for (const std::string& warning : warnings) fmt::print(stderr, "umbrage: warning: {}\n", in_options(warning));
+  if (o.verbose) fmt::print(stderr, "{}\n", device.description());
+}
+
+}  // namespace umbrage::cli

@@ -1,0 +1,31 @@
+// What umbrage compare and umbrage tune share.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/options.h"
+#include "apps/cli/progress.h"
+#include "apps/compare/measure_settings.h"
+
+namespace umbrage::cli {
+
+struct MeasureOptions : CommonOptions {
+  int cameras = 2, samples = 256, runs = 3;
+};
+
+/// --cameras, --samples and --runs, in this group of the help.
+void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group);
+
+/// Fills in what the options say. Errors: kUsage.
+Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings);
+
+/// MeasureSettings::progress on a line, which must last longer.
+std::function<bool(const std::string&, double)> shown_on(ProgressLine& line);
+
+/// Ends the progress, and prints warnings and, with --verbose, the device.
+void print_measured(const MeasureOptions& o, const std::vector<std::string>& warnings, const Device& device,
+                    ProgressLine& line);
+
+}  // namespace umbrage::cli

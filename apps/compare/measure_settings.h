@@ -1,0 +1,25 @@
+// What comparing and tuning share: scenes, views, the truth, and how often a time is taken.
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "renderer/models.h"
+#include "renderer/recipe.h"
+
+namespace umbrage {
+
+struct MeasureSettings {
+  std::vector<std::string> models;  ///< as for load_scene
+  ImportSettings import;
+  RenderRequest draw;
+  int cameras = 2;    ///< at most so many per scene: its suggested views, or turns around a file's model
+  int samples = 256;  ///< of the truth, per pixel; even
+  int runs = 3;       ///< behind each time, after one that does not count; the reference runs once
+  /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
+  std::function<Result<Scene>(const std::string&, const ImportSettings&)> load = load_scene;
+  /// Told what is done now, and about the share of the whole that is done; false ends the work.
+  std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
+};
+
+}  // namespace umbrage

@@ -1,0 +1,26 @@
+// What the registries of effects and looks share: lists of what has a name.
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace umbrage {
+
+/// Where the entries of a list are. The list must last as long as the result is used.
+template <class Entry, std::size_t count>
+std::vector<const Entry*> pointers_to(const Entry (&list)[count]) {
+  std::vector<const Entry*> pointers;
+  for (const Entry& entry : list) pointers.push_back(&entry);
+  return pointers;
+}
+
+/// The entry of that name, or null.
+template <class Entry>
+const Entry* find_named(std::span<const Entry* const> entries, std::string_view name) {
+  for (const Entry* entry : entries)
+    if (entry->name == name) return entry;
+  return nullptr;
+}
+
+}  // namespace umbrage

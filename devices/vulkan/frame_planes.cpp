@@ -1,0 +1,121 @@
+#include "devices/vulkan/frame_planes.h"
+
+#include <bit>
+#include <cstring>
+
+#include "core/check.h"
+
+namespace umbrage {
+namespace {
+
+constexpr VkDeviceSize kMostStaged = VkDeviceSize(256) << 20;  // bytes copied to or from the host at once
+
+}  // namespace
+
+std::shared_ptr<DevicePlanes> empty_planes(const PictureInfo& info) {
+  auto planes = std::make_shared<DevicePlanes>();
+  planes->stride = (info.width + kRowAlignment - 1) / kRowAlignment * kRowAlignment;
+  planes->bytes = VkDeviceSize(planes->stride) * VkDeviceSize(info.height) * sizeof(float);
+  return planes;
+}
+
+std::size_t PlaneStore::staged_at_once(const DevicePlanes& planes) const {
+  return std::max<std::size_t>(
+      1, std::min(kMostStaged, gpu_->largest_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
+}
+
+Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::string& name) {
+  if (const auto found = planes.made.find(name); found != planes.made.end()) return found->second;
+  auto plane = memory_->plane(planes.bytes);
+  if (!plane) return plane;
+  planes.names.push_back(name);
+  planes.made.emplace(name, *plane);
+  return plane;
+}
+
+Result<void> PlaneStore::copy_to(const std::vector<NamedPlane>& from, const PictureInfo& info, DevicePlanes& planes) {
+  const std::size_t row_bytes = std::size_t(info.width) * sizeof(float);
+  const std::size_t at_once = staged_at_once(planes);
+  for (std::size_t first = 0; first < from.size(); first += at_once) {
+    const std::size_t end = std::min(first + at_once, from.size());
+    if (first > 0)  // what is staged stays until it is copied
+      if (auto done = commands_->finish(); !done) return done;
+    for (std::size_t p = first; p < end; ++p)  // now: new memory may hand over what is noted down
+      if (const auto out = writable(planes, from[p].name); !out) return out.error();
+    const auto staged = memory_->host(planes.bytes * (end - first));
+    if (!staged) return staged.error();
+    if (const auto begun = commands_->buffer(); !begun) return begun.error();  // it may let go of what was kept
+    commands_->keep(*staged);
+    for (std::size_t p = first; p < end; ++p) {
+      check_equal(from[p].plane->width, info.width, from[p].name);
+      check_equal(from[p].plane->height, info.height, from[p].name);
+      std::byte* to = (*staged)->mapped + planes.bytes * (p - first);
+      if (from[p].plane->stride == planes.stride)
+        std::memcpy(to, from[p].plane->data(), planes.bytes);
+      else
+        for (int y = 0; y < info.height; ++y)
+          std::memcpy(to + std::size_t(y) * planes.stride * sizeof(float), from[p].plane->row(y), row_bytes);
+      const DevicePlanePtr& out = planes.made.find(from[p].name)->second;
+      const auto buffer = commands_->buffer();
+      if (!buffer) return buffer.error();
+      if (p == first) commands_->barrier();
+      const VkBufferCopy region{planes.bytes * (p - first), out->offset, planes.bytes};
+      gpu_->vk.CmdCopyBuffer(*buffer, (*staged)->buffer, out->buffer, 1, &region);
+    }
+  }
+  return {};
+}
+
+Result<Image> PlaneStore::copied(const DevicePlanes& planes, const std::vector<std::string>& wanted,
+                                 const PictureInfo& info, int margin) {
+  Image out(info.width - 2 * margin, info.height - 2 * margin);
+  const std::size_t at_once = staged_at_once(planes);
+  for (std::size_t first = 0; first < wanted.size(); first += at_once)
+    if (auto done = copy_from(planes, wanted, first, std::min(first + at_once, wanted.size()), margin, out); !done)
+      return done.error();
+  // Also where nothing had to be copied: errors of what came before show here.
+  if (auto done = commands_->finish(); !done) return done.error();
+  return out;
+}
+
+Result<void> PlaneStore::copy_from(const DevicePlanes& planes, const std::vector<std::string>& wanted,
+                                   std::size_t first, std::size_t end, int margin, Image& out) {
+  const auto staged = memory_->host(planes.bytes * (end - first));
+  if (!staged) return staged.error();
+  const auto buffer = commands_->buffer();
+  if (!buffer) return buffer.error();
+  commands_->keep(*staged);
+  commands_->barrier();
+  for (std::size_t p = first; p < end; ++p) {
+    const DevicePlane* plane = planes.find(wanted[p]);
+    if (!plane) return usage_error("the picture has no plane '{}'", wanted[p]);
+    const VkBufferCopy region{plane->offset, planes.bytes * (p - first), planes.bytes};
+    gpu_->vk.CmdCopyBuffer(*buffer, plane->buffer, (*staged)->buffer, 1, &region);
+  }
+  if (auto done = commands_->finish(); !done) return done;
+  for (std::size_t p = first; p < end; ++p) {
+    const auto* from = reinterpret_cast<const float*>((*staged)->mapped + planes.bytes * (p - first));
+    Plane to(out.width, out.height);
+    for (int y = 0; y < out.height; ++y)
+      std::memcpy(to.row(y), from + std::size_t(y + margin) * planes.stride + margin,
+                  std::size_t(out.width) * sizeof(float));
+    out.names.push_back(wanted[p]);
+    out.planes.push_back(std::move(to));
+  }
+  return {};
+}
+
+Result<void> PlaneStore::add_constant(DevicePlanes& planes, float value) {
+  if (planes.constants.contains(value)) return {};
+  const auto plane = memory_->plane(planes.bytes);
+  if (!plane) return plane.error();
+  const auto buffer = commands_->buffer();
+  if (!buffer) return buffer.error();
+  commands_->barrier();
+  gpu_->vk.CmdFillBuffer(*buffer, (*plane)->buffer, (*plane)->offset, planes.bytes,
+                         std::bit_cast<std::uint32_t>(value));
+  planes.constants.emplace(value, *plane);
+  return {};
+}
+
+}  // namespace umbrage

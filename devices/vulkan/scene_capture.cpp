@@ -1,0 +1,181 @@
+#include "devices/vulkan/scene_capture.h"
+
+#include <bit>
+#include <map>
+#include <utility>
+
+#include "core/check.h"
+#include "devices/shared/capture_info.h"
+#include "devices/shared/passes.h"
+#include "devices/shared/soften_passes.h"
+#include "devices/vulkan/gpu_capture.h"
+
+namespace umbrage {
+
+Result<void> SceneCapture::prepare(const Scene& scene) {
+  scene_ = {};
+  ++scenes_;
+  traced_.reset();
+  auto ready = upload_scene(scene, *memory_, *commands_, *gpu_);
+  if (!ready) return ready.error();
+  scene_ = std::move(*ready);
+  return {};
+}
+
+Result<void> SceneCapture::spare() {
+  if (!scene_.scene) return {};  // nothing was drawn
+  const RasterTargetPtr spared = std::exchange(target_, nullptr);
+  return commands_->finish();
+}
+
+Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings& settings) {
+  if (!scene_.scene) fail_check("capture before prepare");
+  if (auto fine = check_capture(settings); !fine) return fine.error();
+  Frame frame;
+  frame.info = picture_info(*scene_.scene, camera, settings);
+  if (settings.extra_views > 0 && !traced_) {  // where they stand is found out by rays
+    auto traced = trace_ready(*scene_.scene, threads_);
+    if (!traced) return traced.error();
+    traced_ = std::move(*traced);
+  }
+  add_layers(traced_ ? *traced_ : TracedScene(), settings, frame.info);
+  auto planes = empty_planes(frame.info);
+  frame.storage = planes;
+  const int all = 1 + int(frame.info.more_layers.size());
+  const std::vector<std::string> names = captured_planes(*scene_.scene, frame.info, settings.shadows);
+  for (int layer = 0; layer < all; ++layer)
+    for (const std::string& name : names)
+      if (const auto made = store_->writable(*planes, layer_plane(layer, name)); !made) return made.error();
+  std::vector<PenumbraPlanes> radii;
+  for (const int light : softened_lights(frame.info, settings)) {
+    const auto across = memory_->plane(planes->bytes), down = memory_->plane(planes->bytes);
+    if (!across) return across.error();
+    if (!down) return down.error();
+    radii.push_back({light, *across, *down});
+  }
+  const auto kind_of = [&](int layer) {
+    return layer == 0 ? LayerKind::kBehind : frame.info.more_layers[std::size_t(layer) - 1].kind;
+  };
+  for (int layer = 0; layer < all; ++layer) {
+    if (kind_of(layer) == LayerKind::kBack) continue;  // drawn with its front
+    int back = -1;
+    for (int k = 1; k < all; ++k)
+      if (kind_of(k) == LayerKind::kBack && frame.info.more_layers[std::size_t(k) - 1].of == layer) back = k;
+    const auto measured = std::span(radii).first(layer == 0 ? radii.size() : 0);
+    if (auto done = draw_layer(frame, names, settings, layer, back, measured); !done) return done.error();
+  }
+  if (auto done = soften(frame, radii); !done) return done.error();
+  return frame;
+}
+
+Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std::string>& names,
+                                      const CaptureSettings& settings, int layer, int back,
+                                      std::span<const PenumbraPlanes> radii) {
+  const DevicePlanes& planes = planes_of(frame);
+  const auto pipeline = pipelines_->capture();
+  if (!pipeline) return pipeline.error();
+  std::vector<VkDeviceAddress> table(kCaptureSlots);
+  for (const std::string& name : names) {
+    table[std::size_t(capture_slot(name))] = planes.find(layer_plane(layer, name))->address;
+    if (back > 0) table[kBackSlots + std::size_t(capture_slot(name))] = planes.find(layer_plane(back, name))->address;
+  }
+  const bool other = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
+  if (layer > 0 && !other) table[kBeforeSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
+  for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
+  for (const PenumbraPlanes& of : radii) {
+    table[kPenumbraSlot + 2 * std::size_t(of.light)] = of.across->address;
+    table[kPenumbraSlot + 2 * std::size_t(of.light) + 1] = of.down->address;
+  }
+  const PictureInfo info = layer_info(frame.info, layer);
+  const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
+  // Rays take as long as scene, lights and the layers before make them.
+  const std::size_t kind =
+      ((scenes_ * kMostLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
+      std::size_t(settings.shadows);
+  DevicePlanePtr seen;
+  if (draws_ && can_draw(scene_, constants, *gpu_)) {
+    const auto drawn = draw_seen(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
+    if (!drawn) return drawn.error();
+    seen = *drawn;
+    if (seen) table[kSeenSlot] = seen->address;
+  }
+  return dispatcher_->dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
+                               std::as_bytes(std::span(&constants, 1)), table);
+}
+
+Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int layer, const DevicePlanes& planes,
+                                               Dispatcher::Constants constants, Dispatcher::Table table) {
+  const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
+  if (!pipeline) return pipeline.error();
+  auto seen = memory_->plane(planes.bytes);  // first: it may take the target's memory
+  if (!seen) return DevicePlanePtr();
+  if (!target_ || target_->width != info.width || target_->height != info.height) {
+    const auto drawing = pipelines_->drawing(true);
+    if (!drawing) return drawing.error();
+    target_.reset();  // in use no longer, or kept by the commands
+    const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
+    if (!made) return DevicePlanePtr();  // a device that is lost says so to what comes next
+    target_ = *made;
+  }
+  // A triangle takes the longer the larger the picture is.
+  const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));
+  if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
+                                         .effect = "capture",
+                                         .pass = layer_plane(layer, "seen"),
+                                         .settings = (scenes_ * kMostLayers + std::size_t(layer)) * 64 + size,
+                                         .target = target_.get(),
+                                         .triangles = scene_.triangles,
+                                         .points = scene_.points},
+                                        info, constants, table);
+      !done)
+    return done.error();
+  const auto buffer = commands_->buffer();
+  if (!buffer) return buffer.error();
+  copy_seen(*gpu_, *buffer, *target_, **seen, planes.stride);
+  commands_->keep(target_);
+  return seen;
+}
+
+Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPlanes> radii) {
+  if (radii.empty()) return {};
+  const DevicePlanes& planes = planes_of(frame);
+  const auto between = memory_->plane(planes.bytes);
+  if (!between) return between.error();
+  const auto reach = memory_->plane(planes.bytes);
+  if (!reach) return reach.error();
+  const auto run = [&](const Pass& pass, const PictureInfo& info, const SoftenConstants& constants,
+                       const StepPlanes& own) -> Result<void> {
+    const GpuStep step = plain_step(pass);
+    const std::vector<std::byte> block =
+        block_of(frame_constants(info, planes.stride, 0), std::as_bytes(std::span(&constants, 1)));
+    std::vector<const DevicePlane*> table;
+    for (std::string_view name : plane_table(step)) {
+      const auto found = own.find(name);
+      table.push_back(found != own.end() ? found->second.get() : planes.find(name));
+    }
+    return dispatcher_->run_kernel(step, {.effect = "capture", .pass = pass.name}, info, block, planes.bytes, table);
+  };
+  PictureInfo blocks = frame.info;
+  blocks.width = (blocks.width + kSoftenBlock - 1) / kSoftenBlock;
+  blocks.height = (blocks.height + kSoftenBlock - 1) / kSoftenBlock;
+  for (const PenumbraPlanes& of : radii) {
+    const DevicePlanePtr& shadow = planes.made.find(shadow_plane(of.light))->second;
+    for (const int second : {0, 1})
+      for (const int down : {0, 1}) {
+        if (second)
+          if (auto done = run(soften_reach_pass(), blocks, {},
+                              {{"penumbra", down ? of.down : of.across}, {"soften_reach", *reach}});
+              !done)
+            return done;
+        if (auto done = run(soften_pass(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
+                            {{"soften_from", down ? *between : shadow},
+                             {"soften_to", down ? shadow : *between},
+                             {"soften_reach", *reach}});
+            !done)
+          return done;
+      }
+  }
+  return {};
+}
+
+}  // namespace umbrage

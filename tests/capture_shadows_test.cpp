@@ -1,0 +1,354 @@
+// Captured masks, shadows and emission, against geometry in double.
+#include "capture_support.h"
+
+namespace umbrage {
+namespace {
+
+using namespace test;
+
+// ---- masks and shadows ----
+
+/// Shares of ground pixels that are in shadow though they should not be, and the other way round; pixels nearer than
+/// `margin` to the shadow's edge are left out.
+struct ShadowErrors {
+  long wrongly_dark = 0, wrongly_lit = 0, dark = 0, lit = 0;
+};
+
+/// Compares the ground's shadow with `blocked`, how deep inside the blocker the way to the light passes (below 0:
+/// outside it).
+ShadowErrors compare_shadow(const Picture& picture, const std::function<double(glm::dvec3)>& inside, double margin,
+                            std::string_view plane = "shadow") {
+  ShadowErrors errors;
+  for (int y = 0; y < picture.info.height; ++y)
+    for (int x = 0; x < picture.info.width; ++x) {
+      if (picture["object_id"].at(x, y) != 0.0f) continue;
+      const double depth_inside = inside(ray_of(picture.info, x, y).at(picture.depth(x, y)));
+      if (std::fabs(depth_inside) < margin) continue;
+      const float shadow = picture[plane].at(x, y);
+      (depth_inside > 0.0 ? errors.dark : errors.lit) += 1;
+      if (depth_inside > 0.0) errors.wrongly_lit += shadow != 0.0f;
+      if (depth_inside < 0.0) errors.wrongly_dark += shadow != 1.0f;
+    }
+  return errors;
+}
+
+TEST(Capture, DirectionalLightThrowsTheSquaresShadow) {
+  for (const bool orthographic : {true, false}) {
+    Scene scene = square_over_ground();
+    const glm::vec3 towards(0.9f, 0.5f, 1.0f);
+    scene.lights = {key_light(towards)};
+    const Camera camera =
+        orthographic ? from_above(10.0f) : perspective_camera({-5, -6, 9}, {-1, -1, 0}, {0, 0, 1}, 40.0f, 1.0f);
+    const Picture picture = capture(scene, camera, 200, 200);
+    const auto inside = [&](glm::dvec3 p) {
+      return inside_square(p + glm::dvec3(towards) * ((2.0 - p.z) / towards.z));
+    };
+    const ShadowErrors errors = compare_shadow(picture, inside, 2e-3);
+    EXPECT_EQ(errors.wrongly_dark, 0);
+    EXPECT_EQ(errors.wrongly_lit, 0);
+    EXPECT_GT(errors.dark, 500);
+    EXPECT_GT(errors.lit, 5000);
+    for (int y = 0; y < 200; ++y)
+      for (int x = 0; x < 200; ++x)
+        if (picture["object_id"].at(x, y) == 1.0f) {
+          ASSERT_EQ(picture["shadow"].at(x, y), 1.0f);
+        }
+  }
+}
+
+TEST(Capture, PointLightThrowsTheSquaresShadow) {
+  Scene scene = square_over_ground();
+  const glm::vec3 lamp(1.0f, 0.6f, 4.5f);
+  scene.lights = {key_lamp(lamp)};
+  const Picture picture = capture(scene, from_above(12.0f), 200, 200);
+  const auto inside = [&](glm::dvec3 p) {
+    return inside_square(p + (glm::dvec3(lamp) - p) * ((2.0 - p.z) / (lamp.z - p.z)));
+  };
+  const ShadowErrors errors = compare_shadow(picture, inside, 2e-3);
+  EXPECT_EQ(errors.wrongly_dark, 0);
+  EXPECT_EQ(errors.wrongly_lit, 0);
+  EXPECT_GT(errors.dark, 500);
+  EXPECT_GT(errors.lit, 5000);
+}
+
+TEST(Capture, EachLightHasItsOwnShadow) {
+  Scene scene = square_over_ground();
+  const glm::vec3 lamp(1.0f, 0.6f, 4.5f);
+  const Light sun = key_light({0.9f, 0.5f, 1.0f});
+  Light plain = sun;
+  plain.casts_shadow = false;
+  const auto shadows = [&](std::vector<Light> lights, int count) {
+    scene.lights = std::move(lights);
+    return capture_with({.width = 200, .height = 200, .shadows = count}, scene, from_above(12.0f));
+  };
+  const Picture both = shadows({sun, plain, key_lamp(lamp)}, kMostShadows);
+  EXPECT_EQ(both.planes.find("shadow1"), nullptr) << "a light that casts none has no plane";
+  EXPECT_EQ(test::difference(both["shadow"], shadows({sun}, kMostShadows)["shadow"], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(both["shadow2"], shadows({key_lamp(lamp)}, kMostShadows)["shadow"], 0.0).most, 0.0);
+  const auto inside = [&](glm::dvec3 p) {
+    return inside_square(p + (glm::dvec3(lamp) - p) * ((2.0 - p.z) / (lamp.z - p.z)));
+  };
+  const ShadowErrors errors = compare_shadow(both, inside, 2e-3, "shadow2");
+  EXPECT_EQ(errors.wrongly_dark, 0);
+  EXPECT_EQ(errors.wrongly_lit, 0);
+  EXPECT_GT(errors.dark, 500);
+  EXPECT_GT(errors.lit, 5000);
+  // No more are traced than are asked for, and no more than there are planes.
+  const Picture first = shadows({sun, plain, key_lamp(lamp)}, 1);
+  EXPECT_EQ(first.planes.find("shadow2"), nullptr);
+  EXPECT_EQ(test::difference(first["shadow"], both["shadow"], 0.0).most, 0.0);
+  const Picture many = shadows(std::vector<Light>(12, sun), kMostShadows);
+  EXPECT_NE(many.planes.find("shadow7"), nullptr);
+  EXPECT_EQ(many.planes.find("shadow8"), nullptr);
+  EXPECT_EQ(test::difference(many["shadow7"], both["shadow"], 0.0).most, 0.0);
+}
+
+TEST(Capture, EmissionIsAPlaneWhereAnyMaterialShines) {
+  Scene scene = square_over_ground();
+  scene.materials.push_back({.emission = {3.0f, 0.5f, 0.25f}});
+  scene.meshes[1].material = 1;
+  const Picture picture = capture(scene, from_above(24.0f), 96, 96);
+  long shining = 0, background = 0;
+  for (int y = 0; y < 96; ++y)
+    for (int x = 0; x < 96; ++x) {
+      const float object = picture["object_id"].at(x, y);
+      ASSERT_EQ(picture["emission.r"].at(x, y), object == 1.0f ? 3.0f : 0.0f);
+      ASSERT_EQ(picture["emission.g"].at(x, y), object == 1.0f ? 0.5f : 0.0f);
+      ASSERT_EQ(picture["emission.b"].at(x, y), object == 1.0f ? 0.25f : 0.0f);
+      shining += object == 1.0f;
+      background += object == -1.0f;
+    }
+  EXPECT_GT(shining, 30);
+  EXPECT_GT(background, 1000);
+  EXPECT_EQ(capture(square_over_ground(), from_above(24.0f), 8, 8).planes.find("emission.r"), nullptr);
+}
+
+TEST(Capture, EmissionIsTextured) {
+  // White on the left; two texels of a kind, so that their middle is not blended.
+  Texture halves{"halves", 4, 1, {255, 255, 255, 255, 255, 255, 255, 255, 0, 0, 0, 255, 0, 0, 0, 255}};
+  Material lamp;
+  lamp.emission = {4, 2, 0};
+  lamp.emission_texture = 0;
+  Scene scene;
+  scene.meshes = {square(1.0f)};
+  scene.materials = {lamp};
+  scene.textures = {halves};
+  ASSERT_EQ(finish_scene(scene), 0u);
+  constexpr int kSize = 150;  // too large for capture_with's own look at the GPU, whose blends differ in the last bit
+  const CaptureSettings settings{kSize, kSize};
+  const Camera camera = from_above(2.0f);
+  std::vector<Image> pictures = {capture_with(settings, scene, camera).planes};
+  for (const VulkanCapture how : test::kGpuCaptures)
+    if (Device* const gpu = test::drawing_device(how)) {
+      const test::NoMessages no_messages;
+      pictures.push_back(test::captured(*gpu, scene, camera, settings));
+    }
+  for (const Image& picture : pictures)
+    for (int y = 5; y < kSize; y += 10) {
+      EXPECT_NEAR(picture.plane("emission.r").at(30, y), 4.0f, 1e-4f);
+      EXPECT_NEAR(picture.plane("emission.g").at(30, y), 2.0f, 1e-4f);
+      EXPECT_NEAR(picture.plane("emission.r").at(120, y), 0.0f, 1e-4f);
+      EXPECT_EQ(picture.plane("albedo.r").at(30, y), picture.plane("albedo.r").at(120, y)) << "it has no texture";
+    }
+}
+
+TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
+  Scene scene = square_over_ground();
+  scene.lights = {key_lamp({3.0f, -0.2f, 1.0f})};  // lower than the square, which it would darken from x = 4.7 on
+  const Picture picture = capture(scene, from_above(12.0f), 64, 64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const float object = picture["object_id"].at(x, y);
+      if (object == 0.0f) {
+        ASSERT_EQ(picture["shadow"].at(x, y), 1.0f) << x << ',' << y;
+      }
+      if (object == 1.0f) {
+        ASSERT_EQ(picture["shadow"].at(x, y), 0.0f) << "the upper side is turned away";
+      }
+    }
+}
+
+TEST(Capture, ShadowsBeginWhereTheNormalsOfACoarseBallTurnAway) {
+  // A ball of few triangles with a ball's normals: where light grazes it, its triangles stand in each other's way. Its
+  // shadow begins where the smooth ball's does, and is not jagged by more than a few degrees.
+  constexpr int kRings = 16;
+  Mesh ball;
+  for (int j = 0; j <= kRings; ++j)
+    for (int i = 0; i <= 2 * kRings; ++i) {
+      const double polar = std::numbers::pi * j / kRings, turn = std::numbers::pi * i / kRings;
+      const glm::dvec3 at(std::sin(polar) * std::cos(turn), std::cos(polar), std::sin(polar) * std::sin(turn));
+      ball.positions.push_back(glm::vec3(at));
+      ball.normals.push_back(glm::vec3(at));
+    }
+  for (int j = 0; j < kRings; ++j)
+    for (int i = 0; i < 2 * kRings; ++i) {
+      const std::uint32_t a = std::uint32_t(j * (2 * kRings + 1) + i), b = a + 2 * kRings + 1;
+      if (j > 0) ball.indices.insert(ball.indices.end(), {a, a + 1, b});
+      if (j + 1 < kRings) ball.indices.insert(ball.indices.end(), {b, a + 1, b + 1});
+    }
+  Scene scene = scene_of({ball});
+  const glm::dvec3 towards = glm::normalize(glm::dvec3(1.0, 0.37, 0.21));  // along no edge
+  scene.lights = {key_light(glm::vec3(towards))};
+  const Picture planes = capture(scene, from_above(1.2f), 160, 160);
+  int lit = 0, dark = 0, wrong = 0;
+  for (int y = 0; y < 160; ++y)
+    for (int x = 0; x < 160; ++x) {
+      if (!std::isfinite(planes.depth(x, y))) continue;
+      const double facing = glm::dot(planes.normal(x, y), towards);  // the camera's axes are the world's
+      const bool shines = planes["shadow"].at(x, y) > 0.5f;
+      (facing > 0.0 ? lit : dark) += 1;
+      wrong += shines != (facing > 0.0);
+    }
+  EXPECT_GT(lit, 3000);
+  EXPECT_GT(dark, 3000);
+  EXPECT_LT(wrong, (lit + dark) / 200);
+}
+
+TEST(Capture, LightFromBelowLeavesTheUpperSideInShadow) {
+  Scene scene = scene_of({square(8.0f)});
+  scene.lights = {key_light({0.3f, 0.1f, -1.0f})};
+  const Picture picture = capture(scene, from_above(4.0f), 8, 8);
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(picture["shadow"].at(x, 5), 0.0f);
+  // From below it is lit.
+  const Camera below = orthographic_camera({0, 0, -10}, {0, 0, 0}, {0, 1, 0}, 4.0f, 1.0f);
+  const Picture other = capture(scene, below, 8, 8);
+  for (int x = 0; x < 8; ++x) EXPECT_EQ(other["shadow"].at(x, 5), 1.0f);
+}
+
+TEST(Capture, OnlyAKeyLightThatCastsHasAShadow) {
+  Scene scene = square_over_ground();
+  Light light = key_light({0.9f, 0.5f, 1.0f});
+  const auto darkest = [&](const std::vector<Light>& lights) {
+    scene.lights = lights;
+    const Picture picture = capture(scene, from_above(10.0f), 64, 64);
+    float least = 1.0f;
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) least = std::min(least, picture["shadow"].at(x, y));
+    return least;
+  };
+  EXPECT_EQ(darkest({light}), 0.0f);
+  Light plain = light;
+  plain.casts_shadow = false;
+  EXPECT_EQ(darkest({plain}), 1.0f);
+  EXPECT_EQ(darkest({plain, light}), 1.0f);
+  EXPECT_EQ(darkest({}), 1.0f);
+  EXPECT_EQ(darkest({{.kind = LightKind::kHead, .casts_shadow = true}}), 1.0f);
+}
+
+TEST(Capture, ShadowsCanBeLeftOut) {
+  Scene scene = square_over_ground();
+  scene.lights = {key_light({0.9f, 0.5f, 1.0f})};
+  const auto device = make_cpu_device();
+  ASSERT_TRUE(device->prepare(scene));
+  const auto frame = device->capture(from_above(10.0f), {32, 32, false});
+  const Image image = *device->download(*frame, {"shadow"});
+  EXPECT_EQ(test::difference(image.planes[0], Plane(32, 32, 1.0f), 0.0).most, 0.0);
+}
+
+TEST(Capture, MasksCutHoles) {
+  const Picture picture = capture(holed_square_over_ground(), from_above(4.0f), 128, 128);
+  for (int y = 0; y < 128; ++y)
+    for (int x = 0; x < 128; ++x) {
+      const glm::dvec3 p = ray_of(picture.info, x, y).origin;
+      const double square = inside_square(p), hole = square - 0.5;
+      if (std::fabs(square) < 0.02 || std::fabs(hole) < 0.04) continue;  // a texel is 1/32 wide
+      const bool solid = square > 0.0 && hole < 0.0;
+      ASSERT_EQ(picture["object_id"].at(x, y), solid ? 1.0f : 0.0f) << x << ',' << y;
+      ASSERT_NEAR(picture.depth(x, y), solid ? 8.0 : 10.0, 1e-4);
+      if (solid) {
+        ASSERT_NEAR(picture["albedo.r"].at(x, y), linear(200), 0.01);
+      }
+    }
+}
+
+TEST(Capture, MasksCutHolesIntoShadows) {
+  Scene scene = holed_square_over_ground();
+  const glm::vec3 towards(0.9f, 0.5f, 1.0f);
+  scene.lights = {key_light(towards)};
+  const Picture picture = capture(scene, from_above(12.0f), 256, 256);
+  const auto inside = [&](glm::dvec3 p) {
+    const double square = inside_square(p + glm::dvec3(towards) * ((2.0 - p.z) / towards.z));
+    return std::min(square, 0.5 - square);
+  };
+  const ShadowErrors errors = compare_shadow(picture, inside, 0.04);
+  EXPECT_EQ(errors.wrongly_dark, 0);
+  EXPECT_EQ(errors.wrongly_lit, 0);
+  EXPECT_GT(errors.dark, 500);
+}
+
+TEST(Capture, AMaskWithoutAlphaOrCoordinatesCutsNothing) {
+  Scene scene = holed_square_over_ground();
+  scene.meshes[1].uvs.clear();
+  const Picture picture = capture(scene, from_above(4.0f), 64, 64);
+  EXPECT_EQ(picture["object_id"].at(36, 35), 1.0f);  // the middle of the square
+}
+
+struct Place {
+  float scale, offset;  // offset from the origin in sizes of the scene
+};
+
+class ShadowAcne : public testing::TestWithParam<Place> {};
+
+TEST_P(ShadowAcne, OpenGroundIsLitEverywhere) {
+  const auto [scale, offset] = GetParam();
+  // A tilted ground of many triangles, whose corners are rounded to floats where it stands.
+  const glm::vec3 middle = offset * scale * glm::normalize(glm::vec3(0.6f, 0.3f, -0.8f));
+  const glm::vec3 u1(2.0f, 0.1f, 0.3f), v1(-0.2f, 1.9f, 0.4f);
+  Mesh ground = shapes::quad(-0.5f * (u1 + v1), 0.5f * (u1 - v1), 0.5f * (u1 + v1), 0.5f * (v1 - u1), 40, 40);
+  for (glm::vec3& p : ground.positions) p = p * scale + middle;
+  const glm::vec3 normal = glm::normalize(glm::cross(u1, v1));
+  const glm::vec3 along = glm::normalize(u1);
+  for (const float lamp : {0.0f, 0.5f, 2.0f, 6.0f, 30.0f})  // how far; 0: the sun
+    for (const float sine : {0.06f, 0.3f, 1.0f}) {
+      Scene scene = scene_of({ground});
+      const glm::vec3 towards = sine * normal + std::sqrt(1.0f - sine * sine) * along;
+      scene.lights = {lamp > 0.0f ? key_lamp(middle + lamp * scale * towards) : key_light(towards)};
+      for (const float elevation : {0.15f, 0.9f}) {
+        const glm::vec3 eye = middle + scale * (4.0f * elevation * normal - 3.0f * glm::normalize(v1));
+        const Picture picture = capture(scene, perspective_camera(eye, middle, normal, 35.0f, 1.0f), 160, 160);
+        long dark = 0, hits = 0;
+        for (int y = 0; y < 160; ++y)
+          for (int x = 0; x < 160; ++x) {
+            if (!std::isfinite(picture.depth(x, y))) continue;
+            ++hits;
+            dark += picture["shadow"].at(x, y) != 1.0f;
+          }
+        EXPECT_EQ(dark, 0) << "of " << hits << (lamp > 0.0f ? ", lamp " : ", sun ") << lamp << " at " << sine
+                           << ", seen from " << elevation;
+        EXPECT_GT(hits, 1000);
+      }
+    }
+}
+
+TEST_P(ShadowAcne, ThingsOnTheGroundKeepTheirShadow) {
+  const auto [scale, offset] = GetParam();
+  // A box on the ground throws a shadow as long as it is high, which begins at its foot.
+  const glm::vec3 middle = offset * scale * glm::normalize(glm::vec3(0.6f, 0.3f, -0.8f));
+  Mesh ground = square(2.0f), box = shapes::box({-0.5f, -0.5f, 0.0f}, {0.5f, 0.5f, 0.5f});
+  for (Mesh* mesh : {&ground, &box})
+    for (glm::vec3& p : mesh->positions) p = p * scale + middle;
+  Scene scene = scene_of({ground, box});
+  scene.lights = {key_light({-1.0f, 0.0f, 1.0f})};
+  const Camera camera =
+      orthographic_camera(middle + glm::vec3(0, 0, 5.0f * scale), middle, {0, 1, 0}, 4.0f * scale, 1.0f);
+  const Picture picture = capture(scene, camera, 100, 100);
+  // Row 50 runs across the middle of the box; the shadow lies from x = 0.5 to 1, which is pixels 62 to 74.
+  long dark = 0;
+  for (int x = 0; x < 100; ++x) dark += picture["object_id"].at(x, 50) == 0.0f && picture["shadow"].at(x, 50) == 0.0f;
+  EXPECT_NEAR(dark, 12, 2);
+  EXPECT_EQ(picture["shadow"].at(66, 50), 0.0f);
+  EXPECT_EQ(picture["shadow"].at(80, 50), 1.0f);
+  EXPECT_EQ(picture["shadow"].at(30, 50), 1.0f);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scales, ShadowAcne,
+                         testing::Values(Place{1e-12f, 0.0f}, Place{1e12f, 0.0f}, Place{1e-3f, 0.0f}, Place{1.0f, 0.0f},
+                                         Place{1e4f, 0.0f}, Place{1e-3f, 1e3f}, Place{1.0f, 1e3f}, Place{1e4f, 1e3f}),
+                         [](const auto& info) {
+                           const long power = std::lround(std::log10(info.param.scale));
+                           return fmt::format("Scale{}1e{}{}", power < 0 ? "Minus" : "", std::abs(power),
+                                              info.param.offset > 0.0f ? "Far" : "AtOrigin");
+                         });
+
+}  // namespace
+}  // namespace umbrage
