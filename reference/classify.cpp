@@ -12,20 +12,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <numbers>
 #include <vector>
 
+#include "kernel/host_surface.h"
 #include "reference/metrics.h"
 
 namespace umbrage {
 namespace {
 
-// Lying off a plane means: by more than this many pixels (their size in the scene, at the farther point) for each pixel
-// between the two points. 1 is what a round thing explains: where it turns edge-on within n pixels of the picture, it
-// falls behind its tangent plane by n of them. Shading normals may thus be wrong by as much as the view is oblique.
-constexpr double kJumpPixels = 1.0;
+// A point lies off a plane by more than this many sizes of a pixel (kernel/surface.kernel.h) for each pixel between the
+// two points. 1 is what a round thing explains: where it turns edge-on within n pixels of the picture, it falls behind
+// its tangent plane by n of them.
+constexpr float kTolerancePx = 1.0f;
 
 // Silhouettes reach 2 pixels to either side of a jump in a picture 1024 high: the width over which a screen-space
 // technique mixes both sides when it filters or lacks a neighbour.
@@ -42,75 +41,72 @@ constexpr int kBorderLeast = 1;
 
 int share_of(int size, double share, int least) { return std::max(least, int(std::lround(size * share))); }
 
-bool is_surface(float depth) { return depth > 0.0f && std::isfinite(depth); }
-
 /// What a pixel shows: a point of a surface in view space.
 struct Surfel {
   bool covered = false;
-  double depth = 0.0;
-  double pixel = 0.0;  ///< size of a pixel there
-  glm::dvec3 point{0.0}, normal{0.0};
+  scalar::Vec3 point{}, normal{};
 };
 
 /// Reads the surfels of one row.
 class SurfelRows {
  public:
-  explicit SurfelRows(const GBuffer& gbuffer) : camera_(gbuffer.info.camera), depth_(gbuffer.layers[0].plane("depth")) {
+  explicit SurfelRows(const GBuffer& gbuffer) : depth_(gbuffer.layers[0].plane("depth")) {
     constexpr std::array<const char*, 3> kNames = {"normal.x", "normal.y", "normal.z"};
     for (int i = 0; i < 3; ++i) normal_[i] = gbuffer.layers[0].find(kNames[i]);
-    step_x_ = (double(camera_.right) - camera_.left) / depth_.width;
-    step_y_ = (double(camera_.top) - camera_.bottom) / depth_.height;
+    const Camera& camera = gbuffer.info.camera;
+    surface_.frame.orthographic = camera.projection == Projection::kOrthographic ? 1 : 0;
+    surface_.frame.ray_scale_x = float((double(camera.right) - camera.left) / depth_.width);
+    surface_.frame.ray_offset_x = camera.left;
+    surface_.frame.ray_scale_y = float((double(camera.bottom) - camera.top) / depth_.height);
+    surface_.frame.ray_offset_y = camera.top;
   }
+
+  bool is_surface(int x, int y) const { return HostSurface::is_surface(depth_.at(x, y)); }
 
   void read(int y, Surfel* out) const {
     for (int x = 0; x < depth_.width; ++x) out[x] = at(x, y);
   }
 
- private:
-  Surfel at(int x, int y) const {
-    const double depth = depth_.at(x, y);
-    if (!is_surface(depth_.at(x, y))) return {};
-    const bool perspective = camera_.projection == Projection::kPerspective;
-    const double spread = perspective ? depth : 1.0;
-    const glm::dvec3 point((camera_.left + (x + 0.5) * step_x_) * spread, (camera_.top - (y + 0.5) * step_y_) * spread,
-                           -depth);
-    const glm::dvec3 to_viewer = perspective ? -glm::normalize(point) : glm::dvec3(0.0, 0.0, 1.0);
-    glm::dvec3 normal(0.0);
-    if (normal_[0] && normal_[1] && normal_[2])
-      normal = {normal_[0]->at(x, y), normal_[1]->at(x, y), normal_[2]->at(x, y)};
-    const double length = glm::length(normal);
-    const bool usable = length > 0.0 && std::isfinite(length);
-    return {true, depth, spread * std::max(step_x_, step_y_), point, usable ? normal / length : to_viewer};
+  /// Whether a point, the next pixel's, lies off a surfel's plane towards the viewer, and no wrong normal explains it.
+  bool lies_before(const Surfel& surfel, const Surfel& point) const {
+    return surface_.plane_distance(surfel.point, surfel.normal, point.point, kTolerancePx) > 1.0f;
   }
 
-  Camera camera_;
+  /// Whether a point, so many pixels away, lies off it away from the viewer, as the normal says: a rim's plane, steep
+  /// as it is, would be wrong by enough to explain anything.
+  bool lies_behind(const Surfel& surfel, const Surfel& point, int pixels) const {
+    return surface_.plane_distance_px(surfel.point, surfel.normal, point.point) < -kTolerancePx * float(pixels);
+  }
+
+ private:
+  Surfel at(int x, int y) const {
+    const float depth = depth_.at(x, y);
+    if (!HostSurface::is_surface(depth)) return {};
+    const scalar::Vec3 point = surface_.view_position(x, y, depth);
+    scalar::Vec3 normal{};
+    if (normal_[0] && normal_[1] && normal_[2])
+      normal = {normal_[0]->at(x, y), normal_[1]->at(x, y), normal_[2]->at(x, y)};
+    return {true, point, surface_.unit_normal(normal, point)};
+  }
+
+  HostSurface surface_;
   const Plane& depth_;
   std::array<const Plane*, 3> normal_{};
-  double step_x_, step_y_;
 };
 
 /// Between a pixel and its neighbour: the jump's direction, or none.
 enum class Jump : std::int8_t { kNone, kDown, kUp };  // kDown: the neighbour is farther
 
-/// Whether a point lies off a surfel's plane, towards the viewer or away, by more than the pixels between explain.
-bool lies_before(const Surfel& surfel, const Surfel& point, double unexplained) {
-  return glm::dot(surfel.normal, point.point - surfel.point) > unexplained;
-}
-bool lies_behind(const Surfel& surfel, const Surfel& point, double unexplained) {
-  return glm::dot(surfel.normal, surfel.point - point.point) > unexplained;
-}
-
 /// The middle two of four surfels in a line.
-Jump jump_between(const Surfel& before, const Surfel& pixel, const Surfel& neighbour, const Surfel& beyond) {
+Jump jump_between(const SurfelRows& rows, const Surfel& before, const Surfel& pixel, const Surfel& neighbour,
+                  const Surfel& beyond) {
   if (!pixel.covered && !neighbour.covered) return Jump::kNone;
-  const bool down = !neighbour.covered || (pixel.covered && pixel.depth <= neighbour.depth);
+  const bool down = !neighbour.covered || (pixel.covered && pixel.point.z >= neighbour.point.z);
   if (pixel.covered && neighbour.covered) {
     const Surfel &near = down ? pixel : neighbour, &far = down ? neighbour : pixel;
     const Surfel& next_to_near = down ? before : beyond;
-    const double unexplained = kJumpPixels * far.pixel;
-    if (!lies_before(far, near, unexplained)) return Jump::kNone;
-    if (!lies_behind(near, far, unexplained) &&
-        !(next_to_near.covered && lies_behind(next_to_near, far, 2.0 * unexplained)))
+    if (!rows.lies_before(far, near)) return Jump::kNone;
+    if (!rows.lies_behind(near, far, 1) && !(next_to_near.covered && rows.lies_behind(next_to_near, far, 2)))
       return Jump::kNone;
   }
   return down ? Jump::kDown : Jump::kUp;
@@ -155,7 +151,7 @@ JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
         };
         for (int x = 0; x < width; ++x)
           if (map.inside(x + dx, y + dy))
-            map.jumps[s][std::size_t(y) * width + x] = jump_between(at(x, -1), at(x, 0), at(x, 1), at(x, 2));
+            map.jumps[s][std::size_t(y) * width + x] = jump_between(surfels, at(x, -1), at(x, 0), at(x, 1), at(x, 2));
       }
     }
   });
@@ -232,7 +228,7 @@ ClassMap classify(const GBuffer& gbuffer) {
   const int border = share_of(std::min(width, height), kBorderShare, kBorderLeast);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
-      if (!is_surface(depth->at(x, y))) continue;
+      if (!surfels.is_surface(x, y)) continue;
       const std::size_t i = std::size_t(y) * width + x;
       const bool near_border = std::min({x, y, width - 1 - x, height - 1 - y}) < border;
       map.classes[i] = near_border     ? PixelClass::kBorder

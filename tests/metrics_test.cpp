@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "support.h"
+#include "tilted_plane.h"
 
 namespace umbrage {
 namespace {
@@ -712,6 +713,19 @@ TEST(MetricsClasses, GrazingPlaneHasNone) {
                                       }).gbuffer);
         EXPECT_EQ(count(map, PixelClass::kOpen) + count(map, PixelClass::kBorder), 200 * 160) << tilt << " " << turn;
       }
+}
+
+TEST(MetricsClasses, GrazingPlanesWithRoughNormalsHaveNoneAndStepsHave) {
+  test::at_grazing_angles({.width = 200, .height = 160, .error_deg = 2.0}, [](const test::TiltedPlane& plane) {
+    const ClassMap map = classify(test::seen(plane));
+    EXPECT_EQ(count(map, PixelClass::kOpen) + count(map, PixelClass::kBorder), 200 * 160);
+  });
+  test::at_grazing_angles({.width = 200, .height = 160, .step_px = 20.0}, [](const test::TiltedPlane& plane) {
+    const ClassMap map = classify(test::seen(plane));
+    for (int y = 10; y < 150; ++y)
+      for (int x = 10; x < 190; ++x)
+        ASSERT_EQ(map.row(y)[x], x == 99 || x == 100 ? PixelClass::kSilhouette : PixelClass::kOpen) << x << ", " << y;
+  });
 }
 
 TEST(MetricsClasses, GroundToTheHorizonHasItsEdgeThere) {

@@ -1,5 +1,5 @@
-// Soft shadows without their grain, along a row or a column: a mean over pixels that lie on the same plane as the
-// pixel, within a pixel's size, and face alike.
+// Soft shadows without their grain, along a row or a column: a mean over pixels that lie on the same surface as the
+// pixel and face alike.
 //
 // The first filter averages the 4 x 4 pixels around, whose rays go to sixteen places on the light. Where a penumbra is
 // wide those are few: what stands far away throws as many edges. There the second filter averages what the first one
@@ -10,16 +10,17 @@ IN_REAL(soften_from)
 IN_REAL(soften_reach)
 OUT_REAL(soften_to)
 
-CONST float kOffPlane = 1.5f;  // pixel sizes
-CONST float kFacing = 0.8f;    // cosine
+#include "kernel/surface.kernel.h"
+
+CONST float kTolerancePx = 1.5f;
+CONST float kFacing = 0.8f;  // cosine
 
 // 1 for the neighbour (i, j) pixels right and down, if it counts.
 FN Real alike(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
-  Real depth = near_depth(i, j);
-  Real size = Real(F.ray_scale_x) * (F.orthographic != 0 ? Real(1.0f) : -position.z);
-  Real off = abs(dot(view_position(px + Int(i), py + Int(j), depth) - position, normal));
-  Bool same = off < size * kOffPlane && dot(near_normal(i, j), normal) > kFacing;
-  return select(same && is_surface(depth) && near_inside(i, j), Real(1.0f), Real(0.0f));
+  Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
+  Vec3 other = near_normal(i, j);
+  Bool same = surface_distance(position, normal, there, other, kTolerancePx) <= 1.0f && dot(other, normal) > kFacing;
+  return select(same && near_inside(i, j), Real(1.0f), Real(0.0f));
 }
 
 FN void soften_pixel(Int px, Int py) {

@@ -15,14 +15,14 @@ FN void denoise_ao_down_pixel(Int px, Int py) {
   for (int k = -2; k <= 2; ++k) {
     if (k == 0) continue;
     float most = k == -1 || k == 1 ? C.near_weight : C.far_weight;
-    Real weight = weight_of(0, k * step, px, py, position, normal, surface, most);
+    Real weight = weight_of(0, k * step, px, py, position, normal, most);
     change = mad(weight, clean_ao(near_denoise_ao(0, k * step)) - own, change);
     joined = joined + weight;
   }
   Real ao = mad(change, Real(C.occlusion), own);
   Bool alone = surface && joined < kAlone;
   if (F.round > 0 && C.occlusion > 0.0f && some(alone)) {
-    alone = alone && is_alone(0, 1, px, py, position, normal, surface);
+    alone = alone && is_alone(0, 1, px, py, position, normal);
     Real before = clean_ao(near_denoise_ao(0, -1));
     Real after = clean_ao(near_denoise_ao(0, 1));
     ao = select(alone, ao_beside(ao, before, after, beside(0, -1), beside(0, 1)), ao);

@@ -21,7 +21,7 @@ FN void denoise_light_across_pixel(Int px, Int py) {
   for (int k = -2; k <= 2; ++k) {
     if (k == 0) continue;
     float most = k == -1 || k == 1 ? C.near_weight : C.far_weight;
-    Real weight = weight_of(k * step, 0, px, py, position, normal, surface, most);
+    Real weight = weight_of(k * step, 0, px, py, position, normal, most);
     change = mad(weight, clean_ao(near_ao(k * step, 0)) - own, change);
     joined = joined + weight;
     light_change = light_change + (clean_light(near_indirect(k * step, 0)) - own_light) * weight;
@@ -30,7 +30,7 @@ FN void denoise_light_across_pixel(Int px, Int py) {
   Vec3 light = own_light + light_change * Real(indirect);
   Bool alone = surface && joined < kAlone;
   if (F.round > 0 && some(alone)) {
-    alone = alone && is_alone(1, 0, px, py, position, normal, surface);
+    alone = alone && is_alone(1, 0, px, py, position, normal);
     Bool has_before = beside(-1, 0);
     Bool has_after = beside(1, 0);
     if (occlusion > 0.0f) {

@@ -21,7 +21,7 @@ FN void denoise_light_down_pixel(Int px, Int py) {
   for (int k = -2; k <= 2; ++k) {
     if (k == 0) continue;
     float most = k == -1 || k == 1 ? C.near_weight : C.far_weight;
-    Real weight = weight_of(0, k * step, px, py, position, normal, surface, most);
+    Real weight = weight_of(0, k * step, px, py, position, normal, most);
     change = mad(weight, clean_ao(near_denoise_ao(0, k * step)) - own, change);
     joined = joined + weight;
     light_change = light_change + (clean_light(near_denoise_indirect(0, k * step)) - own_light) * weight;
@@ -30,7 +30,7 @@ FN void denoise_light_down_pixel(Int px, Int py) {
   Vec3 light = own_light + light_change * Real(indirect);
   Bool alone = surface && joined < kAlone;
   if (F.round > 0 && some(alone)) {
-    alone = alone && is_alone(0, 1, px, py, position, normal, surface);
+    alone = alone && is_alone(0, 1, px, py, position, normal);
     Bool has_before = beside(0, -1);
     Bool has_after = beside(0, 1);
     if (occlusion > 0.0f) {

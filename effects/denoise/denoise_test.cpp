@@ -8,6 +8,7 @@
 
 #include "run_effect.h"
 #include "support.h"
+#include "tilted_plane.h"
 
 namespace umbrage {
 namespace {
@@ -133,6 +134,32 @@ TEST(Denoise, WhiteNoiseFallsByTheWeightsAtAnyTilt) {
         }
       });
     }
+}
+
+TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
+  GBuffer facing = flat(64, 64);
+  fill_with_noise(facing);
+  const Image expected = test::run_effect(*find_effect("denoise"), facing, both(2), {});
+  test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
+    GBuffer g = test::seen(plane);
+    for (const char* name : kMade) g.layers[0].add(name) = facing.layers[0].plane(name);
+    test::on_every_target("denoise", g, both(2), [&](const Image& image) {
+      for (const char* name : kMade)
+        EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).most, 1e-6) << name;
+    });
+  });
+  test::at_grazing_angles({.step_px = 60.0, .depth_ratio = 0.1}, [](const test::TiltedPlane& plane) {
+    GBuffer g = test::seen(plane);
+    for (const char* name : kMade) {
+      Plane& made = g.layers[0].add(name);
+      for (int y = 0; y < plane.height; ++y)
+        for (int x = 0; x < plane.width; ++x) made.at(x, y) = 2 * x < plane.width ? 0.25f : 1.0f;
+    }
+    test::on_every_target("denoise", g, both(2), [&](const Image& image) {
+      for (const char* name : kMade)
+        EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).most, 0.0) << name;
+    });
+  });
 }
 
 TEST(Denoise, MoreRoundsReachFarther) {

@@ -5,26 +5,17 @@
 // that does not count leaves its weight to the pixel.
 IN_REAL(depth)
 IN_VECTOR(normal)
+#include "kernel/surface.kernel.h"
 
-// With `edges`, a neighbour counts fully up to one pixel's size off the pixel's plane, and not at all from two on. The
-// next pixel of one surface is off by its curvature alone, which is far less.
-CONST float kSameSurface = 1.0f;
-CONST float kOtherSurface = 2.0f;
+// With `edges`, a neighbour counts fully up to this far off the pixel's plane, and not at all from twice that on. The
+// next pixel of one surface is off by its curvature alone, which is far less; with 1, creases lose more of their shade
+// than the noise that goes is worth.
+CONST float kTolerancePx = 0.75f;
 
-// How much a neighbour's occlusion belongs to this pixel: plane distance over the size of a pixel, from either side.
-// `position` and `normal` are this pixel's, `there` and `other` the neighbour's. Background (no finite depth) never
-// counts.
-FN Real belongs(Vec3 position, Vec3 normal, Vec3 there, Vec3 other, Real pixel_size) {
-  Vec3 way = there - position;
-  Real off = max(abs(dot(way, normal)), abs(dot(way, other))) / pixel_size;
-  Bool both = is_finite(position.z) && is_finite(there.z);
-  return select(both, clamp(Real(kOtherSurface) - off, Real(0.0f), Real(kOtherSurface - kSameSurface)), Real(0.0f));
-}
-
-// View-space extent of a pixel at a depth.
-FN Real pixel_size_at(Real depth) {
-  Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
-  return max(Real(F.ray_scale_x) * spread, Real(1e-30f));
+// How much the occlusion of the neighbour (i, j) pixels right and down belongs to this pixel.
+FN Real belongs(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
+  Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
+  return joint_of(surface_distance(position, normal, there, near_normal(i, j), kTolerancePx));
 }
 
 // The pixel's value and its two neighbours' joined.

@@ -10,13 +10,10 @@ FN void gaussian_down_pixel(Int px, Int py) {
   Real weight_before = Real(1.0f);
   Real weight_after = Real(1.0f);
   if (C.edges != 0) {
-    Real depth = near_depth(0, 0);
-    Vec3 position = view_position(px, py, depth);
+    Vec3 position = view_position(px, py, near_depth(0, 0));
     Vec3 normal = near_normal(0, 0);
-    Real size = pixel_size_at(depth);
-    weight_before =
-        belongs(position, normal, view_position(px, py - Int(1), near_depth(0, -1)), near_normal(0, -1), size);
-    weight_after = belongs(position, normal, view_position(px, py + Int(1), near_depth(0, 1)), near_normal(0, 1), size);
+    weight_before = belongs(0, -1, px, py, position, normal);
+    weight_after = belongs(0, 1, px, py, position, normal);
   }
   store_ao(joined(before, own, after, weight_before, weight_after));
 }

@@ -6,6 +6,7 @@
 
 #include "run_effect.h"
 #include "support.h"
+#include "tilted_plane.h"
 
 namespace umbrage {
 namespace {
@@ -138,6 +139,27 @@ TEST(Gaussian, EdgesBlurPlanesAtGrazingAnglesAsWithout) {
             EXPECT_NEAR(image.plane("ao").at(x, y), without.plane("ao").at(x, y), 1e-6) << tilt_deg << ' ' << y;
       });
     }
+}
+
+TEST(Gaussian, EdgesBlurGrazingPlanesAndStopAtSteps) {
+  test::at_grazing_angles({.error_deg = 2.0}, [](const test::TiltedPlane& plane) {
+    GBuffer g = test::seen(plane);
+    g.layers[0].add("ao");
+    fill_randomly(ao_of(g));
+    const Image without = test::run_effect(*find_effect("gaussian"), g, rounds(3, "off"), {});
+    test::on_every_target("gaussian", g, rounds(3, "on"), [&](const Image& image) {
+      EXPECT_LE(test::difference(image.plane("ao"), without.plane("ao"), 0.0).most, 1e-6);
+    });
+  });
+  test::at_grazing_angles({.step_px = 60.0, .depth_ratio = 0.1}, [](const test::TiltedPlane& plane) {
+    GBuffer g = test::seen(plane);
+    Plane& ao = g.layers[0].add("ao");
+    for (int y = 0; y < plane.height; ++y)
+      for (int x = 0; x < plane.width; ++x) ao.at(x, y) = 2 * x < plane.width ? 0.25f : 1.0f;
+    test::on_every_target("gaussian", g, rounds(3, "on"), [&](const Image& image) {
+      EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).most, 0.0);
+    });
+  });
 }
 
 TEST(Gaussian, OcclusionThatIsNoneIsOpen) {

@@ -12,19 +12,11 @@ IN_REAL(object_id)
 IN_REAL(material_id)
 OUT_REAL(outline_break_right)
 OUT_REAL(outline_break_below)
+#include "kernel/surface.kernel.h"
 
 CONST float kMinFacing = 0.01f;     // cosine to the eye below which a normal tells no slope
 CONST float kUnknownSlope = 1e30f;  // that of such a normal
 CONST float kSure = 0.9f;           // share of a threshold that is not reached, however it is rounded
-CONST float kMaxSteepening = 4.0f;  // of a predicted slope, times the measured one
-
-// Inverse depth, or -depth in orthographic views; least of all where there is no surface.
-FN Real inverse_depth(int i, int j) {
-  Real depth = near_depth(i, j);
-  Bool surface = is_surface(depth);
-  if (F.orthographic != 0) return select(surface, Real(0.0f) - depth, Real(-1e30f));
-  return select(surface, Real(1.0f) / max(depth, Real(1e-30f)), Real(0.0f));
-}
 
 // How inverse depth changes by one pixel to the right (`right` 1) or down (0) on the plane of a pixel.
 FN Real plane_slope(Int px, Int py, int i, int j, int right) {
@@ -33,7 +25,7 @@ FN Real plane_slope(Int px, Int py, int i, int j, int right) {
   Real facing = n.z;
   if (F.orthographic == 0) {
     facing = -dot(n, view_position(px + Int(i), py + Int(j), Real(1.0f)));
-    lean = lean * inverse_depth(i, j);
+    lean = lean * inverse_depth(near_depth(i, j));
   }
   Bool tells = facing > kMinFacing;
   return select(tells, -lean / select(tells, facing, Real(1.0f)), Real(kUnknownSlope));
@@ -59,10 +51,10 @@ FN Real unpredicted(Real step, Bool two, Real last, Real before, Real measured, 
 
 // The depth discontinuity between this pixel and its neighbour (i, j), in units of its threshold.
 FN Real discontinuity(Int px, Int py, int i, int j) {
-  Real c0 = inverse_depth(-i, -j);
-  Real c1 = inverse_depth(0, 0);
-  Real c2 = inverse_depth(i, j);
-  Real c3 = inverse_depth(2 * i, 2 * j);
+  Real c0 = inverse_depth(near_depth(-i, -j));
+  Real c1 = inverse_depth(near_depth(0, 0));
+  Real c2 = inverse_depth(near_depth(i, j));
+  Real c3 = inverse_depth(near_depth(2 * i, 2 * j));
   Bool before = same_object(0, 0, -i, -j) && near_inside(-i, -j);
   Bool after = same_object(i, j, 2 * i, 2 * j) && near_inside(2 * i, 2 * j);
   Real step0 = c1 - c0;

@@ -11,6 +11,7 @@ IN_REAL(outline_turn_below)
 OUT_REAL(outline_edge_right)
 OUT_REAL(outline_edge_below)
 #include "effects/outline/outline_windows.kernel.h"
+#include "kernel/surface.kernel.h"
 
 FN Real turn_beside(int s, int i, int j) {
   return i != 0 ? near_outline_turn_right(s, 0) : near_outline_turn_below(0, s);
@@ -52,12 +53,6 @@ FN Bool is_peak(Bool on, Real strength, Real window, int i, int j) {
   return on;
 }
 
-// Inverse depth, or -depth in orthographic views, of a pixel that shows a surface.
-FN Real inverse_depth_at(Int x, Int y) {
-  Real depth = load_depth(x, y);
-  return F.orthographic != 0 ? Real(0.0f) - depth : Real(1.0f) / max(depth, Real(1e-30f));
-}
-
 FN Real crease_code(Int px, Int py, Real coded, int i, int j) {
   Real strength = strength_of(coded);
   Real window = window_of(coded);
@@ -69,8 +64,8 @@ FN Real crease_code(Int px, Int py, Real coded, int i, int j) {
   Int bx = px + Int(i) * (h + Int(1));
   Int by = py + Int(j) * (h + Int(1));
   // It is concave where inverse depth falls more slowly, or rises faster, after it than before.
-  Real slope_before = inverse_depth_at(ax, ay) - inverse_depth_at(ax - Int(i), ay - Int(j));
-  Real slope_after = inverse_depth_at(bx + Int(i), by + Int(j)) - inverse_depth_at(bx, by);
+  Real slope_before = inverse_depth(load_depth(ax, ay)) - inverse_depth(load_depth(ax - Int(i), ay - Int(j)));
+  Real slope_after = inverse_depth(load_depth(bx + Int(i), by + Int(j))) - inverse_depth(load_depth(bx, by));
   Bool known = i != 0 ? load_outline_break_right(ax - Int(1), ay) == 0.0f && load_outline_break_right(bx, by) == 0.0f
                       : load_outline_break_below(ax, ay - Int(1)) == 0.0f && load_outline_break_below(bx, by) == 0.0f;
   if (C.convex == 0) on = on && (slope_after > slope_before || !known);

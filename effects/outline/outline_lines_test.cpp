@@ -9,6 +9,7 @@
 #include "devices/shared/passes.h"
 #include "effects/outline/outline_draw.h"
 #include "effects/outline/outline_test_scenes.h"
+#include "tilted_plane.h"
 
 namespace umbrage {
 namespace {
@@ -176,6 +177,26 @@ TEST(OutlineLines, FlatAndNoisySurfacesHaveNone) {
     for (int x = 0; x < 512; ++x)
       for (int c = 1; c < 3; ++c) noisy.layers[0].planes[std::size_t(c)].at(x, y) += error(random);
   EXPECT_LT(length_of(traced(noisy).lines), 1100.0);  // horizon and borders
+}
+
+TEST(OutlineLines, GrazingPlanesHaveNoneAndStepsHaveOne) {
+  const auto add_ids = [](GBuffer& g) {
+    for (const char* name : {"object_id", "material_id"})
+      g.layers[0].add(name) = Plane(g.info.width, g.info.height, 0.0f);
+  };
+  at_grazing_angles({.error_deg = 2.0}, [&](const TiltedPlane& plane) {
+    GBuffer g = seen(plane);
+    add_ids(g);
+    EXPECT_TRUE(traced(g).lines.lines.empty());
+  });
+  at_grazing_angles({.step_px = 20.0}, [&](const TiltedPlane& plane) {
+    GBuffer g = seen(plane);
+    add_ids(g);
+    const Lines lines = traced(g).lines;
+    ASSERT_EQ(lines.lines.size(), 1u);
+    EXPECT_NEAR(length_of(lines), 64.0, 4.0);
+    for (const LinePoint& p : lines.lines[0].points) EXPECT_NEAR(p.x, 32.0, 0.6);
+  });
 }
 
 TEST(OutlineLines, ANutHasItsThirtyDegreeEdges) {

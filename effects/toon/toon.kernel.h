@@ -6,20 +6,26 @@
 // neighbours. They tell a width, and whether a highlight is narrower than a pixel; what a speck has around it on its
 // surface tells its band. Nothing else of a neighbour enters, so nothing smears over a silhouette.
 IN_REAL(depth)
+IN_VECTOR(normal)
 IN_REAL(toon_intensity)
 IN_REAL(toon_highlight)
 IN_COLOR(albedo)
 IN_REAL(specular)
 OUT_COLOR(lit)
+#include "kernel/surface.kernel.h"
 
-// Neighbours whose depths differ by more, as a share of the nearer one, lie on two surfaces.
-CONST float kDepthJump = 0.1f;
+// Sizes of a pixel that a neighbour may lie off the plane, for each pixel that it is away: a curved surface's does.
+CONST float kTolerancePx = 1.0f;
 // A highlight's plane below this is outside, however blurred its edge.
 CONST float kFarOutside = -0.5f;
 
-// Whether the neighbour lies on the same surface.
-FN Bool connected(Real depth, Real other, Bool inside) {
-  return inside && abs(other - depth) <= min(depth, other) * kDepthJump;
+// Whether the neighbour (i, j) pixels right and down lies on the same surface.
+FN Bool connected(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
+  int across = i < 0 ? -i : i;
+  int along = j < 0 ? -j : j;
+  float away = float(across > along ? across : along);
+  Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
+  return near_inside(i, j) && surface_distance(position, normal, there, near_normal(i, j), kTolerancePx * away) <= 1.0f;
 }
 
 // How much a value changes across a pixel along one axis, from its neighbours on the same surface. The mean of both
@@ -88,7 +94,7 @@ struct Ring {
 
 // The first such square of those that surround C.speck by C.speck pixels, this one among them, on its surface. All of
 // a spot that fits into one has that, too, so that it is there or not as a whole.
-FN_RARE Ring ring_around(Bool asked, Real depth) {
+FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal) {
   Ring found = Ring(asked && !asked, Real(0.0f), Real(0.0f));
   int side = C.speck + 1;
   for (int at = 0; at < C.speck * C.speck; ++at) {
@@ -106,7 +112,7 @@ FN_RARE Ring ring_around(Bool asked, Real depth) {
       Real intensity = near_toon_intensity(i, j);
       ring.least = min(ring.least, intensity);
       ring.most = max(ring.most, intensity);
-      Bool here = connected(depth, near_depth(i, j), near_inside(i, j));
+      Bool here = connected(i, j, px, py, position, normal);
       ring.on = ring.on && here && band_of(intensity) == band;
     }
     found.least = select(ring.on, ring.least, found.least);
@@ -142,10 +148,12 @@ FN void toon_pixel(Int px, Int py) {
     store_lit(select(surface, finite_or_zero(lit), none));
     return;
   }
-  Bool left = connected(depth, near_depth(-1, 0), near_inside(-1, 0));
-  Bool right = connected(depth, near_depth(1, 0), near_inside(1, 0));
-  Bool up = connected(depth, near_depth(0, -1), near_inside(0, -1));
-  Bool down = connected(depth, near_depth(0, 1), near_inside(0, 1));
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = near_normal(0, 0);
+  Bool left = connected(-1, 0, px, py, position, normal);
+  Bool right = connected(1, 0, px, py, position, normal);
+  Bool up = connected(0, -1, px, py, position, normal);
+  Bool down = connected(0, 1, px, py, position, normal);
 
   Real across = change(intensity, near_toon_intensity(-1, 0), near_toon_intensity(1, 0), left, right);
   Real along = change(intensity, near_toon_intensity(0, -1), near_toon_intensity(0, 1), up, down);
@@ -157,7 +165,7 @@ FN void toon_pixel(Int px, Int py) {
   if (C.speck > 0) {
     Bool ask = may_be_speck(surface, intensity, band);
     if (some(ask)) {
-      Ring ring = ring_around(ask, depth);
+      Ring ring = ring_around(ask, px, py, position, normal);
       Real within = clamp(scaled, ring.least * C.bands_per_intensity, ring.most * C.bands_per_intensity);
       within = averaged_floor(min(within, Real(C.bands + 1.0f)), Real(C.least_width));
       band = select(ring.on, clamp(within, Real(0.0f), Real(C.bands - 1.0f)), band);

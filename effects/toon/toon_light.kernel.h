@@ -13,11 +13,13 @@ IN_REAL(ao)
 OUT_REAL(toon_intensity)
 OUT_REAL(toon_highlight)
 
+#include "kernel/surface.kernel.h"
+
 CONST float kNoHighlight = -16.0f;  // or one so far away: what falls off farther within a pixel is a sixteenth wide
 CONST float kInverseLn2 = 1.44269504f;
-// Shadows are captured with one ray per pixel. Neighbours that smooth their edge lie no farther from the pixel's
-// tangent plane than a pixel is wide, and face within 25 degrees of it: not across a silhouette, nor an edge of a
-// solid.
+// Shadows are captured with one ray per pixel. Neighbours that smooth their edge lie on the same surface, and face
+// within 25 degrees of it: not across a silhouette, nor an edge of a solid.
+CONST float kTolerancePx = 1.0f;
 CONST float kSameFacing = 0.9f;
 
 // The key light's share that arrives, its edges smoothed over the pixel's neighbours on the same surface.
@@ -27,13 +29,14 @@ FN Real smooth_shadow(Int px, Int py, Vec3 position, Vec3 normal) {
   for (int j = -1; j <= 1; ++j)
     for (int i = -1; i <= 1; ++i) differs = differs || abs(near_shadow(i, j) - centre) > 0.0f;
   if (!some(differs)) return centre;
-  Real pixel = abs(Real(F.ray_scale_x)) * (F.orthographic != 0 ? Real(1.0f) : -position.z);
   Real sum = Real(0.0f);
   Real weights = Real(0.0f);
   for (int j = -1; j <= 1; ++j) {
     for (int i = -1; i <= 1; ++i) {
-      Vec3 away = view_position(px + Int(i), py + Int(j), near_depth(i, j)) - position;
-      Bool same = abs(dot(away, normal)) <= pixel && dot(near_normal(i, j), normal) > kSameFacing;
+      Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
+      Vec3 other = near_normal(i, j);
+      Bool same = surface_distance(position, normal, there, other, kTolerancePx) <= 1.0f;
+      same = same && dot(other, normal) > kSameFacing;
       Real weight = Real(float((2 - i * i) * (2 - j * j)));
       weight = select(same, weight, Real(0.0f));
       sum = mad(weight, select(same, near_shadow(i, j), Real(0.0f)), sum);

@@ -12,6 +12,7 @@
 
 #include "run_effect.h"
 #include "support.h"
+#include "tilted_plane.h"
 
 namespace umbrage {
 namespace {
@@ -325,6 +326,72 @@ TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
     EXPECT_GT(out.plane("lit.g").at(20, 20), out.plane("lit.g").at(17, 20));
     EXPECT_GT(out.plane("lit.g").at(17, 20), out.plane("lit.g").at(13, 20));
   });
+}
+
+/// A plane seen at a grazing angle whose normals say nothing of its light: that is everywhere the same, times `ao`.
+GBuffer lit_from_all_around(const test::TiltedPlane& plane) {
+  GBuffer g = test::seen(plane);
+  g.info.lights.clear();
+  g.layers[0].add("ao") = Plane(plane.width, plane.height, 1.0f);
+  return g;
+}
+
+// Four bands of light that is as much as `ao`, from black to white.
+const Settings kBandsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
+                             {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
+/// The occlusion with which light lies so many bands above black.
+float ao_of_band(double band) { return float(0.5 * band); }
+
+TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
+  // Few rows, so that depth changes by more than a tenth from one to the next.
+  const test::TiltedPlane few_rows{.width = 32, .height = 8, .error_deg = 2.0, .roll_rad = 0.0, .depth_ratio = 0.6};
+  test::at_grazing_angles(few_rows, [](const test::TiltedPlane& plane) {
+    GBuffer g = lit_from_all_around(plane);
+    // A tenth of a band per row; the edge lies a fifth of the fourth row above its middle.
+    for (int y = 0; y < 8; ++y)
+      for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_band(1.02 + 0.1 * (y - 3));
+    test::on_every_target("toon", g, kBandsOfAo, [&](const Image& out) {
+      for (int x = 0; x < 32; ++x) EXPECT_NEAR(out.plane("lit.g").at(x, 3) * 3.0, 0.7, 0.01) << x;
+    });
+  });
+}
+
+TEST(Toon, BandsOfGrazingPlanesEndAtSteps) {
+  // Up to the step light rises by a fiftieth of a band per column, and then at once: the edge that lies in the last
+  // column before it is as narrow as those before.
+  const test::TiltedPlane step{.width = 256, .height = 256, .step_px = 20.0};
+  test::at_grazing_angles(step, [](const test::TiltedPlane& plane) {
+    GBuffer g = lit_from_all_around(plane);
+    for (int y = 0; y < 256; ++y)
+      for (int x = 0; x < 256; ++x)
+        g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_band(1.004 + 0.02 * (x - 127)) : ao_of_band(1.5);
+    test::on_every_target("toon", g, kBandsOfAo, [&](const Image& out) {
+      for (int y = 0; y < 256; ++y) ASSERT_NEAR(out.plane("lit.g").at(127, y) * 3.0, 0.7, 0.01) << y;
+    });
+  });
+}
+
+TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesButAtSteps) {
+  for (const bool whole : {true, false}) {
+    const test::TiltedPlane base{
+        .width = 32, .height = 32, .step_px = whole ? 0.0 : 20.0, .error_deg = whole ? 2.0 : 0.0, .roll_rad = 0.0};
+    test::at_grazing_angles(base, [&](const test::TiltedPlane& plane) {
+      GBuffer g = lit_from_all_around(plane);
+      // The light comes from where the plane faces.
+      const double angle = plane.angle_deg * std::numbers::pi / 180.0;
+      g.info.lights = {{.direction = glm::vec3(0.0, std::sin(angle), std::cos(angle)), .color = glm::vec3(0.7f)}};
+      Plane& shadow = g.layers[0].add("shadow") = Plane(32, 32, 0.0f);
+      for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) shadow.at(x, y) = (whole ? y < 16 : x < 16) ? 1.0f : 0.0f;
+      test::on_every_target("toon", g, kNoAmbient, [&](const Image& out) {
+        const Plane& light = out.plane("toon_intensity");
+        for (int k = 0; k < 32; ++k) {
+          EXPECT_NEAR(whole ? light.at(k, 15) : light.at(15, k), whole ? 0.75 : 1.0, 1e-3) << k;
+          EXPECT_NEAR(whole ? light.at(k, 16) : light.at(16, k), whole ? 0.25 : 0.0, 1e-3) << k;
+        }
+      });
+    });
+  }
 }
 
 TEST(Toon, SoftnessWidensEdges) {

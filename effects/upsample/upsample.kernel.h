@@ -5,59 +5,39 @@
 // read there, and that pixel itself takes its value as it is.
 IN_REAL(depth)
 IN_VECTOR(normal)
+#include "kernel/surface.kernel.h"
 
-// The misfit of two surfaces is 1 at the distance and angle that people set; up to there they join fully, from 2 on
-// not.
-CONST float kNoJoint = 2.0f;
-CONST float kOtherKind = 1e6f;  // misfit of surface and background, and the largest
-CONST float kOutside = 2e6f;    // of what is not in the picture
+CONST float kOutside = 2e6f;  // misfit of what is not in the picture
 // Where no pixel joins, the nearest in depth gives most. Where any does, this is too little to be seen.
 CONST float kLeastJoint = 1e-6f;
 // Where the four nearest pixels join by less than this, at the rims of things and on leaves and wires that none of the
 // four shows, the technique is left to compute the pixel, or else the sixteen nearest are asked.
 CONST float kFew = 0.1f;
 CONST float kLeastSquare = 1e-2f;  // of a distance in blocks: the nearest pixel but the own one is a quarter off
-// What rounds a normal, and interpolates it over a coarse mesh, turns it by a few degrees. On a surface seen at a
-// grazing angle the next pixel is far away, and off the plane by that share of the way.
-CONST float kSlack = 0.05f;
 
 // The column or row at which the block of a pixel in column or row `at` begins.
 FN Int block_start(Int at) { return to_signed(to_uint(at) & to_uint(Int(-C.factor))); }
 
 // Of the block (i, j) to the right and below this pixel's: how little its corner belongs to this pixel, by the distance
-// of each from the other's plane, and the angle of their normals; at least 1.
+// and the angle that people set, up to either of which pixels join fully; at least 1, at most kOtherSurface.
 FN Real misfit_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
-  Real own_depth = -position.z;
-  Bool surface = is_surface(own_depth);
   Int x = block_start(px) + Int(i * C.factor);
   Int y = block_start(py) + Int(j * C.factor);
   Real depth = corner_depth(C.factor, i, j);
-  Bool other_surface = is_surface(depth);
   Vec3 other_normal = corner_normal(C.factor, i, j);
-  Vec3 way = view_position(x, y, depth) - position;
-  Real off_own = abs(dot(way, normal));
-  Real off_other = abs(dot(way, other_normal));
-  // The smaller pixel of the two, so that either finds the other equally far.
-  Real spread = F.orthographic != 0 ? Real(1.0f) : min(depth, own_depth);
-  Real distance = mad(abs(way.z), Real(kSlack), Real(F.ray_scale_x * C.distance) * spread);
+  Real distance = surface_distance(position, normal, view_position(x, y, depth), other_normal, C.distance);
   Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
   Bool inside = x >= Int(0) && y >= Int(0) && x < Int(F.width) && y < Int(F.height);
-  // Most fit in all respects; what is no number fits in none.
-  Bool fits = surface && other_surface && off_own <= distance && off_other <= distance && turned <= 1.0f;
-  if (!some(!(fits && inside))) return Real(1.0f);
-  Real off = max(off_own, off_other);
-  Real misfit = max(max(off / max(distance, Real(1e-30f)), turned), Real(1.0f));
-  // max overlooks what is no number.
-  Bool number = is_finite(turned + (off_own + off_other));
-  misfit = select(number && misfit < kOtherKind, misfit, Real(kOtherKind));
-  misfit = select(surface && other_surface, misfit, Real(kOtherKind));
-  misfit = select(!surface && !other_surface, Real(1.0f), misfit);
+  Real misfit = max(max(distance, turned), Real(1.0f));
+  // max may overlook what is no number.
+  misfit = select(is_finite(turned), min(misfit, Real(kOtherSurface)), Real(kOtherSurface));
+  misfit = select(!is_surface(-position.z) && !is_surface(depth), Real(1.0f), misfit);
   return select(inside, misfit, Real(kOutside));
 }
 
 // How much it belongs to this pixel, 0 to 1; `any` says whether any of the pixels that run together shows a surface.
-FN Real joint_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, bool any) {
-  if (any) return max(Real(kNoJoint) - misfit_of(i, j, px, py, position, normal), Real(0.0f));
+FN Real corner_joint(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, bool any) {
+  if (any) return joint_of(misfit_of(i, j, px, py, position, normal));
   // Of background only depths are asked for.
   Bool inside =
       block_start(px) + Int(i * C.factor) < Int(F.width) && block_start(py) + Int(j * C.factor) < Int(F.height);
@@ -77,13 +57,13 @@ FN Vec3 shares_of(Int px, Int py) {
   Vec3 position = view_position(px, py, near_depth(0, 0));
   Vec3 normal = near_normal(0, 0);
   bool any = some(is_surface(near_depth(0, 0)));
-  Real own = (1.0f - at.x) * (1.0f - at.y) * joint_of(0, 0, px, py, position, normal, any);
-  Real right = at.x * (1.0f - at.y) * joint_of(1, 0, px, py, position, normal, any);
+  Real own = (1.0f - at.x) * (1.0f - at.y) * corner_joint(0, 0, px, py, position, normal, any);
+  Real right = at.x * (1.0f - at.y) * corner_joint(1, 0, px, py, position, normal, any);
   Real below = Real(0.0f);
   Real both = Real(0.0f);
   if (some(at.y > 0.0f)) {
-    below = (1.0f - at.x) * at.y * joint_of(0, 1, px, py, position, normal, any);
-    both = at.x * at.y * joint_of(1, 1, px, py, position, normal, any);
+    below = (1.0f - at.x) * at.y * corner_joint(0, 1, px, py, position, normal, any);
+    both = at.x * at.y * corner_joint(1, 1, px, py, position, normal, any);
   }
   Real sum = own + right + (below + both);
   Real scale = Real(1.0f) / max(sum, Real(kFew));
@@ -102,6 +82,6 @@ FN Real wide_weight(int i, int j, Int px, Int py) {
   Real y = at.y - float(j);
   Real misfit = misfit_of(i, j, px, py, view_position(px, py, near_depth(0, 0)), near_normal(0, 0));
   Real inverse = Real(1.0f) / (misfit * misfit);
-  Real joint = max(Real(kNoJoint) - misfit, inverse * inverse * kLeastJoint);
+  Real joint = max(joint_of(misfit), inverse * inverse * kLeastJoint);
   return select(misfit < kOutside, joint / max(mad(x, x, y * y), Real(kLeastSquare)), Real(0.0f));
 }

@@ -13,6 +13,7 @@
 #include "run_effect.h"
 #include "scene/framing.h"
 #include "support.h"
+#include "tilted_plane.h"
 
 namespace umbrage {
 namespace {
@@ -280,6 +281,42 @@ TEST(Upsample, PlanesAtGrazingAnglesAreAsFacingOnes) {
             EXPECT_NEAR(image.plane("ao").at(x, y), facing.plane("ao").at(x, y), 1e-6) << tilt_deg << ' ' << y;
       });
     }
+}
+
+TEST(Upsample, GrazingPlanesWithRoughNormalsAreAsFacingOnesAndStepsAreNot) {
+  GBuffer facing = to_upsample(64, 64);
+  for (const char* name : kMade) {
+    Plane& small = facing.layers[0].plane(reduced_plane(name));
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) small.at(x, y) = float(test::hash(x + 4099u * y) >> 8) * 0x1p-24f;
+  }
+  const auto with_planes = [&](const test::TiltedPlane& plane) {
+    GBuffer g = test::seen(plane);
+    for (const char* name : kMade) g.layers[0].add(reduced_plane(name)) = facing.layers[0].plane(reduced_plane(name));
+    return g;
+  };
+  for (const int factor : {2, 4}) {
+    const Image expected = test::run_effect(*find_effect("upsample"), facing, by(factor), {});
+    test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
+      test::on_every_target("upsample", with_planes(plane), by(factor), [&](const Image& image) {
+        for (const char* name : kMade)
+          EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).most, 1e-6) << name;
+      });
+    });
+    test::at_grazing_angles({.step_px = 200.0, .depth_ratio = 0.05}, [&](const test::TiltedPlane& plane) {
+      GBuffer g = with_planes(plane);
+      for (const char* name : kMade)
+        for (int y = 0; y < 64; ++y)
+          for (int x = 0; x < 64; ++x)
+            g.layers[0].plane(reduced_plane(name)).at(x, y) = x * factor < 32 ? 0.25f : 0.75f;
+      test::on_every_target("upsample", g, by(factor), [&](const Image& image) {
+        for (const char* name : kMade)
+          for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x)
+              EXPECT_NEAR(image.plane(name).at(x, y), x < 32 ? 0.25f : 0.75f, 0.02) << x << ',' << y;
+      });
+    });
+  }
 }
 
 TEST(Upsample, BackgroundTakesNothingFromSurfaces) {
