@@ -109,8 +109,8 @@ const Parameter* noise_of(const Recipe& recipe) {
 /// Sets the parameters of lines aside that are drawn once, over the average; each frame goes without. Those of the
 /// paper's rule are in each.
 void keep_lines(Plan& plan) {
-  const auto& effects = plan.recipe.look->effects;
-  if (std::find(effects.begin(), effects.end(), "outline") == effects.end()) return;
+  const auto steps = steps_of(look_run(plan.recipe));
+  if (!find_named<Effect>(steps, "outline")) return;
   ParameterBytes& params = params_of(plan.recipe.settings, "outline");
   auto& outline = as<OutlineParams>(params);
   if (outline.mode == kOutlinePaper || !(outline.opacity > 0.0f)) return;

@@ -9,7 +9,7 @@
 #include "support.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "dialect_test.cpp"
+#define HWY_TARGET_INCLUDE "kernel/dialect_test.cpp"
 #include "hwy/foreach_target.h"
 
 #include "kernel/lanes.h"

@@ -1,0 +1,106 @@
+// The table of options: every row can be set, says what it takes, and is stated once.
+#include "renderer/options.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "renderer/recipe.h"
+
+namespace umbrage {
+namespace {
+
+bool is_number(const Option& o) {
+  return std::holds_alternative<FieldOf<int>>(o.where) || std::holds_alternative<FieldOf<float>>(o.where) ||
+         std::holds_alternative<FieldOf<std::optional<int>>>(o.where) ||
+         std::holds_alternative<FieldOf<std::optional<float>>>(o.where);
+}
+
+std::string text_of(const Option& o, double value) {
+  return fmt::format("{}{}", value, o.form == OptionForm::kPercent ? "%" : "");
+}
+
+TEST(Options, NamesAreUnique) {
+  std::set<std::string_view> fields, words;
+  for (const Option& o : options()) {
+    EXPECT_TRUE(fields.insert(o.field).second) << o.field;
+    if (o.commands == 0) continue;
+    EXPECT_TRUE(words.insert(o.option).second) << o.option;
+    EXPECT_FALSE(o.group.empty()) << o.field;
+    EXPECT_FALSE(o.help.empty()) << o.field;
+  }
+}
+
+TEST(Options, NumbersTakeTheirRangeAndNoMore) {
+  for (const Option& o : options()) {
+    if (!is_number(o) || o.form == OptionForm::kSize) continue;
+    SCOPED_TRACE(o.field);
+    ASSERT_LT(o.min, o.max);
+    const double beyond = std::max(1.0, 1e-3 * (o.max - o.min));
+    for (const double value : {o.min, o.max}) {
+      RenderRequest request;
+      EXPECT_TRUE(set_option(o, text_of(o, value), request)) << value;
+      request.ground = "auto";
+      EXPECT_TRUE(check_request(request, kMostBandPixels)) << value;
+    }
+    for (const double value : {o.min - beyond, o.max + beyond}) {
+      RenderRequest request;
+      const auto set = set_option(o, text_of(o, value), request);
+      ASSERT_FALSE(set) << value;
+      EXPECT_EQ(set.error().kind, ErrorKind::kUsage);
+      EXPECT_NE(set.error().message.find(fmt::format("`{}` cannot be", o.field)), std::string::npos);
+    }
+    RenderRequest request;
+    for (const char* text : {"", "x", "1x", "nan", "1 "}) EXPECT_FALSE(set_option(o, text, request)) << text;
+  }
+}
+
+TEST(Options, WholeNumbersTakeNoFractions) {
+  for (const Option& o : options()) {
+    if (!std::holds_alternative<FieldOf<std::optional<int>>>(o.where)) continue;
+    RenderRequest request;
+    const auto set = set_option(o, "1.5", request);
+    ASSERT_FALSE(set) << o.field;
+    EXPECT_NE(set.error().message.find("a whole number"), std::string::npos) << set.error().message;
+  }
+}
+
+TEST(Options, ChoicesTakeWhatTheyListAndNoMore) {
+  for (const Option& o : options()) {
+    RenderRequest request;
+    for (const std::string_view choice : o.choices) EXPECT_TRUE(set_option(o, choice, request)) << choice;
+    if (o.choices.empty()) continue;
+    EXPECT_FALSE(set_option(o, "else", request)) << o.field;
+  }
+}
+
+TEST(Options, TheLibraryChecksWhatTheTableSays) {
+  const auto refused = [](const RenderRequest& request, const std::string& text) {
+    const auto recipe = make_recipe(request);
+    ASSERT_FALSE(recipe) << text;
+    EXPECT_NE(recipe.error().message.find(text), std::string::npos) << recipe.error().message;
+    EXPECT_EQ(recipe.error().message.find("--"), std::string::npos) << recipe.error().message;
+  };
+  refused({.camera = {.zoom = 1001.0f}}, "`camera.zoom` cannot be '1001': it takes a number from 0.001 to 1000");
+  refused({.layers = 17}, "`layers` cannot be '17': it takes a whole number from 1 to 16");
+  refused({.camera = {.direction = {{0, 0, 0}}}}, "`camera.direction`");
+  refused({.camera = {.position = {{1, 2, 3}}, .focal_point = {{1, 2, 3}}}}, "its own place");
+  refused({.camera = {.index = 0, .direction = {{1, 0, 0}}}}, "`camera.index` and `camera.direction` both");
+  refused({.occlusion = "reference", .occlusion_scale = "half"}, "`occlusion_scale` cannot be 'half'");
+  refused({.hdri_skybox = true}, "`hdri_skybox` needs an image");
+  refused({.settings = {"upsample.factor=4"}}, "follows from `occlusion_scale`");
+  refused({.passes = {"layer1.depth"}}, "it takes `layers` 2");
+  refused({.passes = {"nothing"}}, "writes no pass 'nothing'");
+}
+
+TEST(Options, MessagesAreSaidInOtherWords) {
+  const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
+  EXPECT_EQ(with_fields_renamed("`occlusion_scale` cannot be 'x' with `occlusion` y", dashed),
+            "--ao-scale cannot be 'x' with --ao y");
+  EXPECT_EQ(with_fields_renamed("`nothing` stays, and a ` alone", dashed), "`nothing` stays, and a ` alone");
+  EXPECT_EQ(with_fields_renamed("`a` and `width`", dashed), "`a` and --resolution");
+  EXPECT_EQ(with_fields_renamed("", dashed), "");
+}
+
+}  // namespace
+}  // namespace umbrage

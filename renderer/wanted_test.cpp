@@ -1,0 +1,85 @@
+// Only what is asked for is captured and made.
+#include <gtest/gtest.h>
+
+#include "devices/cpu/cpu_device.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
+#include "renderer/passes.h"
+
+namespace umbrage {
+namespace {
+
+struct Made {
+  std::vector<std::string> stages;
+  Recipe recipe;
+  Image planes;
+};
+
+/// Draws these passes of a look alone, or everything where there are none.
+Made made_for(const std::string& look, const std::vector<std::string>& passes, const std::vector<std::string>& planes) {
+  RenderRequest request{.look = look, .width = 48, .height = 36, .passes = passes};
+  Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}};
+  keep_passes_alone(made.recipe);
+  auto scene = load_scene("scene:solids?detail=2000");
+  const auto device = make_cpu_device();
+  furnish(*scene, made.recipe);
+  EXPECT_TRUE(device->prepare(*scene));
+  StageTimes times;
+  const auto frame = draw(*device, *scene, made.recipe, times);
+  EXPECT_TRUE(frame) << frame.error().message;
+  for (const auto& stage : times.stages) made.stages.push_back(stage.name);
+  made.planes = *device->download(*frame, planes);
+  return made;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(Wanted, GeometryTakesOneCaptureWithoutShadows) {
+  for (const char* look : {"studio", "bleeding", "cartoon"}) {
+    SCOPED_TRACE(look);
+    const Made made = made_for(look, {"normal", "albedo"}, {"normal.x", "albedo.g"});
+    EXPECT_EQ(made.stages, Names({"capture"}));
+    EXPECT_EQ(made.recipe.frames, 1);
+    EXPECT_EQ(made.recipe.capture.shadows, 0);
+    EXPECT_EQ(*layer_count(made.recipe.capture), 1);
+  }
+  EXPECT_EQ(made_for("studio", {"depth"}, {"depth"}).stages, Names({"capture", "hide_ground"}));
+}
+
+TEST(Wanted, PassesAreThoseOfTheWholePicture) {
+  for (const char* look : {"studio", "ao", "bleeding", "lit", "cartoon"})
+    for (const auto& [pass, planes] : {std::pair<std::string, Names>{"depth", {"depth"}},
+                                       {"ao", {"ao"}},
+                                       {"normal", {"normal.x", "normal.y", "normal.z"}},
+                                       {"shadow", {"shadow"}}}) {
+      SCOPED_TRACE(look + (" " + pass));
+      const Made alone = made_for(look, {pass}, planes);
+      RenderRequest request{.look = look, .width = 48, .height = 36, .passes = {pass}};
+      auto scene = load_scene("scene:solids?detail=2000");
+      const auto device = make_cpu_device();
+      const auto recipe = make_recipe(request);
+      furnish(*scene, *recipe);
+      ASSERT_TRUE(device->prepare(*scene));
+      StageTimes times;
+      const auto frame = draw(*device, *scene, *recipe, times);
+      ASSERT_TRUE(frame);
+      const Image whole = *device->download(*frame, planes);
+      for (std::size_t k = 0; k < planes.size(); ++k)
+        for (int y = 0; y < whole.height; ++y)
+          for (int x = 0; x < whole.width; ++x)
+            ASSERT_EQ(alone.planes.planes[k].at(x, y), whole.planes[k].at(x, y)) << planes[k] << ' ' << x << ' ' << y;
+      EXPECT_LT(alone.stages.size(), times.stages.size());
+    }
+}
+
+TEST(Wanted, OcclusionAloneNeedsNoLightOfAnother) {
+  const Made made = made_for("cartoon", {"ao"}, {"ao"});
+  EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "toon"), 0);
+  EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "outline"), 0);
+  EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "output"), 0);
+  EXPECT_EQ(std::count(made.stages.begin(), made.stages.end(), "sphere"), 1);
+  EXPECT_EQ(made.recipe.frames, 4) << "it is averaged";
+}
+
+}  // namespace
+}  // namespace umbrage
