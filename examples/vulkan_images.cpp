@@ -215,7 +215,7 @@ int main(int argc, char** argv) {
     gbuffer.width = kWidth;
     gbuffer.height = kHeight;
     gbuffer.depth = {depth.image, VK_FORMAT_R32_SFLOAT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-    gbuffer.depth_kind = umbrage::VulkanDepth::kReversed;
+    gbuffer.depth_kind = umbrage::DepthKind::kReversed;
     gbuffer.near_plane = kNear;
     gbuffer.normal = {normal.image, VK_FORMAT_R32G32B32A32_SFLOAT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     gbuffer.right = 0.5f * kWidth / kHeight;

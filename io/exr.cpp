@@ -197,8 +197,11 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
     if (header.channels().findChannel(channel))
       return file_error("'{}' cannot be written: '{}' and another plane would both be the channel '{}'", file.string(),
                         name, channel);
-    const bool half = settings.half && !needs_float(name);
-    header.channels().insert(channel, Imf::Channel(half ? Imf::HALF : Imf::FLOAT));
+    const auto& whole = settings.whole_numbers;
+    const Imf::PixelType type = std::find(whole.begin(), whole.end(), name) != whole.end() ? Imf::UINT
+                                : settings.half && !needs_float(name)                      ? Imf::HALF
+                                                                                           : Imf::FLOAT;
+    header.channels().insert(channel, Imf::Channel(type));
     channels.push_back(channel);
   }
   set_up();

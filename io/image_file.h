@@ -18,6 +18,8 @@ struct WriteSettings {
   int bits = 8;        ///< PNG: 8 or 16
   bool half = false;   ///< EXR: half instead of float
   bool small = false;  ///< PNG: as small as deflate makes it rather than fast
+  /// EXR: planes whose floats are the bits of whole numbers, written as those.
+  std::vector<std::string> whole_numbers = {};
   /// EXR: written as worldToCamera and worldToNDC, which OpenEXR defines left-handed with +z forward.
   const Camera* camera = nullptr;
 };

@@ -6,11 +6,13 @@
 #include <limits>
 
 #include "core/suggest.h"
+#include "renderer/lens.h"
 #include "renderer/passes.h"
 
 namespace umbrage {
 namespace {
 
+constexpr std::size_t kMaxIds = 1 << 24;  // whole numbers that floats hold
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 /// The distance along the view axis of one pixel, infinity where there is nothing.
@@ -48,38 +50,79 @@ class ViewDepth {
 };
 
 Result<void> check(const ShadeRequest& r) {
-  for (const int side : {r.width, r.height})
-    if (side < 1 || side > kLargestSide)
-      return usage_error("a G-buffer cannot be {} pixels wide or high: 1 to {} can", side, kLargestSide);
+  if (auto fine = check_lens(r); !fine) return fine;
   if (long(r.width) * r.height > kMostPixels)
     return usage_error("a G-buffer cannot have {} x {} pixels: {} together are the most", r.width, r.height,
                        kMostPixels);
-  const bool window = r.depth_kind == DepthKind::kWindow || r.depth_kind == DepthKind::kReversed;
-  if (window && !(r.near_plane > 0.0f && std::isfinite(r.near_plane) && r.far_plane > r.near_plane))
-    return usage_error("near_plane {} and far_plane {} cannot be: 0 < near_plane < far_plane can", r.near_plane,
-                       r.far_plane);
-  if (window && r.orthographic && !std::isfinite(r.far_plane))
-    return usage_error("an orthographic G-buffer needs a far_plane that is not at infinity");
-  const bool sound = std::isfinite(r.left) && std::isfinite(r.right) && std::isfinite(r.bottom) &&
-                     std::isfinite(r.top) && r.right > r.left && r.top > r.bottom;
-  if (!sound)
+  if (!(r.right > r.left && r.top > r.bottom))
     return usage_error("the camera's window cannot be {} to {} and {} to {}: right lies beyond left, top above bottom",
                        r.left, r.right, r.bottom, r.top);
-  if (!(r.scene_radius >= 0.0f && std::isfinite(r.scene_radius)))
+  if (r.scene_radius < 0.0f)
     return usage_error("scene_radius cannot be {}: it is above 0, or 0 to be found", r.scene_radius);
   for (const float v : r.view_from_normal)
     if (!std::isfinite(v)) return usage_error("view_from_normal holds a number that is not finite");
   return {};
 }
 
-/// Copies one channel.
-void copy_channel(const PixelArray& array, int channel, int channels, Plane& plane) {
+/// What is said of an array. Errors: kUsage.
+Result<void> check_array(const ShadeRequest& request, const PixelArray& array) {
+  const auto channels = channels_of(array.name);
+  if (channels.empty()) {
+    std::vector<std::string> names;
+    for (const PassPlanes& group : grouped_planes(known_planes())) names.push_back(group.name);
+    return usage_error("no effect reads an array '{}'{}", array.name, suggestion(array.name, names));
+  }
+  if (!array.values && !array.ids) return usage_error("the array '{}' has no values", array.name);
+  if (array.values && array.ids) return usage_error("the array '{}' has both values and ids", array.name);
+  if (array.ids && !is_id(array.name)) return usage_error("the array '{}' has ids, but is none", array.name);
+  if (std::count_if(request.arrays.begin(), request.arrays.end(),
+                    [&](const PixelArray& other) { return other.name == array.name; }) > 1)
+    return usage_error("there are two arrays '{}'", array.name);
+  return {};
+}
+
+/// Calls put(x, y, value) for one channel of an array that begins at `values`.
+template <class T, class Put>
+void read_channel(const PixelArray& array, const T* values, int channel, int channels, const Plane& plane,
+                  const Put& put) {
   const std::ptrdiff_t pixel = array.pixel_stride != 0 ? array.pixel_stride : array.channel_stride == 1 ? channels : 1;
   const std::ptrdiff_t row = array.row_stride != 0 ? array.row_stride : pixel * plane.width;
   for (int y = 0; y < plane.height; ++y) {
-    const float* from = array.values + row * y + array.channel_stride * channel;
-    float* to = plane.row(y);
-    for (int x = 0; x < plane.width; ++x) to[x] = from[pixel * x];
+    const T* from = values + row * y + array.channel_stride * channel;
+    for (int x = 0; x < plane.width; ++x) put(x, y, from[pixel * x]);
+  }
+}
+
+/// Floats do not tell all ids of 32 bits apart: planes hold their places in a list of those that there are. All layers
+/// share it.
+std::vector<std::uint32_t> ids_of(const ShadeRequest& request, std::string_view name) {
+  std::vector<std::uint32_t> ids;
+  const Plane size(request.width, request.height);
+  for (const PixelArray& array : request.arrays)
+    if (array.ids && of_first_layer(array.name) == name)
+      read_channel(array, array.ids, 0, 1, size, [&](int, int, std::uint32_t id) {
+        if (ids.empty() || ids.back() != id) ids.push_back(id);
+      });
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// Copies an array into the planes of its layer.
+void copy_array(const PixelArray& array, const SharedIds& ids, Image& layer) {
+  const auto channels = channels_of(array.name);
+  const std::string name(of_first_layer(array.name));
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    Plane& plane = layer.add(name + channels[c]) = Plane(layer.width, layer.height);
+    if (!array.ids) {
+      read_channel(array, array.values, int(c), int(channels.size()), plane,
+                   [&](int x, int y, float value) { plane.at(x, y) = value; });
+      continue;
+    }
+    const std::vector<std::uint32_t>& known = ids.find(name)->second;
+    read_channel(array, array.ids, 0, 1, plane, [&](int x, int y, std::uint32_t id) {
+      plane.at(x, y) = float(std::lower_bound(known.begin(), known.end(), id) - known.begin());
+    });
   }
 }
 
@@ -140,20 +183,18 @@ void measure_extent(const ShadeRequest& request, const Plane& depth, PictureInfo
 
 }  // namespace
 
-Result<GBuffer> gbuffer_of(const ShadeRequest& request) {
+bool is_id(std::string_view pass) {
+  const std::string_view name = of_first_layer(pass);
+  return name == "object_id" || name == "material_id";
+}
+
+Result<SharedGBuffer> gbuffer_of(const ShadeRequest& request) {
   if (auto fine = check(request); !fine) return fine.error();
-  GBuffer gbuffer;
+  SharedGBuffer shared;
+  GBuffer& gbuffer = shared.gbuffer;
   int layers = 1;
   for (const PixelArray& array : request.arrays) {
-    if (channels_of(array.name).empty()) {
-      std::vector<std::string> names;
-      for (const PassPlanes& group : grouped_planes(known_planes())) names.push_back(group.name);
-      return usage_error("no effect reads an array '{}'{}", array.name, suggestion(array.name, names));
-    }
-    if (!array.values) return usage_error("the array '{}' has no values", array.name);
-    if (std::count_if(request.arrays.begin(), request.arrays.end(),
-                      [&](const PixelArray& other) { return other.name == array.name; }) > 1)
-      return usage_error("there are two arrays '{}'", array.name);
+    if (auto fine = check_array(request, array); !fine) return fine.error();
     layers = std::max(layers, layer_of_plane(array.name) + 1);
   }
   if (layers > kMostMixedLayers)
@@ -166,21 +207,25 @@ Result<GBuffer> gbuffer_of(const ShadeRequest& request) {
     gbuffer.layers.emplace_back(request.width, request.height);
     if (layer > 0) gbuffer.info.more_layers.push_back({.kind = LayerKind::kBehind, .of = layer - 1, .camera = {}});
   }
-  for (const PixelArray& array : request.arrays) {
-    const auto channels = channels_of(array.name);
-    const std::string name(of_first_layer(array.name));
-    for (std::size_t c = 0; c < channels.size(); ++c) {
-      Plane& plane = gbuffer.layers[std::size_t(layer_of_plane(array.name))].add(name + channels[c]) =
-          Plane(request.width, request.height);
-      copy_channel(array, int(c), int(channels.size()), plane);
+  for (const char* name : {"object_id", "material_id"})
+    if (auto ids = ids_of(request, name); !ids.empty()) {
+      if (ids.size() > kMaxIds)
+        return usage_error("{} has {} ids: at most {} can be told apart", name, ids.size(), kMaxIds);
+      shared.ids[name] = std::move(ids);
     }
-  }
+  for (const PixelArray& array : request.arrays)
+    copy_array(array, shared.ids, gbuffer.layers[std::size_t(layer_of_plane(array.name))]);
   const ViewDepth view_depth(request);
   for (Image& layer : gbuffer.layers) {
     Plane& depth = layer.plane("depth");
     for (int y = 0; y < depth.height; ++y)
       for (int x = 0; x < depth.width; ++x) depth.at(x, y) = view_depth.at(depth.at(x, y), x, y);
     if (layer.find("normal.x")) turn_normals(request.view_from_normal, layer);
+    for (const auto& [name, ids] : shared.ids)
+      if (Plane* plane = layer.find(name))
+        for (int y = 0; y < depth.height; ++y)
+          for (int x = 0; x < depth.width; ++x)
+            if (!std::isfinite(depth.at(x, y))) plane->at(x, y) = -1.0f;
   }
   PictureInfo& info = gbuffer.info;
   info.width = request.width;
@@ -192,7 +237,22 @@ Result<GBuffer> gbuffer_of(const ShadeRequest& request) {
   info.camera.top = request.top;
   for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
   measure_extent(request, gbuffer.layers[0].plane("depth"), info);
-  return gbuffer;
+  return shared;
+}
+
+void give_back_ids(const SharedIds& ids, Picture& picture) {
+  for (Pixels& pass : picture.passes) {
+    const auto known = ids.find(std::string(of_first_layer(pass.name)));
+    if (known == ids.end()) continue;
+    pass.ids.reserve(pass.values.size());
+    for (const float place : pass.values)
+      pass.ids.push_back(place >= 0.0f && std::size_t(place) < known->second.size() ? known->second[std::size_t(place)]
+                                                                                    : 0);
+  }
+  if (const auto known = ids.find("object_id"); known != ids.end())
+    for (Stroke& stroke : picture.strokes)
+      if (stroke.object >= 0 && std::size_t(stroke.object) < known->second.size())
+        stroke.object = int(known->second[std::size_t(stroke.object)]);
 }
 
 }  // namespace umbrage

@@ -1,5 +1,6 @@
 // The public interface on top of a job.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
@@ -131,14 +132,14 @@ std::vector<std::string> passes_made(const std::string& effect, const ParameterB
 
 Result<Picture> shade_picture(const ShadeRequest& request) {
   if (auto fine = check_shade(request); !fine) return fine.error();
-  auto gbuffer = gbuffer_of(request);
-  if (!gbuffer) return gbuffer.error();
+  auto shared = gbuffer_of(request);
+  if (!shared) return shared.error();
   const auto lines = wanted_lines(request);
   if (!lines) return lines.error();
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
   StageTimes times;
-  const auto frame = shade_planes(**device, std::move(*gbuffer), request, times, request.progress);
+  const auto frame = shade_planes(**device, std::move(shared->gbuffer), request, times, request.progress);
   if (!frame) return frame.error();
   const auto& effects = request.effects;
   const bool color = effects.empty() || std::find(effects.begin(), effects.end(), "output") != effects.end();
@@ -148,7 +149,9 @@ Result<Picture> shade_picture(const ShadeRequest& request) {
     if (!all) return all.error();
     passes = passes_made(effects.back(), params_of(*all, effects.back()));
   }
-  return downloaded(**device, *frame, color, passes, *lines);
+  auto picture = downloaded(**device, *frame, color, passes, *lines);
+  if (picture) give_back_ids(shared->ids, *picture);
+  return picture;
 }
 
 /// One pass or the colour as planes of a file. Errors: kUsage where it is not of the picture's size.
@@ -206,10 +209,16 @@ Result<void> write_picture(const Picture& picture, const std::string& file, cons
                                    : add_planes("color", colors, pass.values, image);
     if (!done) return done;
   }
+  WriteSettings settings{.bits = request.bits, .half = request.half};
   if (holds_passes)
-    for (const Pixels& pass : picture.passes)
-      if (auto done = add_planes(pass.name, channels_to_write(pass), pass.values, image); !done) return done;
-  return write_image(file, image, {.bits = request.bits, .half = request.half});
+    for (const Pixels& pass : picture.passes) {
+      std::vector<float> bits;
+      for (const std::uint32_t id : pass.ids) bits.push_back(std::bit_cast<float>(id));
+      if (!bits.empty()) settings.whole_numbers.push_back(pass.name);
+      const auto& values = bits.empty() ? pass.values : bits;
+      if (auto done = add_planes(pass.name, channels_to_write(pass), values, image); !done) return done;
+    }
+  return write_image(file, image, settings);
 }
 
 template <class Request>

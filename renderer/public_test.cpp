@@ -1,4 +1,9 @@
 // The public interface, through its header alone.
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+
 #include "umbrage/umbrage.h"
 
 #include <gtest/gtest.h>
@@ -518,5 +523,59 @@ TEST_F(PublicFiles, SavesInTheFormatOfTheName) {
 }
 
 TEST(Public, HasAVersion) { EXPECT_EQ(std::string(umbrage::version()).find('.'), 1u); }
+
+TEST(Public, IdsOfAllBitsSurvive) {
+  // Two objects on one plane, told apart by the last of 32 bits, and nothing in the last column.
+  const int width = 12, height = 6;
+  const std::uint32_t left = 0xfffffffe, right = 0xffffffff;
+  std::vector<float> depth;
+  std::vector<std::uint32_t> ids;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      depth.push_back(x == width - 1 ? 0.0f : 3.0f);
+      ids.push_back(x < 6 ? left : right);
+    }
+  umbrage::ShadeRequest request;
+  request.width = width;
+  request.height = height;
+  request.top = 0.5f, request.bottom = -0.5f;
+  request.device = "cpu";
+  request.effects = {"outline"};
+  request.passes = {"object_id", "outline"};
+  request.strokes = true;
+  request.arrays = {{.name = "depth", .values = depth.data()}, {.name = "object_id", .ids = ids.data()}};
+  umbrage::Picture picture;
+  ASSERT_EQ(umbrage::shade(request, picture).code, 0);
+  ASSERT_EQ(picture.passes[0].ids.size(), ids.size());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      EXPECT_EQ(picture.passes[0].ids[y * width + x], x == width - 1 ? 0 : x < 6 ? left : right) << x << ", " << y;
+  EXPECT_GT(picture.passes[1].values[3 * width + 6] + picture.passes[1].values[3 * width + 5], 0.5f) << "a line";
+  ASSERT_FALSE(picture.strokes.empty());
+  for (const umbrage::Stroke& stroke : picture.strokes)
+    EXPECT_TRUE(std::uint32_t(stroke.object) == left || std::uint32_t(stroke.object) == right) << stroke.object;
+
+  // And in a file.
+  const std::string file = testing::TempDir() + "umbrage_ids.exr";
+  ASSERT_EQ(umbrage::save(picture, file).code, 0);
+  {
+    Imf::InputFile input(file.c_str());
+    ASSERT_NE(input.header().channels().findChannel("object_id"), nullptr);
+    EXPECT_EQ(input.header().channels().findChannel("object_id")->type, Imf::UINT);
+    std::vector<std::uint32_t> read(ids.size());
+    Imf::FrameBuffer pixels;
+    pixels.insert("object_id", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(read.data()), 4, 4 * width));
+    input.setFrameBuffer(pixels);
+    input.readPixels(0, height - 1);
+    EXPECT_EQ(read, picture.passes[0].ids);
+  }
+  std::remove(file.c_str());
+
+  // What cannot be.
+  request.arrays[1] = {.name = "ao", .ids = ids.data()};
+  EXPECT_EQ(umbrage::shade(request, picture).code, 2);
+  request.arrays[1] = {.name = "object_id", .values = depth.data(), .ids = ids.data()};
+  EXPECT_EQ(umbrage::shade(request, picture).code, 2);
+}
 
 }  // namespace

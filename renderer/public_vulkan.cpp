@@ -10,6 +10,7 @@
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
 #include "renderer/isa_setting.h"
+#include "renderer/lens.h"
 #include "renderer/recipe.h"
 #include "umbrage/vulkan.h"
 
@@ -41,15 +42,18 @@ DeviceImage device_image(const VulkanImage& image) {
   return {image.image, image.format, image.layout, image.layout_after};
 }
 
-int depth_role(VulkanDepth kind) {
+int depth_role(DepthKind kind) {
   switch (kind) {
-    case VulkanDepth::kView:
+    case DepthKind::kView:
       return kViewDepthRole;
-    case VulkanDepth::kWindow:
+    case DepthKind::kRay:
+      return kRayDepthRole;
+    case DepthKind::kWindow:
       return kWindowDepthRole;
-    default:
-      return kReversedDepthRole;
+    case DepthKind::kReversed:
+      break;
   }
+  return kReversedDepthRole;
 }
 
 PictureInfo info_of(const VulkanGBuffer& gbuffer) {
@@ -63,7 +67,7 @@ PictureInfo info_of(const VulkanGBuffer& gbuffer) {
   info.camera.top = gbuffer.top;
   info.scene_radius = gbuffer.scene_radius;
   // Without a look at the depths: what the planes say, as far as the scene reaches.
-  const bool planes = gbuffer.depth_kind != VulkanDepth::kView;
+  const bool planes = has_planes(gbuffer.depth_kind);
   constexpr float kNearest = 1e-3f;
   info.depth_min = planes ? gbuffer.near_plane : kNearest * gbuffer.scene_radius;
   info.depth_max =
@@ -72,18 +76,9 @@ PictureInfo info_of(const VulkanGBuffer& gbuffer) {
 }
 
 Result<void> check(const VulkanGBuffer& g) {
-  for (const int side : {g.width, g.height})
-    if (side < 1 || side > kLargestSide)
-      return usage_error("a G-buffer cannot be {} pixels wide or high: 1 to {} can", side, kLargestSide);
   if (!g.depth.image) return usage_error("a G-buffer needs an image of depth");
-  if (g.depth_kind != VulkanDepth::kView && !(g.near_plane > 0.0f && g.far_plane > g.near_plane))
-    return usage_error("near_plane {} and far_plane {} cannot be: 0 < near_plane < far_plane can", g.near_plane,
-                       g.far_plane);
-  if (g.orthographic && g.depth_kind != VulkanDepth::kView && !std::isfinite(g.far_plane))
-    return usage_error("an orthographic G-buffer needs a far_plane that is not at infinity");
-  if (!(g.right != g.left && g.top != g.bottom)) return usage_error("the camera's window is empty");
-  if (!(g.scene_radius > 0.0f && std::isfinite(g.scene_radius)))
-    return usage_error("scene_radius cannot be {}: it is above 0", g.scene_radius);
+  if (auto fine = check_lens(g); !fine) return fine;
+  if (!(g.scene_radius > 0.0f)) return usage_error("scene_radius cannot be {}: it is above 0", g.scene_radius);
   return {};
 }
 
@@ -112,7 +107,11 @@ Result<void> shade_images(Device& device, const VulkanGBuffer& g, const VulkanSh
   const ImageMeaning depth{.role = depth_role(g.depth_kind),
                            .orthographic = g.orthographic,
                            .near_depth = g.near_plane,
-                           .far_depth = g.far_plane};
+                           .far_depth = g.far_plane,
+                           .left = g.left,
+                           .right = g.right,
+                           .bottom = g.bottom,
+                           .top = g.top};
   if (auto read = read_image(device, device_image(g.depth), depth, kDepth, *frame); !read) return read;
   if (g.normal.image) {
     ImageMeaning turned{.role = kNormalRole};

@@ -35,8 +35,13 @@ vec4 texel(int k) {
   return v;
 }
 
-float view_depth(float d) {
-  if (C.role == kViewDepthRole) return d > 0.0f && d <= 3.402823466e38f ? d : kInfinity;
+float view_depth(float d, ivec2 here) {
+  if (C.role == kViewDepthRole || C.role == kRayDepthRole) {
+    if (!(d > 0.0f && d <= 3.402823466e38f)) return kInfinity;
+    if (C.role == kViewDepthRole || C.orthographic != 0) return d;
+    vec2 at = (vec2(here) + 0.5f) / vec2(C.width, C.height);
+    return d / length(vec3(mix(C.left, C.right, at.x), mix(C.top, C.bottom, at.y), 1.0f));
+  }
   if (C.role == kWindowDepthRole) d = 1.0f - d;
   if (!(d > 0.0f)) return kInfinity;  // the far plane: nothing was drawn
   float far = C.far_depth, near = C.near_depth;
@@ -64,7 +69,7 @@ void main() {
                    C.turn[3] * n.x + C.turn[4] * n.y + C.turn[5] * n.z,
                    C.turn[6] * n.x + C.turn[7] * n.y + C.turn[8] * n.z);
     } else if (C.role != kPlainRole) {
-      v.x = view_depth(v.x);
+      v.x = view_depth(v.x, here);
     }
     for (int c = 0; c < 4; ++c) put(1 + c, place, v[c]);
     return;

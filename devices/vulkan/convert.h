@@ -10,6 +10,7 @@ const int kNormalRole = 1;         // a vector; of bytes, from [0, 1] to [-1, 1]
 const int kViewDepthRole = 2;      // distance along the view axis
 const int kWindowDepthRole = 3;    // 0 at the near plane, 1 at the far plane
 const int kReversedDepthRole = 4;  // the other way round
+const int kRayDepthRole = 5;       // distance from the eye along the ray
 
 struct ConvertConstants {
   int width, height, stride;
@@ -18,8 +19,9 @@ struct ConvertConstants {
   int to_image;  // 0: from texels to planes
   int role;
   int orthographic;
-  float near_depth, far_depth;  // a far plane may be at infinity
-  float turn[9];                // rows
+  float near_depth, far_depth;     // a far plane may be at infinity
+  float left, right, bottom, top;  // the window at distance 1, of distance along rays
+  float turn[9];                   // rows
 };
 
 #endif

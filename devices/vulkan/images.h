@@ -43,7 +43,8 @@ struct ImageMeaning {
   int role = kPlainRole;
   bool orthographic = false;
   float near_depth = 0.0f, far_depth = 0.0f;
-  float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< rows; of a normal
+  float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;  ///< the window at distance 1, of kRayDepthRole
+  float turn[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};                   ///< rows; of a normal
 };
 
 }  // namespace umbrage

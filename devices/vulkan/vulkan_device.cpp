@@ -228,6 +228,10 @@ class VulkanDevice final : public Device {
     constants.to_image = to_image ? 1 : 0;
     constants.role = meaning.role;
     constants.orthographic = meaning.orthographic ? 1 : 0;
+    constants.left = meaning.left;
+    constants.right = meaning.right;
+    constants.bottom = meaning.bottom;
+    constants.top = meaning.top;
     constants.near_depth = meaning.near_depth;
     constants.far_depth = meaning.far_depth;
     std::copy_n(meaning.turn, 9, constants.turn);

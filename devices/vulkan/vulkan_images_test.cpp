@@ -187,6 +187,9 @@ TEST(VulkanImages, DepthBecomesDistance) {
     float far, stored, distance;
   };
   const float window = f / (f - n) * (1.0f - n / z);  // as a projection to [0, 1] has it
+  // The ray through the last pixel, of a window from -1 to 1, over a distance of 1 along the view axis.
+  const float across = 1.0f - 1.0f / float(kWidth), down = 1.0f - 1.0f / float(kHeight);
+  const float slant = std::sqrt(1.0f + across * across + down * down);
   const Case cases[] = {{kWindowDepthRole, false, f, window, z},
                         {kWindowDepthRole, false, f, 1.0f, kInfinity},
                         {kReversedDepthRole, false, f, 1.0f - window, z},
@@ -196,7 +199,10 @@ TEST(VulkanImages, DepthBecomesDistance) {
                         {kWindowDepthRole, true, f, (z - n) / (f - n), z},
                         {kReversedDepthRole, true, f, 1.0f - (z - n) / (f - n), z},
                         {kViewDepthRole, false, f, z / 10.0f, z / 10.0f},
-                        {kViewDepthRole, false, f, 0.0f, kInfinity}};
+                        {kViewDepthRole, false, f, 0.0f, kInfinity},
+                        {kRayDepthRole, false, f, z / 10.0f * slant, z / 10.0f},
+                        {kRayDepthRole, true, f, z / 10.0f, z / 10.0f},
+                        {kRayDepthRole, false, f, 0.0f, kInfinity}};
   for (const VkFormat format : {VK_FORMAT_R32_SFLOAT, VK_FORMAT_D32_SFLOAT}) {
     const VkImage image = engine->image(format);
     for (const Case& c : cases) {
@@ -224,7 +230,7 @@ VulkanGBuffer wall(Engine& engine) {
   g.depth = {engine.image(VK_FORMAT_R32_SFLOAT), VK_FORMAT_R32_SFLOAT, VK_IMAGE_LAYOUT_GENERAL,
              VK_IMAGE_LAYOUT_GENERAL};
   engine.clear(g.depth.image, {3.0f, 0, 0, 0}, false);
-  g.depth_kind = VulkanDepth::kView;
+  g.depth_kind = DepthKind::kView;
   g.normal = {engine.image(VK_FORMAT_R8G8B8A8_UNORM), VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_LAYOUT_GENERAL,
               VK_IMAGE_LAYOUT_GENERAL};
   engine.clear(g.normal.image, {1.0f, 0.5f, 0.5f, 0}, false);  // along +x of the world, which the camera looks along
@@ -322,7 +328,7 @@ TEST(VulkanShading, SaysWhatIsWrong) {
   g.depth.format = VK_FORMAT_R8_UNORM;
   refused(g, request, 2, "R32_SFLOAT");
   g = good;
-  g.depth_kind = VulkanDepth::kWindow;
+  g.depth_kind = DepthKind::kWindow;
   g.near_plane = 5.0f;
   g.far_plane = 1.0f;
   refused(g, request, 2, "near_plane");

@@ -21,6 +21,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -53,6 +54,9 @@ struct Pixels {
   std::string name{};           ///< "depth", "normal", "layer1.depth"
   int channels = 1;             ///< 3 for normals (x, y, z) and colours (red, green, blue)
   std::vector<float> values{};  ///< width * height * channels
+  /// Of object_id and material_id that were handed in as PixelArray::ids: the same; 0 where there is no surface. Then
+  /// `values` are their places in the list of all that there are.
+  std::vector<std::uint32_t> ids{};
 };
 
 /// A point of a stroke. Pixels from the picture's upper left corner, where the first pixel's centre is at (0.5, 0.5).
@@ -69,7 +73,7 @@ enum class StrokeKind {
 /// A line of the picture: a polyline with round ends and joins, whose width changes linearly from point to point.
 struct Stroke {
   StrokeKind kind = StrokeKind::kOutline;
-  int object = 0;       ///< object_id of the nearer surface
+  int object = 0;       ///< object_id of the nearer surface; the bits of PixelArray::ids
   bool closed = false;  ///< the last point is the first one again
   std::vector<StrokePoint> points{};
 };
@@ -197,6 +201,8 @@ struct PixelArray {
   std::ptrdiff_t pixel_stride = 0;
   std::ptrdiff_t row_stride = 0;      ///< floats from a row to the next; 0: width times pixel_stride. May be negative
   std::ptrdiff_t channel_stride = 1;  ///< floats from a channel to the next; width * height for plane after plane
+  /// In place of `values`, of object_id and material_id: whole numbers, all 32 bits of which count. Strides are in them.
+  const std::uint32_t* ids = nullptr;
 };
 
 /// What to shade, and how.

@@ -36,18 +36,14 @@ struct VulkanImage {
   VkImageLayout layout_after = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;  ///< and is left
 };
 
-enum class VulkanDepth {
-  kView,      ///< distance along the view axis, scene units; 0, infinity or NaN where there is nothing
-  kWindow,    ///< 0 at the near plane, 1 at the far plane and where there is nothing
-  kReversed,  ///< 1 at the near plane, 0 at the far plane and where there is nothing
-};
+using VulkanDepth = DepthKind;  ///< the old name
 
 /// What shading starts from. Row 0 is the top one.
 struct VulkanGBuffer {
   int width = 0, height = 0;
   VulkanImage depth;
-  VulkanDepth depth_kind = VulkanDepth::kWindow;
-  float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< not of kView
+  DepthKind depth_kind = DepthKind::kWindow;
+  float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< of kWindow and kReversed
   /// Unit vectors to the surface's outside, bytes from [0, 1] to [-1, 1]. Without an image they follow from depth.
   VulkanImage normal;
   /// World space, turned by the rows of this rotation to view space: +x right, +y up, the camera looks down -z.
