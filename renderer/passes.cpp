@@ -172,9 +172,9 @@ Result<void> take_passes(const RenderRequest& request, Recipe& recipe) {
   return {};
 }
 
-void keep_passes_alone(Recipe& recipe) {
+void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides) {
   if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
-  recipe.wanted.emplace();
+  recipe.wanted.emplace(besides.begin(), besides.end());
   int deepest = 0;  // layer that is handed out
   for (const std::string& pass : recipe.passes) {
     deepest = std::max(deepest, layer_of_plane(pass));
@@ -183,6 +183,11 @@ void keep_passes_alone(Recipe& recipe) {
   const auto steps = steps_of(look_run(recipe));
   if (recipe.averaged.empty() && std::find(recipe.passes.begin(), recipe.passes.end(), "color") == recipe.passes.end())
     recipe.frames = 1;  // the one that has its samples at the pixels' centres
+  std::vector<std::string>& captured = recipe.capture.planes.emplace();
+  for (const std::string& plane : *recipe.wanted) captured.emplace_back(of_first_layer(plane));
+  for (const Effect* effect : steps)
+    for (const Pass& pass : effect->passes)
+      for (const std::string_view plane : pass.inputs) captured.emplace_back(of_first_layer(plane));
   int shadows = 0;
   for (int light = 0; light < kMostShadows; ++light)
     for (const std::string& pass : recipe.passes)

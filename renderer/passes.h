@@ -34,8 +34,8 @@ const std::vector<std::string>& known_planes();
 /// is every pass, and stands alone. Errors: kUsage.
 Result<void> take_passes(const RenderRequest& request, Recipe& recipe);
 
-/// Leaves out of a recipe what its passes do not need, the picture itself with it.
-void keep_passes_alone(Recipe& recipe);
+/// Leaves out of a recipe what neither its passes nor planes `besides` need, the picture itself with it.
+void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides = {});
 
 /// The planes of these passes among those of a frame, in the order of the words. Errors: kUsage for one that nothing in
 /// the scene makes.

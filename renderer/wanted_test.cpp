@@ -13,12 +13,13 @@ struct Made {
   std::vector<std::string> stages;
   Recipe recipe;
   Image planes;
+  std::vector<std::string> names;  // of all that the frame has
 };
 
 /// Draws these passes of a look alone, or everything where there are none.
 Made made_for(const std::string& look, const std::vector<std::string>& passes, const std::vector<std::string>& planes) {
   RenderRequest request{.look = look, .width = 48, .height = 36, .passes = passes};
-  Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}};
+  Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}, .names = {}};
   keep_passes_alone(made.recipe);
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
@@ -29,6 +30,7 @@ Made made_for(const std::string& look, const std::vector<std::string>& passes, c
   EXPECT_TRUE(frame) << frame.error().message;
   for (const auto& stage : times.stages) made.stages.push_back(stage.name);
   made.planes = *device->download(*frame, planes);
+  made.names = device->plane_names(*frame);
   return made;
 }
 
@@ -43,14 +45,19 @@ TEST(Wanted, GeometryTakesOneCaptureWithoutShadows) {
     EXPECT_EQ(made.recipe.capture.shadows, 0);
     EXPECT_EQ(*layer_count(made.recipe.capture), 1);
   }
-  EXPECT_EQ(made_for("studio", {"depth"}, {"depth"}).stages, Names({"capture", "hide_ground"}));
+  const Made depth = made_for("studio", {"depth"}, {"depth"});
+  EXPECT_EQ(depth.stages, Names({"capture", "hide_ground"}));
+  EXPECT_EQ(std::count(depth.names.begin(), depth.names.end(), "albedo.r"), 0);
+  EXPECT_EQ(std::count(depth.names.begin(), depth.names.end(), "object_id"), 1) << "it tells the ground";
 }
 
 TEST(Wanted, PassesAreThoseOfTheWholePicture) {
   for (const char* look : {"studio", "ao", "bleeding", "lit", "cartoon"})
     for (const auto& [pass, planes] : {std::pair<std::string, Names>{"depth", {"depth"}},
                                        {"ao", {"ao"}},
+                                       {"albedo", {"albedo.r", "albedo.g", "albedo.b"}},
                                        {"normal", {"normal.x", "normal.y", "normal.z"}},
+                                       {"object_id", {"object_id"}},
                                        {"shadow", {"shadow"}}}) {
       SCOPED_TRACE(look + (" " + pass));
       const Made alone = made_for(look, {pass}, planes);

@@ -403,9 +403,7 @@ Result<Order> order_of(const RenderOptions& o) {
     if (!alone) return alone.error();
     order.recipe = std::move(*alone);
   }
-  keep_passes_alone(order.recipe);
-  if (order.recipe.wanted && order.lines)
-    order.recipe.wanted->insert(order.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
+  keep_passes_alone(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o, *output)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);

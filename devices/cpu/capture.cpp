@@ -70,10 +70,11 @@ struct Drawing {
   int sample = 0;                                   ///< of pictures that are averaged
   std::vector<DrawnPlane> planes;                   ///< of each layer, in this order
   std::vector<PenumbraRadii>* penumbrae = nullptr;  ///< of the first layer, by light
+  bool has_albedo = true, has_emission = true;
 };
 
 /// The planes of a layer, and where a block has them.
-std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, int shadows) {
+std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings) {
   std::vector<DrawnPlane> all = {{"depth", offsetof(Block, depth), std::numeric_limits<float>::infinity()},
                                  {"normal.x", offsetof(Block, nx)},
                                  {"normal.y", offsetof(Block, ny)},
@@ -91,7 +92,7 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
   for (int k = 0; k < kMostShadows; ++k)
     all.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
   std::vector<DrawnPlane> planes;
-  for (const std::string& name : captured_planes(scene, info, shadows))
+  for (const std::string& name : captured_planes(scene, info, settings))
     planes.push_back(
         *std::find_if(all.begin(), all.end(), [&](const DrawnPlane& plane) { return plane.name == name; }));
   return planes;
@@ -230,8 +231,10 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
     surfaces.there[k] = true;
     const glm::vec3 n = view * surface.normal;
     const float px = float(x0 + k % kBlock) + 0.5f, py = float(y0 + k / kBlock) + 0.5f;
-    const glm::vec3 albedo = pixel_albedo(drawing.traced, drawing.rays, surface, px, py);
-    const glm::vec3 emission = pixel_emission(drawing.traced, drawing.rays, surface, px, py);
+    const glm::vec3 albedo =
+        drawing.has_albedo ? pixel_albedo(drawing.traced, drawing.rays, surface, px, py) : glm::vec3(0.0f);
+    const glm::vec3 emission =
+        drawing.has_emission ? pixel_emission(drawing.traced, drawing.rays, surface, px, py) : glm::vec3(0.0f);
     out.depth[k] = primary.hit_distance(k);
     out.nx[k] = n.x;
     out.ny[k] = n.y;
@@ -334,6 +337,11 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
                   .sample = settings.sample,
                   .planes = planes,
                   .penumbrae = penumbrae};
+  const auto holds = [&](std::string_view name) {
+    return std::any_of(planes.begin(), planes.end(), [&](const DrawnPlane& plane) { return plane.name == name; });
+  };
+  drawing.has_albedo = holds("albedo.r") || holds("albedo.g") || holds("albedo.b");
+  drawing.has_emission = holds("emission.r") || holds("emission.g") || holds("emission.b");
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
   if (!within_reach(drawing.rays, drawing.info)) {
@@ -377,7 +385,7 @@ std::vector<PenumbraRadii> penumbra_radii(const PictureInfo& info, const Rows& r
 
 Result<Image> capture_planes(const TracedScene& traced, const PictureInfo& info, const CaptureSettings& settings,
                              const ProgressMonitor& monitor, bool scalar) {
-  const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings.shadows);
+  const std::vector<DrawnPlane> planes = drawn_planes(*traced.scene, info, settings);
   const int all = 1 + int(info.more_layers.size());
   const Rows rows = settings.band ? held_rows(*settings.band, info.height) : Rows{0, info.height};
   Image image(info.width, rows.count());

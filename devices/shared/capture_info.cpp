@@ -48,14 +48,21 @@ void add_layers(const TracedScene& traced, const CaptureSettings& settings, Pict
     info.more_layers.push_back({LayerKind::kOther, 0, camera});
 }
 
-std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, int shadows) {
-  std::vector<std::string> planes = {"depth",    "normal.x", "normal.y",  "normal.z", "albedo.r",  "albedo.g",
-                                     "albedo.b", "specular", "shininess", "shadow",   "object_id", "material_id"};
-  for (int k = 1; k < std::min({int(info.lights.size()), shadows, kMostShadows}); ++k)
+std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings) {
+  std::vector<std::string> planes = {"depth", "normal.x", "normal.y", "normal.z"};
+  const auto add = [&](const char* name) {
+    const auto& wanted = settings.planes;
+    if (!wanted || std::find(wanted->begin(), wanted->end(), name) != wanted->end()) planes.emplace_back(name);
+  };
+  for (const char* name : {"albedo.r", "albedo.g", "albedo.b", "specular", "shininess"}) add(name);
+  planes.emplace_back("shadow");
+  for (const char* name : {"object_id", "material_id"}) add(name);
+  for (int k = 1; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
     if (casts_from_afar(info.lights[k])) planes.push_back(shadow_plane(k));
   const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
                                  [](const Material& material) { return material.emission != glm::vec3(0.0f); });
-  if (emits) planes.insert(planes.end(), {"emission.r", "emission.g", "emission.b"});
+  if (emits)
+    for (const char* name : {"emission.r", "emission.g", "emission.b"}) add(name);
   return planes;
 }
 

@@ -17,7 +17,7 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
 void add_layers(const TracedScene& traced, const CaptureSettings& settings, PictureInfo& info);
 
 /// The planes of a layer. That of the key light's shadow is always there.
-std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, int shadows);
+std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& info, const CaptureSettings& settings);
 
 /// The lights that have a size: their shadows, of the first layer, are softened where a capture has shadow rays.
 std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings& settings);

@@ -42,7 +42,7 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
   auto planes = empty_planes(frame.info);
   frame.storage = planes;
   const int all = 1 + int(frame.info.more_layers.size());
-  const std::vector<std::string> names = captured_planes(*scene_.scene, frame.info, settings.shadows);
+  const std::vector<std::string> names = captured_planes(*scene_.scene, frame.info, settings);
   for (int layer = 0; layer < all; ++layer)
     for (const std::string& name : names)
       if (const auto made = store_->writable(*planes, layer_plane(layer, name)); !made) return made.error();
