@@ -59,10 +59,8 @@ std::string taken(const Option& o) {
     default:
       break;
   }
-  const bool whole =
-      std::holds_alternative<FieldOf<int>>(o.where) || std::holds_alternative<FieldOf<std::optional<int>>>(o.where);
-  return whole ? fmt::format("a whole number from {} to {}", long(o.min), long(o.max))
-               : fmt::format("a number from {:g} to {:g}", o.min, o.max);
+  return is_whole(o) ? fmt::format("a whole number from {} to {}", long(o.min), long(o.max))
+                     : fmt::format("a number from {:g} to {:g}", o.min, o.max);
 }
 
 template <class T>
@@ -199,6 +197,11 @@ Result<void> check_together(const RenderRequest& r) {
 }
 
 }  // namespace
+
+bool is_whole(const Option& option) {
+  return std::holds_alternative<FieldOf<int>>(option.where) ||
+         std::holds_alternative<FieldOf<std::optional<int>>>(option.where);
+}
 
 Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request) {
   if (option.form == OptionForm::kSize) {

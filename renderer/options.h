@@ -61,6 +61,9 @@ const Option& option_of(std::string_view field);
 /// A message with what `rename` makes of each field that it names in backquotes.
 std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&));
 
+/// Whether its numbers are whole.
+bool is_whole(const Option& option);
+
 /// Sets a field from text; flags take "true" and "false". Errors: kUsage.
 Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request);
 

@@ -18,6 +18,8 @@ void add_one(CLI::App& command, CommonOptions& o, std::string_view field, std::s
   const Option& row = option_of(field);
   const std::string name = "--" + std::string(row.option);
   std::string text(help.empty() ? row.help : help);
+  constexpr double kTold = 2000.0;  // up to which people want to know how far a number goes
+  if (is_whole(row) && row.max < kTold) text += fmt::format(", {} to {}", long(row.min), long(row.max));
   if (initial.empty()) initial = row.initial;
   if (!initial.empty()) text += fmt::format(" [{}]", initial);
   CLI::Option* option = nullptr;
