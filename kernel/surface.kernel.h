@@ -28,17 +28,22 @@ FN Real pixel_size(Real depth) {
   return max(abs(Real(F.ray_scale_x)), abs(Real(F.ray_scale_y))) * spread;
 }
 
-// A distance `off` of the point `there` from a plane, in units of what counts as on it: `near`, and what wrong normals
-// explain of the way between the plane's point and `there`.
-FN Real tolerant_distance(Real off, Real near, Vec3 normal, Vec3 way, Vec3 there) {
+// How steeply the ray to the point `there` meets a plane through it, times the point's depth in perspective, above 0.
+FN Real steepness(Vec3 normal, Vec3 there) {
+  Real facing = F.orthographic != 0 ? normal.z : -dot(normal, there);
+  Real depth = F.orthographic != 0 ? Real(1.0f) : -there.z;
+  return max(abs(facing), depth * 1e-6f);
+}
+
+// How far the point `there`, at a distance `off` from a plane, may be off it, times its steepness: `near`, and what wrong
+// normals explain of the way between the plane's point and `there`.
+FN Real allowed_distance(Real off, Real near, Real steep, Vec3 normal, Vec3 way, Vec3 there) {
   // Along the line of sight to `there` the plane lies off / facing behind it; both are multiplied by its depth, to
   // spare a division.
   Real depth = F.orthographic != 0 ? Real(1.0f) : -there.z;
   Real facing = F.orthographic != 0 ? normal.z : -dot(normal, there);
-  Real steep = max(abs(facing), depth * 1e-6f);
   Real predicted = abs(off * depth - way.z * facing);
-  Real wrong = min(abs(way.z) * steep, predicted * kMaxSteepening) * kMaxNormalError;
-  return off * steep / max(mad(near, steep, wrong), Real(1e-30f));
+  return mad(near, steep, min(abs(way.z) * steep, predicted * kMaxSteepening) * kMaxNormalError);
 }
 
 // How far a view-space position lies off a pixel's plane, above 0 on the normal's side, in sizes of a pixel, of the
@@ -53,10 +58,14 @@ FN Real plane_distance(Vec3 position, Vec3 normal, Vec3 there, float tolerance_p
   Vec3 way = there - position;
   Real off = dot(way, normal);
   Real near = pixel_size(min(-position.z, -there.z)) * tolerance_px;
-  Real distance = off / max(near, Real(1e-30f));
-  Bool beyond = abs(distance) > 1.0f;
-  if (some(beyond)) distance = select(beyond, tolerant_distance(off, near, normal, way, there), distance);
-  return distance;
+  Real allowed = near;
+  Bool beyond = abs(off) > near;
+  if (some(beyond)) {
+    Real steep = steepness(normal, there);
+    allowed = select(beyond, allowed_distance(off, near, steep, normal, way, there), near);
+    off = select(beyond, off * steep, off);
+  }
+  return off / max(allowed, Real(1e-30f));
 }
 
 // How far each of two pixels lies off the other's plane, the larger of both distances; up to 1 they show the same
@@ -67,15 +76,23 @@ FN Real surface_distance(Vec3 position, Vec3 normal, Vec3 there, Vec3 normal_the
   Real its = dot(way, normal_there);
   Real nearer = min(-position.z, -there.z);
   Real near = pixel_size(nearer) * tolerance_px;
-  Real distance = max(abs(own), abs(its)) / max(near, Real(1e-30f));
-  Bool beyond = distance > 1.0f;
+  Real off = max(abs(own), abs(its));
+  Real allowed = near;
+  Bool beyond = off > near;
   if (some(beyond)) {
-    own = tolerant_distance(own, near, normal, way, there);
-    its = tolerant_distance(its, near, normal_there, way, position);
-    distance = select(beyond, max(abs(own), abs(its)), distance);
+    Real own_steep = steepness(normal, there);
+    Real its_steep = steepness(normal_there, position);
+    Real own_allowed = allowed_distance(own, near, own_steep, normal, way, there);
+    Real its_allowed = allowed_distance(its, near, its_steep, normal_there, way, position);
+    Real own_off = abs(own) * own_steep;
+    Real its_off = abs(its) * its_steep;
+    // The larger of both quotients.
+    Bool is_own = own_off * its_allowed > its_off * own_allowed;
+    off = select(beyond, select(is_own, own_off, its_off), off);
+    allowed = select(beyond, select(is_own, own_allowed, its_allowed), near);
   }
   // What is no number is on none, too; max may overlook it.
-  return select(nearer > 0.0f && is_finite(own + its), distance, Real(kOtherSurface));
+  return select(nearer > 0.0f && is_finite(own + its), off / max(allowed, Real(1e-30f)), Real(kOtherSurface));
 }
 
 // How much two pixels belong together, for filters: fully up to a distance of 1, from 2 on not.
