@@ -1,13 +1,11 @@
 #include "renderer/bands.h"
 
 #include <algorithm>
-#include <iterator>
 #include <optional>
 #include <set>
 
 #include "core/check.h"
 #include "devices/shared/neutral.h"
-#include "effects/effects.h"
 #include "looks/metering.h"
 #include "renderer/average.h"
 #include "renderer/draw.h"
@@ -231,7 +229,7 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
 
 }  // namespace
 
-Result<BandPlan> plan_bands(const Device& device, const Recipe& recipe, double memory) {
+Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double memory) {
   constexpr double kBytes = sizeof(float);
   constexpr double kFixed = 150e6;              // the program and a scene
   constexpr double kMargin = 64.0;              // rows above and below a band
@@ -239,7 +237,7 @@ Result<BandPlan> plan_bands(const Device& device, const Recipe& recipe, double m
   const int layers = *layer_count(recipe.capture);
   const PlaneCount count = count_planes(recipe, layers);
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
-  BandPlan plan;
+  BandSizes plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
   const bool traced = find_named(handed_in(), recipe.occlusion);
   const bool fits = width * height * layers <= double(kMostPixels);
@@ -247,9 +245,9 @@ Result<BandPlan> plan_bands(const Device& device, const Recipe& recipe, double m
   if (!device.draws_bands() || traced) {
     if (fits) return plan;
     return usage_error(
-        "{} of {} x {} pixels are too many: together at most {} pixels; larger pictures are drawn in "
-        "bands, but not {}",
-        layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, kMostPixels,
+        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in bands, but not {}",
+        layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, layers == 1 ? "is" : "are",
+        kMostPixels,
         traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
   }
   const double fixed = kFixed + (count.far + count.averaged) * kBytes * width * height;
@@ -294,9 +292,9 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
 
 }  // namespace
 
-Result<BandsDrawn> draw_bands(Device& device, Scene& scene, const Plan& planned, int rows,
-                              const std::vector<std::string>& planes, bool lines, const TakeRows& take,
-                              StageTimes& times, const ProgressMonitor& monitor) {
+Result<Lines> draw_bands(Device& device, Scene& scene, const Plan& planned, int rows,
+                         const std::vector<std::string>& planes, bool lines, const TakeRows& take, StageTimes& times,
+                         const ProgressMonitor& monitor) {
   Plan plan = planned;
   set_lighting(plan.lighting, scene);
   BandProgress progress(monitor, plan.recipe.frames);
@@ -325,7 +323,7 @@ Result<BandsDrawn> draw_bands(Device& device, Scene& scene, const Plan& planned,
   auto drawn = drawer.draw_frame(begin_frame(plan, 0), wanted, lines, finish);
   if (!drawn) return drawn.error();
   if (auto ended = progress.end(); !ended) return ended.error();
-  return BandsDrawn{std::move(*drawn)};
+  return drawn;
 }
 
 }  // namespace umbrage

@@ -18,13 +18,14 @@ namespace {
 
 /// The planes of a picture, drawn whole or in bands of so many rows.
 Image drawn(const RenderRequest& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
-            const char* model = "scene:room?detail=3000") {
+            const char* model = "scene:room?detail=3000", bool alone = false) {
   static std::map<std::string, Scene> scenes;  // one takes a second to make
   if (!scenes.count(model)) scenes[model] = *load_scene(model);
   Scene scene = scenes[model];
   const auto device = make_cpu_device({.threads = threads});
-  const auto recipe = make_recipe(settings, kMostBandPixels);
+  auto recipe = make_recipe(settings, kMostBandPixels);
   EXPECT_TRUE(recipe) << recipe.error().message;
+  if (alone) keep_passes_alone(*recipe);
   furnish(scene, *recipe);
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
@@ -165,6 +166,21 @@ TEST(Bands, LinesOverAveragedFrames) {
       settings.anti_aliasing = frames;
       expect_bands_same(settings, {48}, planes);
     }
+  }
+}
+
+// Of passes alone as well, those of lines among them, which are of one frame.
+TEST(Bands, PassesAlone) {
+  for (const auto& [look, passes] : {std::pair<std::string_view, std::vector<std::string>>{"cartoon", {"outline"}},
+                                     {"cartoon", {"outline", "ao"}},
+                                     {"studio", {"depth"}},
+                                     {"studio", {"ao", "shadow"}}}) {
+    SCOPED_TRACE(fmt::format("{} {}", look, passes[0]));
+    RenderRequest settings = of_look(look, 101, 107);
+    settings.passes = passes;
+    const Image whole = drawn(settings, 0, passes, 0, "scene:room?detail=3000", true);
+    expect_same(whole, drawn(settings, 32, passes, 0, "scene:room?detail=3000", true));
+    expect_same(whole, drawn(settings, 0, passes));
   }
 }
 

@@ -25,8 +25,8 @@ Result<void> check_lens(const Request& r) {
   const bool sound = std::isfinite(r.left) && std::isfinite(r.right) && std::isfinite(r.bottom) &&
                      std::isfinite(r.top) && r.right != r.left && r.top != r.bottom;
   if (!sound)
-    return usage_error("the camera's window cannot be {} to {} and {} to {}: right lies beyond left, top above bottom",
-                       r.left, r.right, r.bottom, r.top);
+    return usage_error("the camera's window cannot be {} to {} and {} to {}: it has a size", r.left, r.right, r.bottom,
+                       r.top);
   if (!std::isfinite(r.scene_radius)) return usage_error("scene_radius cannot be {}", r.scene_radius);
   return {};
 }

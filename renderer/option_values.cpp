@@ -93,7 +93,8 @@ class CheckValue {
   }
   Result<void> operator()(FieldOf<std::string> of) {
     const std::string& text = of(request_);
-    if (text.empty()) return {};
+    RenderRequest untouched;
+    if (text.empty() && of(untouched).empty()) return {};
     if (o_.form == OptionForm::kLength) {
       const auto length = parse_length(o_.field, text);
       return length ? Result<void>() : length.error();

@@ -6,6 +6,7 @@
 
 #include "core/suggest.h"
 #include "effects/effects.h"
+#include "effects/outline/outline.h"
 
 namespace umbrage {
 namespace {
@@ -38,7 +39,7 @@ std::vector<std::string> averaged_passes(const std::vector<std::string>& words) 
 std::string_view look_with(std::string_view pass) {
   for (const Look* look : looks())
     for (const std::string_view name : look->effects) {
-      const Effect* effect = find_effect(name == "occlusion" ? look->occlusion : name);
+      const Effect* effect = find_effect(name == kOcclusionStep ? look->occlusion : name);
       if (!effect) continue;
       for (const Pass& each : effect->passes)
         for (const std::string_view plane : each.outputs)
@@ -172,6 +173,18 @@ Result<void> take_passes(const RenderRequest& request, Recipe& recipe) {
   return {};
 }
 
+namespace {
+
+/// Whether a plane that is wanted is a mean of frames. Lines that are curves are of frame 0.
+bool averages_something(const Recipe& recipe) {
+  if (recipe.wants("color.r")) return true;
+  const bool curves = as<OutlineParams>(params_of(recipe.settings, "outline")).mode != kOutlinePaper;
+  return std::any_of(recipe.averaged.begin(), recipe.averaged.end(),
+                     [&](const std::string& plane) { return plane != "outline" || !curves; });
+}
+
+}  // namespace
+
 void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides) {
   if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
   recipe.wanted.emplace(besides.begin(), besides.end());
@@ -181,8 +194,7 @@ void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides
     for (const std::string& channel : channels_of(pass)) recipe.wanted->push_back(pass + channel);
   }
   const auto steps = steps_of(look_run(recipe));
-  if (recipe.averaged.empty() && std::find(recipe.passes.begin(), recipe.passes.end(), "color") == recipe.passes.end())
-    recipe.frames = 1;  // the one that has its samples at the pixels' centres
+  if (!averages_something(recipe)) recipe.frames = 1;  // the one that has its samples at the pixels' centres
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
   for (const std::string& plane : *recipe.wanted) captured.emplace_back(of_first_layer(plane));
   for (const Effect* effect : steps)

@@ -100,6 +100,12 @@ Result<void> measure_lengths(const Scene& scene, Plan& plan) {
   return radius ? Result<void>() : radius.error();
 }
 
+/// Looks that do not show how bright lights are show a sky as if white lay in it.
+float sky_gain(const Plan& plan) {
+  const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting.usual_light;
+  return shows_light(plan.recipe) || !(usual > 0.0f) ? intensity : intensity / usual;
+}
+
 /// The technique's parameter of noise, or null.
 const Parameter* noise_of(const Recipe& recipe) {
   const Effect* technique = find_named<Effect>(every_effect(), recipe.occlusion);
@@ -142,16 +148,14 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads) {
             .camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height),
             .lighting = lighting_of(scene),
             .capture = recipe.capture,
-            .up = scene.up,
-            .sky_gain = recipe.hdri.intensity};
+            .up = scene.up};
   EffectSettings& settings = plan.recipe.settings;
   if (scene.lights.empty() && !recipe.hdri.lights())
     if (auto added = add_lights(scene, threads, plan); !added) return added.error();
   meter_inside(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting);
   if (auto measured = measure_lengths(scene, plan); !measured) return measured.error();
-  // Looks that do not show how bright lights are show a sky as if white lay in it.
-  if (const float usual = plan.lighting.usual_light; !shows_light(recipe) && usual > 0.0f) plan.sky_gain /= usual;
+  plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
     plan.first_noise = whole_value(*noise, params_of(settings, recipe.occlusion));
   plan.output = params_of(settings, "output");
@@ -182,6 +186,7 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
     }
   }
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting);
+  plan.sky_gain = sky_gain(plan);
   if (auto measured = measure_lengths(scene, plan); !measured) fail_check(measured.error().message);
   return plan;
 }

@@ -1,4 +1,4 @@
-// The public interface on top of a job.
+// The public interface: requests, recipes, plans and pictures in plain types.
 #include <algorithm>
 #include <bit>
 #include <cmath>

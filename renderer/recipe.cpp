@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "core/check.h"
 #include "core/light_rig.h"
 #include "core/suggest.h"
 #include "effects/ground/ground.h"
@@ -25,7 +26,9 @@ bool is_lit_by_image(const RenderRequest& request) { return !request.hdri_file.e
 /// The index of a text among what an option takes.
 int choice_of(std::string_view field, std::string_view text) {
   const auto& choices = option_of(field).choices;
-  return int(std::find(choices.begin(), choices.end(), text) - choices.begin());
+  const auto found = std::find(choices.begin(), choices.end(), text);
+  if (found == choices.end()) fail_check(fmt::format("{} is no choice of {}", text, field));
+  return int(found - choices.begin());
 }
 
 glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
@@ -255,8 +258,7 @@ Result<Recipe> make_recipe(const RenderRequest& request, long most_pixels) {
   recipe.light_size_deg = request.light_size_deg;
   recipe.settings = look_settings(look, handed_in());
   if (quality)
-    for (const std::string_view setting : recipe.frames > 1 ? quality->settings_of_frames : quality->settings)
-      if (auto done = apply_setting(recipe.settings, setting); !done) return done.error();
+    apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_frames : quality->settings, recipe.settings);
   use_image(request, recipe);
   // A look whose own technique gathers light gets it from the reference too, unless the request says otherwise.
   if (recipe.occlusion == reference_effect().name && gathers_light(look, recipe.settings))

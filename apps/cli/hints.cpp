@@ -9,6 +9,7 @@
 namespace umbrage::cli {
 
 void Seen::add(const Plane& depth, const Plane* ao) {
+  has_ao = ao != nullptr;
   constexpr float kVisible = 1.0f / 255.0f;  // of an 8-bit picture
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
@@ -75,7 +76,7 @@ std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radi
   constexpr double kHardlyAny = 1e-3;              // of the pixels that show a surface
   constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the scene's radius
   const auto& length = recipe.radius;
-  if (!length || recipe.occlusion == kNoOcclusion) return "";
+  if (!length || recipe.occlusion == kNoOcclusion || !seen.has_ao) return "";
   const double percent =
       length->relative ? double(length->value) : 100.0 * double(length->value) / double(scene_radius);
   const double pixels = double(seen.surfaces), changed = double(seen.changed);

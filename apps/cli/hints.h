@@ -11,7 +11,8 @@ namespace umbrage::cli {
 /// What is seen in a picture, for hints.
 struct Seen {
   long surfaces = 0;  ///< pixels that show one
-  long changed = 0;   ///< and that occlusion changes
+  bool has_ao = false;
+  long changed = 0;  ///< that occlusion changes, where it is known
 
   void add(const Plane& depth, const Plane* ao);
 };

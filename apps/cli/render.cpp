@@ -228,7 +228,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
         [&]() -> Result<void> {
           auto drawn = draw_bands(device, scene, plan, band_rows, wanted, bool(lines), take_rows, times, monitor);
           if (!drawn) return drawn.error();
-          traced = std::move(drawn->lines);
+          traced = std::move(*drawn);
           return {};
         });
   };
@@ -402,6 +402,8 @@ Result<Order> order_of(const RenderOptions& o) {
     auto alone = make_recipe(of_lines, kMostBandPixels);
     if (!alone) return alone.error();
     order.recipe = std::move(*alone);
+    order.recipe.wanted = seen_planes(order.recipe);
+    order.recipe.wanted->insert(order.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
   }
   keep_passes_alone(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
   if (output->is_video)
@@ -413,7 +415,7 @@ Result<Order> order_of(const RenderOptions& o) {
 }
 
 /// How the picture is drawn with so much memory, on the device or, where that is free to choose, another one that can.
-Result<BandPlan> planned_bands(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
+Result<BandSizes> planned_bands(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
   auto bands = plan_bands(*device, order.recipe, *memory);

@@ -64,7 +64,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   instance->vk = *functions;
   std::uint32_t version = 0;
   if (instance->vk.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_2)
-    return device_error("the Vulkan loader here is of version {}: 1.2 is needed, or --device cpu",
+    return device_error("the Vulkan loader here is of version {}: 1.2 is needed, or `device` cpu",
                         version_text(version));
 
   const VkApplicationInfo application{
@@ -99,7 +99,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   }
   const VkResult made = instance->vk.CreateInstance(&create, nullptr, &instance->handle);
   if (made == VK_ERROR_INCOMPATIBLE_DRIVER)
-    return device_error("there is no Vulkan driver here: install the graphics card's driver or use --device cpu");
+    return device_error("there is no Vulkan driver here: install the graphics card's driver or use `device` cpu");
   if (made != VK_SUCCESS) return vulkan_error(made, "was started");
   if (auto found = add_functions(instance->handle, instance->vk); !found) return found.error();
   if (instance->on_message) {

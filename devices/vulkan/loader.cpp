@@ -21,9 +21,9 @@ Result<VulkanFunctions> global_functions(PFN_vkGetInstanceProcAddr get) {
 #define UMBRAGE_FIND(name) vk.name = reinterpret_cast<PFN_vk##name>(get(nullptr, "vk" #name));
   UMBRAGE_VULKAN_GLOBAL(UMBRAGE_FIND)
 #undef UMBRAGE_FIND
-  if (!vk.CreateInstance) return device_error("the Vulkan loader here makes no instances; use --device cpu");
+  if (!vk.CreateInstance) return device_error("the Vulkan loader here makes no instances; use `device` cpu");
   if (!vk.EnumerateInstanceVersion)
-    return device_error("the Vulkan loader here is of version 1.0: 1.2 is needed, or --device cpu");
+    return device_error("the Vulkan loader here is of version 1.0: 1.2 is needed, or `device` cpu");
   return vk;
 }
 
@@ -53,7 +53,7 @@ Error vulkan_error(VkResult result, std::string_view doing) {
     case VK_ERROR_DEVICE_LOST:
       return device_error(
           "the Vulkan device was lost while it {}: its driver reset it or it was taken away; try again, "
-          "or --device cpu",
+          "or `device` cpu",
           doing);
     default:
       return device_error("the Vulkan device failed while it {} (error {})", doing, int(result));

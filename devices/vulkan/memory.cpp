@@ -119,7 +119,7 @@ Result<void> Memory::add_slab(VkDeviceSize plane_bytes) {
   if (plane_bytes > gpu_->largest_allocation)
     return device_error(
         "the picture is too large for the Vulkan device: a plane of it takes {:.0f} MiB, and {:.0f} MiB "
-        "are the most in one piece; use --device cpu or a smaller --resolution",
+        "are the most in one piece; use `device` cpu or a smaller `width`",
         mebibytes(plane_bytes), mebibytes(gpu_->largest_allocation));
   if (empty_bytes() > kKeptEmpty)
     if (auto freed = free_empty_slabs(); !freed) return freed;

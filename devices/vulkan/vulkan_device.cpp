@@ -373,7 +373,7 @@ Result<std::vector<VulkanGpu>> vulkan_gpus(const VulkanSettings& settings) {
 }
 
 Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& settings, std::unique_ptr<Device> capture) {
-  const Error no_gpu = device_error("there is no GPU here: use --device cpu, or --device vulkan for one in software");
+  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for one in software");
   if (settings.real && !may_have_gpu()) return no_gpu;
   auto instance = make_instance(settings.get, settings.on_message);
   if (!instance) return instance.error();
