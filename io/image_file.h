@@ -18,6 +18,7 @@ struct WriteSettings {
   int bits = 8;        ///< PNG: 8 or 16
   bool half = false;   ///< EXR: half instead of float
   bool small = false;  ///< PNG: as small as deflate makes it rather than fast
+  int threads = 2;     ///< EXR: that compress; 0: all. The file does not depend on it
   /// EXR: written as worldToCamera and worldToNDC, which OpenEXR defines left-handed with +z forward.
   const Camera* camera = nullptr;
 };
