@@ -88,7 +88,7 @@ Result<Drawn> draw(Device& device, Scene& scene, const Plan& planned, StageTimes
   run.stops = stops;
   run.run_handed_in = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
     if (!hierarchy) {
-      auto traced = trace_ready(scene, device.threads());
+      auto traced = trace_ready(scene, device.threads(), [&](double) { return of_step(0.0); });
       if (!traced) return traced.error();
       hierarchy = std::move(*traced);
     }

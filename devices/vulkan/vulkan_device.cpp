@@ -61,14 +61,14 @@ class VulkanDevice final : public Device {
 
   VulkanMemory memory() const { return {memory_->device_bytes(), memory_->host_bytes()}; }
 
-  Result<void> prepare(const Scene& scene) override {
-    return capture_ ? capture_->prepare(scene) : scene_->prepare(scene);
+  Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
+    return capture_ ? capture_->prepare(scene, monitor) : scene_->prepare(scene, monitor);
   }
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                         const ProgressMonitor& monitor) override {
     if (!capture_ && is_ended(monitor)) return interrupted();
-    if (!capture_) return scene_->capture(camera, settings);
+    if (!capture_) return scene_->capture(camera, settings, monitor);
     auto drawn = capture_->capture(camera, settings, monitor);
     if (!drawn) return drawn;
     Frame whole = *drawn;
