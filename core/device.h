@@ -63,6 +63,8 @@ class Device {
   virtual std::string description() const = 0;
   /// CPU threads that work for it.
   virtual int threads() const = 0;
+  /// Memory for the planes of its pictures: hold it by KeptPlanes while pictures are drawn one after the other.
+  virtual PlanePoolPtr pool() const = 0;
   /// Whether it draws pictures band by band. Of a frame that is one all functions work on its rows.
   virtual bool draws_bands() const { return false; }
   /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene

@@ -78,7 +78,7 @@ Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
 
 Result<Drawn> draw(Device& device, Scene& scene, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor,
                    std::optional<float> stops) {
-  const KeptPlanes kept;
+  const KeptPlanes kept(device.pool());
   Plan plan = planned;  // each frame has noise of its own
   set_lighting(plan.lighting, scene);
   DrawProgress progress(monitor, steps_of(look_run(plan.recipe)).size(), plan.recipe.frames);

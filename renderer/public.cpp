@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <utility>
 
 #include "core/guarded.h"
@@ -279,7 +280,7 @@ struct FrameRenderer::State {
   std::string asked;  ///< for sentences
   Opened opened;
   Framing framing;               ///< as the request has it
-  KeptPlanes kept;
+  std::optional<HeldPool> held;  ///< from frame to frame
 };
 
 FrameRenderer::FrameRenderer() = default;
@@ -299,6 +300,7 @@ Outcome FrameRenderer::open(const RenderRequest& request) {
                           auto model = open_model(watched, outcome.warnings);
                           if (!model) return model.error();
                           state->opened = std::move(*model);
+                          state->held.emplace(state->opened.device->pool());
                           state->framing = state->opened.recipe.framing;
                           return {};
                         });
@@ -338,6 +340,7 @@ Outcome FrameRenderer::draw(const FrameCamera& camera, Picture& picture) {
                          auto framing = framing_of(camera, state_->framing);
                          if (!framing) return framing.error();
                          state_->opened.recipe.framing = std::move(*framing);
+                         const KeptPlanes kept(state_->opened.device->pool());
                          return draw_frame(state_->opened);
                        });
   if (state_) state_->progress.rethrow();

@@ -327,7 +327,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
               (frame_number + done) / output.frames);
     return true;
   };
-  const KeptPlanes kept;
+  const KeptPlanes kept(device.pool());
   std::unique_ptr<Video> video;
   Place place{o.output, nullptr, {}};
   if (output.is_video) {

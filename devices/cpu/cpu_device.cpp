@@ -48,6 +48,8 @@ class CpuDevice final : public Device {
 
   int threads() const override { return arena_.max_concurrency(); }
 
+  PlanePoolPtr pool() const override { return pool_; }
+
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
     traced_.reset();
     auto traced = arena_.execute([&] { return trace_ready(scene, monitor); });
@@ -317,6 +319,7 @@ class CpuDevice final : public Device {
 
   CpuSettings settings_;
   tbb::task_arena arena_;
+  PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   const Scene* scene_ = nullptr;
   TracedScenePtr traced_;
 };

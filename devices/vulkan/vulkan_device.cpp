@@ -61,6 +61,8 @@ class VulkanDevice final : public Device {
 
   VulkanMemory memory() const { return {memory_->device_bytes(), memory_->host_bytes()}; }
 
+  PlanePoolPtr pool() const override { return capture_ ? capture_->pool() : pool_; }
+
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
     return capture_ ? capture_->prepare(scene, monitor) : scene_->prepare(scene, monitor);
   }
@@ -334,6 +336,7 @@ class VulkanDevice final : public Device {
   std::string name_, description_;
   int threads_ = 1;
   std::unique_ptr<Device> capture_;
+  PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   VulkanSettings settings_;
   std::optional<PlaneStore> store_;
   std::optional<Dispatcher> dispatcher_;
