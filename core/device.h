@@ -66,11 +66,13 @@ class Device {
   virtual std::string description() const = 0;
   /// CPU threads that work for it.
   virtual int threads() const = 0;
+  /// Memory for the planes of its pictures: hold it by KeptPlanes while pictures are drawn one after the other.
+  virtual PlanePoolPtr pool() const = 0;
   /// Whether it draws pictures band by band. Of a frame that is one all functions work on its rows.
   virtual bool draws_bands() const { return false; }
   /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
-  /// must live until the next prepare or the last capture.
-  virtual Result<void> prepare(const Scene& scene) = 0;
+  /// must live until the next prepare or the last capture. After kInterrupted it is not ready.
+  virtual Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor = {}) = 0;
   /// Draws the prepared scene into a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                                 const ProgressMonitor& monitor = {}) = 0;

@@ -3,11 +3,8 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
-#include <map>
-#include <mutex>
 #include <new>
 #include <utility>
 
@@ -32,61 +29,69 @@ int padded_stride(int width) {
   return aliased ? stride + kRowAlignment : stride;
 }
 
-/// Memory of planes that are gone, by its size, while somebody wants it kept.
-struct Kept {
-  std::mutex mutex;
-  int wanted_by = 0;
-  std::multimap<std::size_t, void*> blocks;
-};
-
-/// Where in its memory a large plane starts, bytes: another place each time.
+/// Where in its memory a large plane starts, bytes: another place for each that a thread makes.
 std::size_t next_stagger() {
-  static std::atomic<unsigned> count{0};
+  thread_local unsigned count = 0;
   return count++ % kStaggers * kStagger;
 }
 
-Kept& kept() {
-  static Kept& all = *new Kept;  // planes may outlive what is static
-  return all;
-}
-
-void* take_kept(std::size_t size) {
-  Kept& all = kept();
-  const std::lock_guard lock(all.mutex);
-  const auto found = all.blocks.find(size);
-  if (found == all.blocks.end()) return nullptr;
-  void* base = found->second;
-  all.blocks.erase(found);
-  return base;
-}
+/// The pool of the planes that this thread makes; null: none. What it points to is a KeptPlanes' own.
+thread_local const PlanePoolPtr* pool_of_thread = nullptr;
 
 }  // namespace
 
-KeptPlanes::KeptPlanes() {
-  const std::lock_guard lock(kept().mutex);
-  ++kept().wanted_by;
+PlanePool::~PlanePool() { drop_all(); }
+
+std::size_t PlanePool::bytes() const {
+  const std::lock_guard lock(mutex_);
+  std::size_t sum = 0;
+  for (const auto& [size, base] : blocks_) sum += size;
+  return sum;
 }
 
-KeptPlanes::~KeptPlanes() {
-  Kept& all = kept();
-  const std::lock_guard lock(all.mutex);
-  if (--all.wanted_by > 0) return;
-  for (const auto& [size, base] : all.blocks) std::free(base);
-  all.blocks.clear();
+void* PlanePool::take(std::size_t size) {
+  const std::lock_guard lock(mutex_);
+  const auto found = blocks_.find(size);
+  if (found == blocks_.end()) return nullptr;
+  void* base = found->second;
+  blocks_.erase(found);
+  return base;
 }
+
+bool PlanePool::give(std::size_t size, void* base) {
+  const std::lock_guard lock(mutex_);
+  if (holders_ == 0) return false;
+  try {
+    blocks_.emplace(size, base);
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  return true;
+}
+
+void PlanePool::drop_all() {
+  for (const auto& [size, base] : blocks_) std::free(base);
+  blocks_.clear();
+}
+
+HeldPool::HeldPool(PlanePoolPtr pool) : pool_(std::move(pool)) {
+  const std::lock_guard lock(pool_->mutex_);
+  ++pool_->holders_;
+}
+
+HeldPool::~HeldPool() {
+  const std::lock_guard lock(pool_->mutex_);
+  if (--pool_->holders_ == 0) pool_->drop_all();
+}
+
+KeptPlanes::KeptPlanes(PlanePoolPtr pool) : held_(pool), own_(std::move(pool)), before_(pool_of_thread) {
+  pool_of_thread = &own_;
+}
+
+KeptPlanes::~KeptPlanes() { pool_of_thread = before_; }
 
 void Plane::Free::operator()(float*) {
-  if (size >= kHugePage) {
-    Kept& all = kept();
-    const std::lock_guard lock(all.mutex);
-    if (all.wanted_by > 0) {
-      try {
-        all.blocks.emplace(size, base);
-        return;
-      } catch (const std::bad_alloc&) {  // it is not kept
-      }
-    }
-  }
+  if (const PlanePoolPtr kept = pool.lock(); kept && kept->give(size, base)) return;
   std::free(base);
 }
 
@@ -103,7 +108,8 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   // The same for all planes of one size, so that one serves the next.
   const std::size_t needed = bytes + (large ? (kStaggers - 1) * kStagger : 0);
   const std::size_t whole = (needed + rounding - 1) / rounding * rounding;
-  void* base = large ? take_kept(whole) : nullptr;
+  const PlanePoolPtr pool = large && pool_of_thread ? *pool_of_thread : nullptr;
+  void* base = pool ? pool->take(whole) : nullptr;
   if (!base) {
     if (posix_memalign(&base, alignment, whole) != 0) throw std::bad_alloc();
     if (large) {
@@ -112,7 +118,7 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
       if (huge < whole) madvise(static_cast<std::byte*>(base) + huge, whole - huge, MADV_NOHUGEPAGE);
     }
   }
-  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole}};
+  data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, pool}};
 }
 
 Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <thread>
@@ -95,6 +96,20 @@ TEST_F(IsolatedImport, LeavesNoProcessBehind) {
   constexpr int kFarBelowItsLingering = 10'000;
   EXPECT_EQ(::poll(&reader, 1, kFarBelowItsLingering), 1);
   ::close(ends[0]);
+}
+
+TEST_F(IsolatedImport, EndsWithItsReaderWhereItIsToldTo) {
+  const fs::path file = model("linger.obj");
+  const fs::path started = file.string() + ".started";
+  std::chrono::steady_clock::time_point ended;
+  const Result<Scene> scene = import_scene(file, {}, [&](double) {
+    ended = std::chrono::steady_clock::now();
+    return !fs::exists(started);
+  });
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().kind, ErrorKind::kInterrupted);
+  EXPECT_LT(std::chrono::steady_clock::now() - ended, std::chrono::milliseconds(300));
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
 }
 
 TEST_F(IsolatedImport, WorksInAnyProgram) {

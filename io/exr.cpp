@@ -17,7 +17,11 @@
 //   PIZ            write 535 ms,  read 264 ms,  18.8 MB     199 ms,  108 ms,   8.1 MB
 //   RLE            write 136 ms,  read 185 ms,  37.5 MB      96 ms,   66 ms,  12.3 MB
 //   none           write  40 ms,  read 120 ms,  50.3 MB      53 ms,   37 ms,  29.4 MB
-// The library's two worker threads take ZIP, level 1, float from 429 to 284 ms of elapsed time.
+//
+// Threads. The library's own are one pool of the whole process, whose size is its host's business; with none in it, as
+// it comes, the number that a file is opened with changes nothing. Blocks are therefore compressed here, by oneTBB's
+// threads, each as a file in memory of that block alone, and their bytes, which are the same as in a whole file, are
+// put one after the other; rows are read through a file for each thread.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -28,13 +32,18 @@
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
-#include <ImfThreading.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <limits>
 #include <map>
+#include <span>
 #include <stdexcept>
 
 #include "io/exr_camera.h"
@@ -46,11 +55,19 @@ namespace {
 
 constexpr Imf::Compression kCompression = Imf::ZIP_COMPRESSION;
 constexpr int kZipLevel = 1;
-constexpr int kThreads = 2;
+constexpr int kBlockRows = 16;  // of ZIP
+constexpr int kReadThreads = 2;
+constexpr bool kNoRepair = false;  // an unfinished file is an error, not a picture with holes
 
 constexpr std::string_view kColor = "color.";
 constexpr std::string_view kDepth = "depth", kDepthEnding = ".Z";
 constexpr std::string_view kSmallLetters = "rgbaxyz", kCapitals = "RGBAXYZ";
+
+/// As many as asked for, 0 being all, but no more than the machine has.
+int thread_count(int wish) {
+  const int most = tbb::info::default_concurrency();
+  return wish > 0 ? std::min(wish, most) : most;
+}
 
 /// The letter after the last dot where that is all there is, or 0.
 char last_letter(std::string_view name) { return name.size() > 2 && name[name.size() - 2] == '.' ? name.back() : '\0'; }
@@ -87,18 +104,6 @@ bool needs_float(std::string_view plane) {
   return word == "depth" || word == "id" || word.ends_with("_id");
 }
 
-/// Settings of the library for the whole process, made once: the worker threads, if nobody has asked for some, and
-/// the sizes of tiles and windows that it refuses before it makes tables for them.
-void set_up() {
-  static const bool done = [] {
-    if (Imf::globalThreadCount() == 0) Imf::setGlobalThreadCount(kThreads);
-    Imf::Header::setMaxImageSize(int(kMaxSide), int(kMaxSide));
-    Imf::Header::setMaxTileSize(int(kMaxSide), int(kMaxSide));
-    return true;
-  }();
-  static_cast<void>(done);
-}
-
 /// A text from a file, fit for a terminal.
 std::string printable(std::string_view text) {
   std::string out(text);
@@ -114,20 +119,21 @@ std::string cause(const std::exception& exception) {
   return printable(end == std::string::npos ? text : text.substr(end + 3));
 }
 
-/// A stream into an open file.
+/// A file in memory.
 class Stream : public Imf::OStream {
  public:
-  explicit Stream(std::FILE* file) : Imf::OStream("image"), file_(file) {}
-  void write(const char* bytes, int count) override {
-    if (std::fwrite(bytes, 1, count, file_) != std::size_t(count)) throw std::runtime_error(std::strerror(errno));
+  Stream() : Imf::OStream("image") {}
+  void write(const char* from, int count) override {
+    bytes.replace(at_, std::min(std::size_t(count), bytes.size() - at_), from, std::size_t(count));
+    at_ += std::size_t(count);
   }
-  std::uint64_t tellp() override { return std::uint64_t(::ftello(file_)); }
-  void seekp(std::uint64_t position) override {
-    if (::fseeko(file_, off_t(position), SEEK_SET) != 0) throw std::runtime_error(std::strerror(errno));
-  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t position) override { at_ = std::size_t(position); }
+
+  std::string bytes;
 
  private:
-  std::FILE* file_;
+  std::size_t at_ = 0;
 };
 
 Imath::M44f imath(const glm::dmat4& m) {
@@ -154,29 +160,150 @@ void add_camera(Imf::Header& header, const Camera& camera) {
   header.screenWindowCenter() = Imath::V2f((camera.left + camera.right) / 2, (camera.bottom + camera.top) / 2);
 }
 
-/// Writes the next rows of an image, from row `first` on, as these channels.
-void write_rows(Imf::OutputFile& output, const std::vector<std::string>& channels, const Image& rows, int first) {
+/// Some rows of an image: row `row` of `image` is the file's row `first`.
+struct Rows {
+  const Image* image;
+  int row, first, count;
+};
+
+/// The bytes of a file of these rows alone, as these channels, of which the first `before` are header and table.
+std::string file_of(const Rows& rows, const std::vector<std::string>& channels, Imf::Header header,
+                    std::size_t& before) {
+  header.dataWindow().min.y = rows.first;
+  header.dataWindow().max.y = rows.first + rows.count - 1;
   Imf::FrameBuffer pixels;
-  std::vector<std::vector<Imath::half>> halves(rows.planes.size());
-  const Imath::V2i origin(0, first);
-  for (std::size_t p = 0; p < rows.planes.size(); ++p) {
-    const Plane& plane = rows.planes[p];
-    const void* start = plane.data();
+  std::vector<std::vector<Imath::half>> halves(channels.size());
+  const Imath::V2i origin(0, rows.first);
+  for (std::size_t p = 0; p < channels.size(); ++p) {
+    const Plane& plane = rows.image->planes[p];
+    const void* start = plane.row(rows.row);
     std::size_t step = sizeof(float), stride = plane.stride * sizeof(float);
-    const Imf::PixelType type = output.header().channels()[channels[p]].type;
+    const Imf::PixelType type = header.channels()[channels[p]].type;
     if (type == Imf::HALF) {
-      halves[p].reserve(std::size_t(plane.width) * plane.height);
-      for (int y = 0; y < plane.height; ++y)
+      halves[p].reserve(std::size_t(plane.width) * rows.count);
+      for (int y = rows.row; y < rows.row + rows.count; ++y)
         halves[p].insert(halves[p].end(), plane.row(y), plane.row(y) + plane.width);
       start = halves[p].data();
       step = sizeof(Imath::half);
       stride = plane.width * step;
     }
-    pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, plane.height, step, stride));
+    pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, rows.count, step, stride));
   }
-  output.setFrameBuffer(pixels);
-  output.writePixels(rows.height);
+  Stream stream;
+  {
+    Imf::OutputFile output(stream, header, 0);
+    before = std::size_t(stream.tellp());
+    output.setFrameBuffer(pixels);
+    output.writePixels(rows.count);
+  }
+  return std::move(stream.bytes);
 }
+
+/// Takes an image's rows from its top down and writes the file, whose blocks so many threads compress.
+class BlockWriter {
+ public:
+  BlockWriter(std::FILE* out, const Imf::Header& header, const std::vector<std::string>& channels, int threads)
+      : out_(out), header_(header), channels_(channels), arena_(thread_count(threads)) {
+    height_ = header.dataWindow().max.y + 1;
+    width_ = header.dataWindow().max.x + 1;
+    Stream stream;
+    { const Imf::OutputFile without_pixels(stream, header, 0); }
+    table_at_ = stream.bytes.size() - std::size_t((height_ + kBlockRows - 1) / kBlockRows) * sizeof(std::uint64_t);
+    put(stream.bytes.data(), stream.bytes.size());
+  }
+
+  void take(const Image& image) {
+    for (int row = 0; row < image.height;) {
+      const int in_block = next_ % kBlockRows, left = image.height - row;
+      const int in_last = (next_ + left) % kBlockRows;
+      const int whole = next_ + left == height_ ? left : left - in_last;
+      if (in_block == 0 && whole > 0) {
+        compress({&image, row, next_, whole});
+        next_ += whole;
+        row += whole;
+        continue;
+      }
+      // Part of a block: it waits for the rest.
+      const int count = std::min(left, std::min(kBlockRows - in_block, height_ - next_));
+      if (in_block == 0) part_ = Image(width_, kBlockRows);
+      for (std::size_t p = 0; p < channels_.size(); ++p) {
+        Plane& to = part_.add(channels_[p]);
+        for (int y = 0; y < count; ++y) std::copy_n(image.planes[p].row(row + y), width_, to.row(in_block + y));
+      }
+      next_ += count;
+      row += count;
+      if (next_ % kBlockRows == 0 || next_ == height_)
+        compress({&part_, 0, next_ - in_block - count, in_block + count});
+    }
+  }
+
+  /// After all rows.
+  void finish() {
+    if (::fseeko(out_, off_t(table_at_), SEEK_SET) != 0) throw std::runtime_error(std::strerror(errno));
+    std::string table;
+    for (const std::uint64_t offset : offsets_)
+      for (unsigned byte = 0; byte < sizeof offset; ++byte) table += char(offset >> (8 * byte) & 0xff);
+    put(table.data(), table.size());
+  }
+
+ private:
+  void put(const char* bytes, std::size_t count) {
+    if (std::fwrite(bytes, 1, count, out_) != count) throw std::runtime_error(std::strerror(errno));
+    at_ += count;
+  }
+
+  /// Whole blocks, and the image's last one.
+  void compress(const Rows& rows) {
+    struct Part {
+      std::string file;
+      std::size_t before = 0;
+    };
+    // The library makes room anew for each file: a few blocks share one.
+    constexpr int kParts = 8, kMostBlocks = 8;  // parts of each thread
+    const int blocks = (rows.count + kBlockRows - 1) / kBlockRows;
+    const int together = kBlockRows * std::clamp(blocks / (kParts * arena_.max_concurrency()), 1, kMostBlocks);
+    int begun = 0;
+    const auto next = tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+      const Rows part{rows.image, rows.row + begun, rows.first + begun, std::min(together, rows.count - begun)};
+      if (begun >= rows.count) control.stop();
+      begun += together;
+      return part;
+    });
+    const auto file = tbb::make_filter<Rows, Part>(tbb::filter_mode::parallel, [&](const Rows& some) {
+      Part part;
+      part.file = file_of(some, channels_, header_, part.before);
+      return part;
+    });
+    const auto append = tbb::make_filter<Part, void>(tbb::filter_mode::serial_in_order, [&](const Part& part) {
+      add(std::string_view(part.file).substr(part.before));
+    });
+    arena_.execute([&] { tbb::parallel_pipeline(2 * std::size_t(arena_.max_concurrency()), next & file & append); });
+  }
+
+  /// Blocks as they lie in a file: row, size and that many bytes.
+  void add(std::string_view blocks) {
+    constexpr std::size_t kSizeAt = 4, kBytesAt = 8;
+    for (std::size_t at = 0; at + kBytesAt <= blocks.size();) {
+      offsets_.push_back(at_ + at);
+      std::size_t size = 0;
+      for (unsigned byte = 0; byte < 4; ++byte)
+        size |= std::size_t(static_cast<unsigned char>(blocks[at + kSizeAt + byte])) << (8 * byte);
+      at += kBytesAt + size;
+    }
+    put(blocks.data(), blocks.size());
+  }
+
+  std::FILE* out_;
+  const Imf::Header& header_;
+  const std::vector<std::string>& channels_;
+  tbb::task_arena arena_;
+  int width_ = 0, height_ = 0;
+  int next_ = 0;          // row
+  Image part_;            // of a block
+  std::uint64_t at_ = 0;  // in the file
+  std::size_t table_at_ = 0;
+  std::vector<std::uint64_t> offsets_;
+};
 
 Result<void> write(const fs::path& file, const ImageShape& image, const WriteSettings& settings,
                    const MakeImageRows& make) {
@@ -204,16 +331,15 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
     header.channels().insert(channel, Imf::Channel(type));
     channels.push_back(channel);
   }
-  set_up();
   return write_whole(file, [&](std::FILE* out) -> Result<void> {
-    Stream stream(out);
-    Imf::OutputFile output(stream, header, kThreads);
-    int first = 0;
-    return make([&](const Image& rows) -> Result<void> {
-      write_rows(output, channels, rows, first);
-      first += rows.height;
+    BlockWriter writer(out, header, channels, settings.threads);
+    const auto made = make([&](const Image& rows) -> Result<void> {
+      writer.take(rows);
       return {};
     });
+    if (!made) return made;
+    writer.finish();
+    return {};
   });
 }
 
@@ -241,6 +367,29 @@ Result<void> check_window(const fs::path& file, const Imath::Box2i& window) {
   return check_size(file, std::int64_t(window.max.x) - window.min.x + 1, std::int64_t(window.max.y) - window.min.y + 1);
 }
 
+/// Reads a part's rows by several threads, each through a file of its own.
+void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const Imf::FrameBuffer& pixels,
+               Imf::MultiPartInputFile& input) {
+  constexpr int kLargestBlock = 256;  // rows, of DWAB; a block that two threads want is decompressed by both
+  const auto read_from = [&](Imf::MultiPartInputFile& from, int first, int last) {
+    Imf::InputPart reader(from, index);
+    reader.setFrameBuffer(pixels);
+    reader.readPixels(first, last);
+  };
+  const int blocks = (data.max.y - data.min.y) / kLargestBlock + 1;
+  if (blocks < 2) return read_from(input, data.min.y, data.max.y);
+  const auto row_at = [&](int share) { return data.min.y + blocks * share / kReadThreads * kLargestBlock; };
+  tbb::task_arena arena(thread_count(kReadThreads));
+  arena.execute([&] {
+    tbb::parallel_for(0, kReadThreads, [&](int share) {
+      const int first = row_at(share), last = std::min(row_at(share + 1) - 1, data.max.y);
+      if (share == 0) return read_from(input, first, last);
+      Imf::MultiPartInputFile own(file.c_str(), 0, kNoRepair);
+      read_from(own, first, last);
+    });
+  });
+}
+
 /// Adds the channels of one part to the image.
 Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int index, Image& image) {
   const Imf::Header& header = input.header(index);
@@ -263,9 +412,7 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
     pixels.insert(it.name(),
                   Imf::Slice::Make(Imf::FLOAT, plane.data(), data, sizeof(float), plane.stride * sizeof(float)));
   }
-  Imf::InputPart reader(input, index);
-  reader.setFrameBuffer(pixels);
-  reader.readPixels(data.min.y, data.max.y);
+  read_rows(file, index, data, pixels, input);
   for (auto& [channel, plane] : planes) {
     const std::string full = index > 0 ? part + "." + channel : channel;
     std::string name = plane_of(channel.find('.') == std::string::npos ? full : channel);
@@ -282,45 +429,122 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
 }
 
 /// Reads up to a zero byte; false where the file ends before or the text is no name.
-bool skip_name(std::FILE* stream, bool& empty) {
+bool read_name(std::FILE* stream, std::string& name) {
   constexpr int kLongest = 256;
+  name.clear();
   for (int i = 0; i < kLongest; ++i) {
     const int c = std::fgetc(stream);
     if (c == EOF) return false;
-    if (c != 0) continue;
-    empty = i == 0;
-    return true;
+    if (c == 0) return true;
+    name += char(c);
   }
   return false;
 }
 
-/// Whether all attributes of the headers end within the file. The library makes room for what a damaged one claims, up
-/// to 2 GB, before it looks.
-bool attributes_end(std::FILE* stream, std::int64_t size) {
+/// The next numbers of four bytes; false where the file ends before.
+bool read_numbers(std::FILE* stream, std::span<std::int64_t> numbers) {
+  for (std::int64_t& number : numbers) {
+    unsigned char bytes[4];
+    if (std::fread(bytes, 1, sizeof bytes, stream) != sizeof bytes) return false;
+    number = std::int32_t(std::uint32_t(bytes[0]) | std::uint32_t(bytes[1]) << 8 | std::uint32_t(bytes[2]) << 16 |
+                          std::uint32_t(bytes[3]) << 24);
+  }
+  return true;
+}
+
+/// Bytes of a value of that type; 0 where they are not always as many.
+std::int64_t size_of(std::string_view type) {
+  static constexpr std::pair<std::string_view, std::int64_t> kSizes[] = {{"box2f", 16},
+                                                                         {"box2i", 16},
+                                                                         {"chromaticities", 32},
+                                                                         {"compression", 1},
+                                                                         {"deepImageState", 1},
+                                                                         {"double", 8},
+                                                                         {"envmap", 1},
+                                                                         {"float", 4},
+                                                                         {"int", 4},
+                                                                         {"keycode", 28},
+                                                                         {"lineOrder", 1},
+                                                                         {"m33d", 72},
+                                                                         {"m33f", 36},
+                                                                         {"m44d", 128},
+                                                                         {"m44f", 64},
+                                                                         {"rational", 8},
+                                                                         {"tiledesc", 9},
+                                                                         {"timecode", 8},
+                                                                         {"v2d", 16},
+                                                                         {"v2f", 8},
+                                                                         {"v2i", 8},
+                                                                         {"v3d", 24},
+                                                                         {"v3f", 12},
+                                                                         {"v3i", 12}};
+  for (const auto& [name, size] : kSizes)
+    if (name == type) return size;
+  return 0;
+}
+
+/// Whether a value, at which the stream stands, takes the bytes that the header claims. The library trusts the claim of
+/// some types and for others reads what it needs, after which it would see other attributes than check_headers.
+bool takes(std::FILE* stream, std::string_view type, std::int64_t claimed) {
+  const std::int64_t end = std::ftell(stream) + claimed;
+  if (type == "preview") {
+    std::array<std::int64_t, 2> sides{};
+    return read_numbers(stream, sides) && sides[0] >= 0 && sides[1] >= 0 && sides[0] <= kMaxSide &&
+           sides[1] <= kMaxSide && 8 + 4 * sides[0] * sides[1] == claimed;
+  }
+  if (type == "chlist") {
+    constexpr long kOfChannel = 16;
+    std::string name;
+    while (read_name(stream, name) && std::ftell(stream) <= end) {
+      if (name.empty()) return std::ftell(stream) == end;
+      if (std::fseek(stream, kOfChannel, SEEK_CUR) != 0) return false;
+    }
+    return false;
+  }
+  const std::int64_t size = size_of(type);
+  return size == 0 || size == claimed;
+}
+
+/// Whether the value is a window or the size of tiles for which the library would make huge tables.
+bool is_huge(std::FILE* stream, std::string_view name, std::string_view type) {
+  std::array<std::int64_t, 4> numbers{};
+  if (type == "box2i" && (name == "dataWindow" || name == "displayWindow"))
+    return read_numbers(stream, numbers) &&
+           (numbers[2] - numbers[0] >= kMaxSide || numbers[3] - numbers[1] >= kMaxSide);
+  if (type != "tiledesc" || !read_numbers(stream, std::span(numbers).first(2))) return false;
+  return std::uint32_t(numbers[0]) > kMaxSide || std::uint32_t(numbers[1]) > kMaxSide;
+}
+
+/// Walks the headers before the library sees them, which makes room for what a damaged one claims before it looks: up
+/// to 2 GB for an attribute, and tables for windows of any size. Errors: kFile.
+Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t size) {
   constexpr int kFlags = 5, kHeaders = 8;  // where they stand
   constexpr int kSeveralParts = 0x10;      // in the second byte of the version
+  const Error damaged = file_error("'{}' cannot be read as EXR: its header is cut short or damaged", file.string());
   std::fseek(stream, kFlags, SEEK_SET);
   const int flags = std::fgetc(stream);
   std::fseek(stream, kHeaders, SEEK_SET);
   // A header is attributes and an empty name; several headers end with an empty one.
+  std::string name, type;
   bool first = true;
   while (true) {
-    bool empty = false;
-    if (flags == EOF || !skip_name(stream, empty)) return false;
-    if (empty && (first || (flags & kSeveralParts) == 0)) return true;
-    first = empty;
-    if (empty) continue;
-    unsigned char length[4];
-    bool no_type = false;
-    if (!skip_name(stream, no_type) || std::fread(length, 1, sizeof length, stream) != sizeof length) return false;
-    const std::int64_t bytes = std::int64_t(length[0]) | std::int64_t(length[1]) << 8 | std::int64_t(length[2]) << 16 |
-                               std::int64_t(length[3]) << 24;
-    if (bytes > size - std::ftell(stream) || std::fseek(stream, long(bytes), SEEK_CUR) != 0) return false;
+    if (flags == EOF || !read_name(stream, name)) return damaged;
+    if (name.empty() && (first || (flags & kSeveralParts) == 0)) return {};
+    first = name.empty();
+    if (name.empty()) continue;
+    std::array<std::int64_t, 1> claimed{};
+    if (!read_name(stream, type) || !read_numbers(stream, claimed)) return damaged;
+    const long value = std::ftell(stream);
+    const std::int64_t bytes = std::uint32_t(claimed[0]);
+    if (bytes > size - value || !takes(stream, type, bytes)) return damaged;
+    std::fseek(stream, value, SEEK_SET);
+    if (is_huge(stream, name, type))
+      return file_error(
+          "'{}' says that its windows or tiles are larger than {} pixels a side, which is the most that "
+          "can be read",
+          file.string(), kMaxSide);
+    if (std::fseek(stream, value + long(bytes), SEEK_SET) != 0) return damaged;
   }
-}
-
-Error cut_header(const fs::path& file) {
-  return file_error("'{}' cannot be read as EXR: its header is cut short or damaged", file.string());
 }
 
 /// How often smaller a compression can make pixels at best: deflate 1032 times, and DWA and PIZ what run lengths have
@@ -336,11 +560,9 @@ Result<Image> read(const fs::path& file) {
   std::int64_t size = 0;
   const Result<InputFile> stream = open_to_read(file, size);
   if (!stream) return stream.error();
-  if (!attributes_end(stream->get(), size)) return cut_header(file);
-  set_up();
+  if (auto sound = check_headers(file, stream->get(), size); !sound) return sound.error();
   try {
-    constexpr bool kNoRepair = false;  // an unfinished file is an error, not a picture with holes
-    Imf::MultiPartInputFile input(file.c_str(), kThreads, kNoRepair);
+    Imf::MultiPartInputFile input(file.c_str(), 0, kNoRepair);
     const Imath::Box2i& display = input.header(0).displayWindow();
     if (Result<void> sane = check_window(file, display); !sane) return sane.error();
     Image image(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1);
@@ -391,10 +613,8 @@ Result<std::optional<Camera>> read_camera(const fs::path& file) {
   char start[4] = {};
   const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
   if (!recognises(std::string_view(start, got))) return std::optional<Camera>();
-  if (!attributes_end(stream->get(), size)) return cut_header(file);
-  set_up();
+  if (auto sound = check_headers(file, stream->get(), size); !sound) return sound.error();
   try {
-    constexpr bool kNoRepair = false;
     const Imf::MultiPartInputFile input(file.c_str(), 0, kNoRepair);
     const Imf::Header& header = input.header(0);
     if (!Imf::hasWorldToCamera(header) || !Imf::hasWorldToNDC(header)) return std::optional<Camera>();

@@ -20,6 +20,7 @@ struct WriteSettings {
   bool small = false;  ///< PNG: as small as deflate makes it rather than fast
   /// EXR: planes whose floats are the bits of whole numbers, written as those.
   std::vector<std::string> whole_numbers = {};
+  int threads = 2;  ///< EXR: that compress; 0: all. The file does not depend on it
   /// EXR: written as worldToCamera and worldToNDC, which OpenEXR defines left-handed with +z forward.
   const Camera* camera = nullptr;
 };

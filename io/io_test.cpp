@@ -10,6 +10,7 @@
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
+#include <ImfThreading.h>
 #include <ImfTiledOutputFile.h>
 #include <gtest/gtest.h>
 #include <png.h>
@@ -180,6 +181,90 @@ TEST_F(ImageFile, ExrHeadersPromiseNoMoreThanTheFileHolds) {
   for (const std::size_t side : {0u, 4u})
     for (std::size_t i = 0; i < 2; ++i) frame[at + side + i] = side == 4 && i == 1 ? '\x0f' : '\xff';
   expect_refused(frame, "its frame is 65536 x 4096 pixels, of which it holds too few");
+}
+
+TEST_F(ImageFile, ExrHeadersOfHugeWindowsAreRefusedBeforeTheLibrarySeesThem) {
+  const fs::path file = *this / "a.exr";
+  for (const bool data : {true, false}) {
+    Imf::Header header(8, 8);
+    (data ? header.dataWindow() : header.displayWindow()).max.x = 65536;
+    header.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+    { const Imf::OutputFile empty(file.c_str(), header); }
+    expect_error(read_image(file), {"a.exr", "larger than 65536 pixels a side"});
+  }
+}
+
+// The library's threads and limits are the whole process's, which a host sets for its own files.
+TEST_F(ImageFile, ExrLeavesTheLibrarysSettingsAlone) {
+  for (const int threads : {0, 3}) {
+    Imf::setGlobalThreadCount(threads);
+    const fs::path file = *this / "a.exr";
+    const Image image = random_image(300, 700, {"a", "b"});
+    for (const int own : {0, 1, 2, 5}) {
+      ASSERT_TRUE(write_image(file, image, {.threads = own}));
+      const auto back = read_image(file);
+      ASSERT_TRUE(back);
+      for (std::size_t p = 0; p < 2; ++p)
+        for (int y = 0; y < image.height; ++y)
+          ASSERT_TRUE(std::equal(image.planes[p].row(y), image.planes[p].row(y) + image.width, back->planes[p].row(y)));
+    }
+    EXPECT_EQ(Imf::globalThreadCount(), threads);
+  }
+  Imf::setGlobalThreadCount(0);
+  Imf::Header wide(100000, 1);
+  wide.channels().insert("Z", Imf::Channel(Imf::FLOAT));
+  EXPECT_NO_THROW(wide.sanityCheck()) << "a size that we do not read, and that the host may";
+}
+
+TEST_F(ImageFile, ExrFilesDoNotDependOnThreadsNorOnThePiecesTheyAreMadeOf) {
+  const auto bytes_of = [&](const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+  };
+  for (const int height : {1, 15, 16, 17, 100}) {
+    const Image image = random_image(37, height, {"a", "depth", "color.r"});
+    for (const bool half : {false, true}) {
+      ASSERT_TRUE(write_image(*this / "whole.exr", image, {.half = half, .threads = 1}));
+      const std::string whole = bytes_of(*this / "whole.exr");
+      // As the library itself writes a whole picture.
+      Imf::Header header = Imf::InputFile((*this / "whole.exr").c_str()).header();
+      header.zipCompressionLevel() = 1;
+      {
+        Imf::OutputFile output((*this / "theirs.exr").c_str(), header);
+        Imf::FrameBuffer pixels;
+        std::vector<std::vector<Imath::half>> halves(image.planes.size());
+        for (std::size_t p = 0; p < image.planes.size(); ++p) {
+          const Plane& plane = image.planes[p];
+          const std::string channel = std::vector<std::string>{"a", "depth.Z", "R"}[p];
+          for (int y = 0; y < height; ++y) halves[p].insert(halves[p].end(), plane.row(y), plane.row(y) + plane.width);
+          const bool is_half = half && p != 1;
+          const void* start = is_half ? static_cast<const void*>(halves[p].data()) : plane.data();
+          const std::size_t size = is_half ? 2 : 4;
+          pixels.insert(channel, Imf::Slice::Make(is_half ? Imf::HALF : Imf::FLOAT, start, {0, 0}, plane.width, height,
+                                                  size, size * std::size_t(is_half ? plane.width : plane.stride)));
+        }
+        output.setFrameBuffer(pixels);
+        output.writePixels(height);
+      }
+      EXPECT_TRUE(whole == bytes_of(*this / "theirs.exr")) << height << (half ? " half" : "");
+      for (const int piece : {1, 7, 16, 50}) {
+        const MakeImageRows make = [&](const TakeImageRows& take) -> Result<void> {
+          for (int y = 0; y < height; y += piece) {
+            Image rows(image.width, std::min(piece, height - y));
+            for (std::size_t p = 0; p < image.planes.size(); ++p)
+              for (int j = 0; j < rows.height; ++j)
+                std::copy_n(image.planes[p].row(y + j), image.width, rows.add(image.names[p]).row(j));
+            if (auto taken = take(rows); !taken) return taken;
+          }
+          return {};
+        };
+        const ImageShape shape{image.width, height, image.names};
+        ASSERT_TRUE(write_image_rows(*this / "pieces.exr", shape, {.half = half, .threads = 3}, make));
+        EXPECT_TRUE(whole == bytes_of(*this / "pieces.exr")) << height << " in pieces of " << piece;
+      }
+    }
+  }
 }
 
 TEST_F(ImageFile, UnknownEndingListsAll) {

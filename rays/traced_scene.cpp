@@ -9,6 +9,7 @@
 #include <glm/vec4.hpp>
 #include <limits>
 
+#include "core/watch.h"
 #include "rays/embree_device.h"
 
 namespace umbrage {
@@ -155,12 +156,13 @@ bool fill_points(const TracedScene& traced, const Mesh& mesh, RTCGeometry geomet
 
 }  // namespace
 
-Result<TracedScenePtr> trace_ready(const Scene& scene, int threads) {
+Result<TracedScenePtr> trace_ready(const Scene& scene, int threads, const ProgressMonitor& monitor) {
   tbb::task_arena arena(threads);
-  return arena.execute([&] { return trace_ready(scene); });
+  return arena.execute([&] { return trace_ready(scene, monitor); });
 }
 
-Result<TracedScenePtr> trace_ready(const Scene& scene) {
+Result<TracedScenePtr> trace_ready(const Scene& scene, const ProgressMonitor& monitor) {
+  Watch watch(monitor, 1);
   TracedScenePtr traced(new TracedScene);
   traced->scene = &scene;
   const auto device = new_embree_device();
@@ -170,8 +172,14 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
   rtcSetSceneFlags(traced->rtc, RTC_SCENE_FLAG_ROBUST);
   traced->center = scene.center();
   if (const float radius = scene.radius(); radius > 0.0f) traced->scale = std::exp2(-std::round(std::log2(radius)));
-  for (const Texture& texture : scene.textures) traced->textures.push_back(make_mips(texture));
+  for (const Texture& texture : scene.textures) {
+    watch.reached(0.0);
+    if (watch.ended()) return interrupted();
+    traced->textures.push_back(make_mips(texture));
+  }
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    watch.reached(0.0);
+    if (watch.ended()) return interrupted();
     const Mesh& mesh = scene.meshes[m];
     const RTCGeometryType type = !mesh.points   ? RTC_GEOMETRY_TYPE_TRIANGLE
                                  : mesh.spheres ? RTC_GEOMETRY_TYPE_SPHERE_POINT
@@ -190,7 +198,19 @@ Result<TracedScenePtr> trace_ready(const Scene& scene) {
     rtcAttachGeometryByID(traced->rtc, geometry, unsigned(m));
     rtcReleaseGeometry(geometry);
   }
+  // Called by all threads that build; the one that asks builds, too.
+  if (monitor)
+    rtcSetSceneProgressMonitorFunction(
+        traced->rtc,
+        [](void* pointer, double share) {
+          auto& building = *static_cast<Watch*>(pointer);
+          building.reached(share);
+          return !building.ended();
+        },
+        &watch);
   rtcCommitScene(traced->rtc);
+  if (watch.ended()) return interrupted();
+  rtcSetSceneProgressMonitorFunction(traced->rtc, nullptr, nullptr);
   if (const RTCError error = rtcGetDeviceError(traced->device); error != RTC_ERROR_NONE)
     return build_error(scene, error);
   return traced;

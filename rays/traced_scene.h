@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/progress.h"
 #include "core/result.h"
 #include "rays/mip_texture.h"
 #include "scene/scene.h"
@@ -34,10 +35,10 @@ struct FreeTracedScene {
 using TracedScenePtr = std::unique_ptr<TracedScene, FreeTracedScene>;
 
 /// Builds the hierarchy. The scene must outlive the result. Rays pass where a texture's alpha is cut away.
-/// Errors: kDevice where Embree cannot (out of memory).
-Result<TracedScenePtr> trace_ready(const Scene& scene);
+/// Errors: kDevice where Embree cannot (out of memory); kInterrupted.
+Result<TracedScenePtr> trace_ready(const Scene& scene, const ProgressMonitor& monitor = {});
 /// The same by so many threads.
-Result<TracedScenePtr> trace_ready(const Scene& scene, int threads);
+Result<TracedScenePtr> trace_ready(const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
 /// What a ray met, in unit space.
 struct Surface {

@@ -128,7 +128,7 @@ class BandDrawer {
   void keep_planes_of(const Rows& rows) {
     if (kept_ && kept_rows_ == rows.count()) return;
     kept_.reset();
-    kept_.emplace();
+    kept_.emplace(device_.pool());
     kept_rows_ = rows.count();
   }
 

@@ -78,7 +78,7 @@ Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
 
 Result<Drawn> draw(Device& device, Scene& scene, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor,
                    std::optional<float> stops) {
-  const KeptPlanes kept;
+  const KeptPlanes kept(device.pool());
   Plan plan = planned;  // each frame has noise of its own
   set_lighting(plan.lighting, scene);
   DrawProgress progress(monitor, steps_of(look_run(plan.recipe)).size(), plan.recipe.frames);
@@ -88,7 +88,7 @@ Result<Drawn> draw(Device& device, Scene& scene, const Plan& planned, StageTimes
   run.stops = stops;
   run.run_handed_in = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
     if (!hierarchy) {
-      auto traced = trace_ready(scene, device.threads());
+      auto traced = trace_ready(scene, device.threads(), [&](double) { return of_step(0.0); });
       if (!traced) return traced.error();
       hierarchy = std::move(*traced);
     }

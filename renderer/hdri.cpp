@@ -63,19 +63,21 @@ Result<Panorama> read_own_format(const std::filesystem::path& file) {
   return panorama;
 }
 
-Result<Panorama> read_file(const std::string& file) {
+Result<Panorama> read_file(const std::string& file, const ProgressMonitor& monitor) {
   if (file == "sky:") return sky_panorama();
   const auto own = is_own_format(file);
   if (!own) return own.error();
-  return *own ? read_own_format(file) : read_panorama_apart(file);
+  if (*own) return read_own_format(file);
+  Poll poll(monitor);
+  return read_panorama_apart(file, &poll);
 }
 
 }  // namespace
 
-Result<std::vector<std::string>> read_hdri(Hdri& hdri) {
+Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& monitor) {
   std::vector<std::string> warnings;
   if (hdri.file.empty()) return warnings;
-  auto read = read_file(hdri.file);
+  auto read = read_file(hdri.file, monitor);
   if (!read) return read.error();
   if (const std::size_t changed = clean_panorama(*read); changed > 0)
     warnings.push_back(fmt::format(

@@ -7,6 +7,7 @@
 
 #include "core/band.h"
 #include "core/gbuffer.h"
+#include "core/progress.h"
 #include "core/result.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
@@ -27,7 +28,7 @@ struct Hdri {
 
 /// Reads the file of `hdri`, if there is one: EXR, PNG and PFM by io/, others in a process of their own. Gives
 /// sentences for people who may have meant another one. Errors: kFile.
-Result<std::vector<std::string>> read_hdri(Hdri& hdri);
+Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& monitor = {});
 
 /// The light of the image, which must have been read, over a scene with that upward direction.
 Lighting image_lighting(const Hdri& hdri, glm::vec3 up);

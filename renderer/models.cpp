@@ -7,19 +7,25 @@
 
 namespace umbrage {
 
-Result<Scene> load_scene(const std::string& model, const ImportSettings& settings) {
+Result<Scene> load_scene(const std::string& model, const ImportSettings& settings, const ProgressMonitor& monitor) {
   if (model.empty()) return usage_error("the name of a model is empty");
-  if (!model.starts_with("scene:")) return import_scene(model, settings);
+  if (!model.starts_with("scene:")) return import_scene(model, settings, monitor);
   if (auto fine = check_scene_index(settings, model, 1); !fine) return fine.error();
+  if (monitor && !monitor(0.0)) return interrupted();
   auto scene = make_builtin_scene(model);
   if (scene && settings.up != glm::vec3(0.0f)) scene->up = settings.up;
   return scene;
 }
 
-Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings) {
-  auto all = load_scene(models.at(0), settings);
+Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings,
+                          const ProgressMonitor& monitor) {
+  std::size_t read = 0;
+  ProgressMonitor of_model;
+  if (monitor) of_model = [&](double done) { return monitor((double(read) + done) / double(models.size())); };
+  auto all = load_scene(models.at(0), settings, of_model);
   for (std::size_t m = 1; all && m < models.size(); ++m) {
-    auto next = load_scene(models[m], settings);
+    read = m;
+    auto next = load_scene(models[m], settings, of_model);
     if (!next) return next;
     const int materials = int(all->materials.size()), textures = int(all->textures.size());
     int objects = 0;

@@ -10,10 +10,13 @@
 namespace umbrage {
 
 /// A file's scene, or a built-in one for `scene:NAME?detail=N`.
-Result<Scene> load_scene(const std::string& model, const ImportSettings& settings = {});
+/// Errors: kInterrupted besides. A built-in scene asks before alone.
+Result<Scene> load_scene(const std::string& model, const ImportSettings& settings = {},
+                         const ProgressMonitor& monitor = {});
 
 /// Several models side by side in one scene, as they are placed in their files.
-Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {});
+Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {},
+                          const ProgressMonitor& monitor = {});
 
 /// Makes the camera of that number the scene's own view: one of the file's, or else of those that a built-in scene
 /// suggests. Errors: kUsage for one that there is not.

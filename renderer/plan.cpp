@@ -38,7 +38,7 @@ std::optional<float> lowest_light_deg(const Scene& scene) {
 }
 
 /// Gives lights to a scene that has none.
-Result<void> add_lights(const Scene& scene, int threads, Plan& plan) {
+Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& monitor, Plan& plan) {
   // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
   constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
   const Recipe& recipe = plan.recipe;
@@ -57,7 +57,7 @@ Result<void> add_lights(const Scene& scene, int threads, Plan& plan) {
   const bool inside = stands_inside(plan.camera, scene);
   plan.lit_from_camera = !inside;
   if (!inside || !seen) return {};
-  const auto traced = trace_ready(scene, threads);
+  const auto traced = trace_ready(scene, threads, monitor);
   if (!traced) return traced.error();
   const PictureInfo info{.width = recipe.width, .height = recipe.height, .camera = plan.camera};
   std::vector<Light> lights = interior_lights(**traced, info, lighting.lights);
@@ -143,7 +143,7 @@ void furnish(Scene& scene, const Recipe& recipe) {
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 
-Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads) {
+Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor) {
   Plan plan{.recipe = recipe,
             .camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height),
             .lighting = lighting_of(scene),
@@ -151,7 +151,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads) {
             .up = scene.up};
   EffectSettings& settings = plan.recipe.settings;
   if (scene.lights.empty() && !recipe.hdri.lights())
-    if (auto added = add_lights(scene, threads, plan); !added) return added.error();
+    if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
   meter_inside(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting);
   if (auto measured = measure_lengths(scene, plan); !measured) return measured.error();

@@ -25,8 +25,9 @@ struct Plan {
 /// takes the place of the scene's own. Before a device is prepared.
 void furnish(Scene& scene, const Recipe& recipe);
 
-/// The plan of a furnished scene. Lights that it lacks are found with so many threads; 0: all. Errors: kUsage.
-Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads);
+/// The plan of a furnished scene. Lights that it lacks are found with so many threads; 0: all. Errors: kUsage;
+/// kInterrupted.
+Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
 /// The plan of a model that has turned before the camera: this has gone so far around, counterclockwise as seen from
 /// above. The light of an image around the scene goes along, and so does the light that a scene without any got from

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <utility>
 
 #include "core/guarded.h"
@@ -73,7 +74,10 @@ struct Opened {
 };
 
 Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>& warnings) {
-  const auto going_on = [&] { return !request.progress || request.progress(0.0); };
+  // All of it comes before the drawing, which is what shares are told of.
+  ProgressMonitor before;
+  if (request.progress) before = [&](double) { return request.progress(0.0); };
+  const auto going_on = [&] { return !before || before(0.0); };
   auto recipe = make_recipe(request);
   if (!recipe) return recipe.error();
   const auto import_with = import_settings(request);
@@ -83,11 +87,11 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
   if (!going_on()) return interrupted();
-  const auto hdri_warnings = read_hdri(recipe->hdri);
+  const auto hdri_warnings = read_hdri(recipe->hdri, before);
   if (!hdri_warnings) return hdri_warnings.error();
   std::vector<std::string> models = {request.model};
   models.insert(models.end(), request.more_models.begin(), request.more_models.end());
-  auto scene = load_scenes(models, *import_with);
+  auto scene = load_scenes(models, *import_with, before);
   if (!scene) return scene.error();
   if (recipe->camera_index)
     if (auto used = use_camera(*recipe->camera_index, *scene); !used) return used.error();
@@ -97,13 +101,15 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
   furnish(*scene, *recipe);
   Opened opened{std::move(*device), std::make_unique<Scene>(std::move(*scene)), std::move(*recipe), request.progress,
                 std::move(*lines)};
-  if (const auto ready = opened.device->prepare(*opened.scene); !ready) return ready.error();
+  if (const auto ready = opened.device->prepare(*opened.scene, before); !ready) return ready.error();
   return opened;
 }
 
 Result<Picture> draw_frame(Opened& opened) {
   StageTimes times;
-  const auto plan = make_plan(opened.recipe, *opened.scene, opened.device->threads());
+  ProgressMonitor before;
+  if (opened.monitor) before = [&](double) { return opened.monitor(0.0); };
+  const auto plan = make_plan(opened.recipe, *opened.scene, opened.device->threads(), before);
   if (!plan) return plan.error();
   const auto drawn = draw(*opened.device, *opened.scene, *plan, times, opened.monitor);
   if (!drawn) return drawn.error();
@@ -282,8 +288,8 @@ struct FrameRenderer::State {
   CallersProgress progress;
   std::string asked;  ///< for sentences
   Opened opened;
-  Framing framing;  ///< as the request has it
-  KeptPlanes kept;
+  Framing framing;               ///< as the request has it
+  std::optional<HeldPool> held;  ///< from frame to frame
 };
 
 FrameRenderer::FrameRenderer() = default;
@@ -303,6 +309,7 @@ Outcome FrameRenderer::open(const RenderRequest& request) {
                           auto model = open_model(watched, outcome.warnings);
                           if (!model) return model.error();
                           state->opened = std::move(*model);
+                          state->held.emplace(state->opened.device->pool());
                           state->framing = state->opened.recipe.framing;
                           return {};
                         });
@@ -342,6 +349,7 @@ Outcome FrameRenderer::draw(const FrameCamera& camera, Picture& picture) {
                          auto framing = framing_of(camera, state_->framing);
                          if (!framing) return framing.error();
                          state_->opened.recipe.framing = std::move(*framing);
+                         const KeptPlanes kept(state_->opened.device->pool());
                          return draw_frame(state_->opened);
                        });
   if (state_) state_->progress.rethrow();

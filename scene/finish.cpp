@@ -352,7 +352,7 @@ bool is_smooth(std::span<const Index> corners, const std::vector<Face>& faces, f
 
 }  // namespace
 
-void make_normals(Mesh& mesh, float crease_angle_deg) {
+void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll) {
   for (Index index : mesh.indices) check_less(index, mesh.positions.size(), "vertex index");
   const float crease_deg = std::clamp(crease_angle_deg, 0.0f, 180.0f);
   constexpr float kRounding = 1e-5f;  // faces that are parallel but for rounding stay together at a crease angle of 0
@@ -360,13 +360,17 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
   const float half_crease_cos = std::cos(glm::radians(crease_deg / 2.0f));
   const bool all_smooth = crease_deg >= 180.0f;
 
+  const auto is_ended = [&] { return poll && poll->passing(0.0); };
   const JoinedVertices vertices = joined_vertices(mesh);
+  if (is_ended()) return;
   const std::vector<Face> faces = faces_of(mesh);
+  if (is_ended()) return;
   const CornerLists lists = corner_lists(mesh.indices, vertices);
   VertexMaker maker(mesh, faces, vertices);
   CornerGroups groups;
   std::vector<Index> order, members;
   for (Index p = 0; p < vertices.point_count; ++p) {
+    if (stops(poll, p, vertices.point_count)) return;
     const std::span<const Index> around = lists.around(p);
     if (around.empty()) continue;
     if (all_smooth || is_smooth(around, faces, half_crease_cos)) {
@@ -393,7 +397,7 @@ void make_normals(Mesh& mesh, float crease_angle_deg) {
   mesh.indices = std::move(made.indices);
 }
 
-std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettings& points) {
+std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettings& points, Poll* poll) {
   std::size_t dropped = 0;
   if (scene.materials.empty()) scene.materials.emplace_back();
   for (Material& material : scene.materials) {
@@ -402,6 +406,7 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettin
     }
   }
   for (Mesh& mesh : scene.meshes) {
+    if (poll && poll->passing(0.0)) return dropped;
     if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
     if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
     if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
@@ -414,8 +419,10 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettin
       continue;
     }
     dropped += clean_triangles(mesh);
+    if (poll && poll->passing(0.0)) return dropped;
     if (mesh.indices.empty()) continue;
-    if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg);
+    if (mesh.normals.empty() || !repair_normals(mesh)) make_normals(mesh, crease_angle_deg, poll);
+    if (poll && poll->ended()) return dropped;
     for (glm::vec2& uv : mesh.uvs) {
       if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.0f);
     }
@@ -434,6 +441,7 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettin
   const float radius = scene.radius();
   for (Mesh& mesh : scene.meshes) {
     if (!mesh.points) continue;
+    if (poll && poll->passing(0.0)) return dropped;
     shape_points(mesh, points, radius);
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
       scene.bounds_min = glm::min(scene.bounds_min, mesh.positions[i] - mesh.radii[i]);

@@ -32,7 +32,7 @@ struct Times {
 /// others take it over, as frames do that are drawn one after the other.
 template <class Run>
 Result<Times> time_of(int runs, Device& device, const Run& run) {
-  const KeptPlanes kept;
+  const KeptPlanes kept(device.pool());
   std::vector<double> ms, gpu_ms;
   if (auto done = device.finish(); !done) return done.error();
   for (int i = 0; i <= runs; ++i) {

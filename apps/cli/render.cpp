@@ -130,7 +130,7 @@ Image picture_in_file(const RenderOptions& o, const Place& place, const Image& d
 Result<void> write_output(const RenderOptions& o, const Place& place, const EffectSettings& effect_settings,
                           Device& device, const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
-  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &camera};
+  const WriteSettings settings{.bits = o.bits, .half = o.half, .threads = device.threads(), .camera = &camera};
   auto names = kColor;
   if (o.request.transparent) names.push_back("color.a");
   if (o.passes) {
@@ -207,7 +207,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
                          picture_in_file(o, place, pixel, names, recipe.settings, {}).names};
   Seen seen;
   Lines traced;
-  const WriteSettings settings{.bits = o.bits, .half = o.half, .camera = &plan.camera};
+  const WriteSettings settings{.bits = o.bits, .half = o.half, .threads = device.threads(), .camera = &plan.camera};
   const auto monitor = [&](double done) {
     line.show("drawing", done);
     return true;
@@ -327,7 +327,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
               (frame_number + done) / output.frames);
     return true;
   };
-  const KeptPlanes kept;
+  const KeptPlanes kept(device.pool());
   std::unique_ptr<Video> video;
   Place place{o.output, nullptr, {}};
   if (output.is_video) {

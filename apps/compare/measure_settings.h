@@ -17,7 +17,8 @@ struct MeasureSettings {
   int samples = 256;  ///< of the truth, per pixel; even
   int runs = 3;       ///< behind each time, after one that does not count; the reference runs once
   /// Reads a model; its camera, where `draw` names one, is chosen afterwards.
-  std::function<Result<Scene>(const std::string&, const ImportSettings&)> load = load_scene;
+  std::function<Result<Scene>(const std::string&, const ImportSettings&)> load =
+      [](const std::string& model, const ImportSettings& settings) { return load_scene(model, settings); };
   /// Told what is done now, and about the share of the whole that is done; false ends the work.
   std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
 };

@@ -17,8 +17,8 @@
 #include <new>
 
 #include "core/guarded.h"
+#include "core/watch.h"
 #include "devices/cpu/soften.h"
-#include "devices/cpu/watch.h"
 #include "devices/shared/capture_info.h"
 #include "devices/shared/soften.h"
 #include "rays/camera_rays.h"

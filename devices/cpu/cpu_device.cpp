@@ -10,10 +10,10 @@
 
 #include "core/check.h"
 #include "core/guarded.h"
+#include "core/watch.h"
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_planes.h"
 #include "devices/cpu/soften.h"
-#include "devices/cpu/watch.h"
 #include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
 #include "devices/shared/passes.h"
@@ -48,8 +48,11 @@ class CpuDevice final : public Device {
 
   int threads() const override { return arena_.max_concurrency(); }
 
-  Result<void> prepare(const Scene& scene) override {
-    auto traced = arena_.execute([&] { return trace_ready(scene); });
+  PlanePoolPtr pool() const override { return pool_; }
+
+  Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
+    traced_.reset();
+    auto traced = arena_.execute([&] { return trace_ready(scene, monitor); });
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
     scene_ = &scene;
@@ -316,6 +319,7 @@ class CpuDevice final : public Device {
 
   CpuSettings settings_;
   tbb::task_arena arena_;
+  PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   const Scene* scene_ = nullptr;
   TracedScenePtr traced_;
 };

@@ -82,19 +82,22 @@ std::vector<float> tables() {
 
 }  // namespace
 
-Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& commands, const Gpu& gpu) {
+Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& commands, const Gpu& gpu,
+                                 const ProgressMonitor& monitor) {
   static_assert(kCaptureDiscPoints == kDiscPoints && kPacket == 16);
   DeviceScene out;
   out.scene = &scene;
   out.center = scene.center();
   if (const float radius = scene.radius(); radius > 0.0f) out.scale = std::exp2(-std::round(std::log2(radius)));
-  const auto hierarchy = build_hierarchy(scene, out.center, out.scale);
+  const auto hierarchy = build_hierarchy(scene, out.center, out.scale, monitor);
   if (!hierarchy) return hierarchy.error();
   out.root = hierarchy->root;
   out.empty = hierarchy->empty();
   out.points = scene.point_count() > 0;
   out.triangles = int(hierarchy->triangles.size());
 
+  Poll poll(monitor);
+  poll.part(1.0, 1.0);
   std::vector<glm::vec3> normals, colors;
   std::vector<glm::vec2> uvs;
   for (const Mesh& mesh : scene.meshes) {
@@ -109,6 +112,7 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
   std::vector<CaptureLevel> levels;
   std::vector<std::uint8_t> texels;
   for (const Texture& texture : scene.textures) {
+    if (poll.passing(0.0)) return interrupted();
     const MipTexture mips = make_mips(texture);
     textures.push_back({int(levels.size()), int(mips.levels.size())});
     for (const MipLevel& level : mips.levels) {
@@ -122,6 +126,7 @@ Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& c
   for (const Bytes bytes :
        {bytes_of(hierarchy->nodes), bytes_of(hierarchy->triangles), bytes_of(normals), bytes_of(uvs), bytes_of(meshes),
         bytes_of(textures), bytes_of(levels), bytes_of(texels), bytes_of(points), bytes_of(colors)}) {
+    if (poll.passing(0.0)) return interrupted();
     auto buffer = upload(bytes, memory, commands, gpu);
     if (!buffer) return buffer.error();
     out.buffers.push_back(std::move(*buffer));

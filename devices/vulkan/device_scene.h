@@ -3,6 +3,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "core/progress.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/memory.h"
 #include "scene/scene.h"
@@ -22,7 +23,8 @@ struct DeviceScene {
   std::vector<DevicePlanePtr> buffers;
 };
 
-/// Errors: kDevice.
-Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& commands, const Gpu& gpu);
+/// Errors: kDevice; kInterrupted.
+Result<DeviceScene> upload_scene(const Scene& scene, Memory& memory, Commands& commands, const Gpu& gpu,
+                                 const ProgressMonitor& monitor = {});
 
 }  // namespace umbrage

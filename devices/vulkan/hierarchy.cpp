@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <bit>
+#include <exception>
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <memory>
 #include <new>
 
 #include "core/check.h"
+#include "core/watch.h"
 #include "devices/vulkan/capture.h"
 #include "rays/embree_device.h"
 
@@ -27,8 +29,12 @@ struct BuiltNode {
   unsigned meshes[kMostInLeaf], triangles[kMostInLeaf];
 };
 
-/// Embree makes an error of the exception; it hands out no memory by null.
-BuiltNode* new_node(RTCThreadLocalAllocator memory) {
+/// The work has been ended. Embree's builder does not look at what its question for progress is answered.
+struct Ended : std::exception {};
+
+/// Embree makes an error of the exceptions; it hands out no memory by null. `pointer` is the Watch.
+BuiltNode* new_node(RTCThreadLocalAllocator memory, void* pointer) {
+  if (static_cast<const Watch*>(pointer)->ended()) throw Ended();
   void* place = rtcThreadLocalAlloc(memory, sizeof(BuiltNode), 16);
   if (!place) throw std::bad_alloc();
   return new (place) BuiltNode;
@@ -36,6 +42,8 @@ BuiltNode* new_node(RTCThreadLocalAllocator memory) {
 
 // Share of a box's place and size by which it is wider than what it holds: a ray along its side must not miss it.
 constexpr float kWider = 5e-7f;
+
+constexpr double kMeasured = 0.1, kBuilt = 0.8;  // about the share of the work when that is done
 
 float bits(int v) { return std::bit_cast<float>(v); }
 
@@ -46,11 +54,17 @@ struct Flattener {
   const std::vector<int>& first_vertex;
   float scale;
   Hierarchy& out;
+  Watch& watch;
+  int leaves = 0;  ///< so far
 
   int add(const BuiltNode& node, int depth) {
     check_less(depth, kHierarchyDepth + 1, "depth of a hierarchy");
+    if (watch.ended()) return 0;
     if (node.count > 0) {
       const int first = int(out.triangles.size());
+      constexpr int kLeaves = 1024;  // between questions
+      if (leaves++ % kLeaves == 0)
+        watch.reached(kBuilt + (1.0 - kBuilt) * double(first) / double(out.triangles.capacity()));
       for (unsigned k = 0; k < node.count; ++k) {
         const Mesh& mesh = scene.meshes[node.meshes[k]];
         if (mesh.points) {
@@ -87,11 +101,13 @@ struct Flattener {
 };
 
 std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, const std::vector<glm::vec3>& positions,
-                                             const std::vector<int>& first_vertex, float scale) {
+                                             const std::vector<int>& first_vertex, float scale, Watch& watch) {
   std::vector<RTCBuildPrimitive> primitives;
   primitives.reserve(scene.triangle_count() + scene.point_count());
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
+    watch.reached(kMeasured * double(primitives.size()) / double(primitives.capacity()));
+    if (watch.ended()) break;
     for (std::size_t k = 0; k < mesh.radii.size(); ++k) {
       const glm::vec3 p = positions[std::size_t(first_vertex[m]) + k];
       const glm::vec3 n = mesh.spheres ? glm::vec3(0.0f) : mesh.normals[k];
@@ -114,7 +130,9 @@ std::vector<RTCBuildPrimitive> primitives_of(const Scene& scene, const std::vect
 
 }  // namespace
 
-Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float scale) {
+Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float scale, const ProgressMonitor& monitor) {
+  Watch watch(monitor, 1);
+  if (watch.ended()) return interrupted();
   Hierarchy out;
   std::vector<glm::vec3> positions;
   std::vector<int> first_vertex;
@@ -122,7 +140,8 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     first_vertex.push_back(int(positions.size()));
     for (const glm::vec3& p : mesh.positions) positions.push_back((p - center) * scale);
   }
-  std::vector<RTCBuildPrimitive> primitives = primitives_of(scene, positions, first_vertex, scale);
+  std::vector<RTCBuildPrimitive> primitives = primitives_of(scene, positions, first_vertex, scale, watch);
+  if (watch.ended()) return interrupted();
   if (primitives.empty()) return out;
 
   struct Release {
@@ -139,7 +158,9 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
   how.bvh = bvh.get();
   how.primitives = primitives.data();
   how.primitiveCount = how.primitiveArrayCapacity = primitives.size();
-  how.createNode = [](RTCThreadLocalAllocator memory, unsigned, void*) -> void* { return new_node(memory); };
+  how.createNode = [](RTCThreadLocalAllocator memory, unsigned, void* pointer) -> void* {
+    return new_node(memory, pointer);
+  };
   how.setNodeChildren = [](void* node, void** children, unsigned, void*) {
     for (int k = 0; k < 2; ++k) static_cast<BuiltNode*>(node)->children[k] = static_cast<const BuiltNode*>(children[k]);
   };
@@ -147,8 +168,8 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     for (int k = 0; k < 2; ++k) static_cast<BuiltNode*>(node)->bounds[k] = *bounds[k];
   };
   how.createLeaf = [](RTCThreadLocalAllocator memory, const RTCBuildPrimitive* primitives, std::size_t count,
-                      void*) -> void* {
-    BuiltNode* node = new_node(memory);
+                      void* pointer) -> void* {
+    BuiltNode* node = new_node(memory, pointer);
     node->count = unsigned(count);
     for (std::size_t k = 0; k < count; ++k) {
       node->meshes[k] = primitives[k].geomID;
@@ -156,10 +177,18 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
     }
     return node;
   };
+  how.userPtr = &watch;
+  how.buildProgress = [](void* pointer, double share) {
+    auto& building = *static_cast<Watch*>(pointer);
+    building.reached(kMeasured + (kBuilt - kMeasured) * share);
+    return !building.ended();
+  };
   const auto* root = static_cast<const BuiltNode*>(rtcBuildBVH(&how));
+  if (watch.ended()) return interrupted();
   if (!root) return build_error(scene, rtcGetDeviceError(device.get()));
   out.triangles.reserve(primitives.size());
-  out.root = Flattener{scene, positions, first_vertex, scale, out}.add(*root, 1);
+  out.root = Flattener{scene, positions, first_vertex, scale, out, watch}.add(*root, 1);
+  if (watch.ended()) return interrupted();
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
+#include "core/progress.h"
 #include "core/result.h"
 #include "scene/scene.h"
 
@@ -25,7 +26,8 @@ struct Hierarchy {
 };
 
 /// Of a scene moved by -center and scaled. Uses Embree's builder, and all threads of the calling task arena. Errors:
-/// kDevice where it runs out of memory.
-Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float scale);
+/// kDevice where it runs out of memory; kInterrupted.
+Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float scale,
+                                  const ProgressMonitor& monitor = {});
 
 }  // namespace umbrage

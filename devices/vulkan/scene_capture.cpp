@@ -12,11 +12,11 @@
 
 namespace umbrage {
 
-Result<void> SceneCapture::prepare(const Scene& scene) {
+Result<void> SceneCapture::prepare(const Scene& scene, const ProgressMonitor& monitor) {
   scene_ = {};
   ++scenes_;
   traced_.reset();
-  auto ready = upload_scene(scene, *memory_, *commands_, *gpu_);
+  auto ready = upload_scene(scene, *memory_, *commands_, *gpu_, monitor);
   if (!ready) return ready.error();
   scene_ = std::move(*ready);
   return {};
@@ -28,13 +28,15 @@ Result<void> SceneCapture::spare() {
   return commands_->finish();
 }
 
-Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings& settings) {
+Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings& settings,
+                                    const ProgressMonitor& monitor) {
   if (!scene_.scene) fail_check("capture before prepare");
   if (auto fine = check_capture(settings); !fine) return fine.error();
   Frame frame;
   frame.info = picture_info(*scene_.scene, camera, settings);
   if (settings.extra_views > 0 && !traced_) {  // where they stand is found out by rays
-    auto traced = trace_ready(*scene_.scene, threads_);
+    const ProgressMonitor before = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
+    auto traced = trace_ready(*scene_.scene, threads_, before);
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
   }

@@ -43,10 +43,11 @@ class SceneCapture {
         threads_(threads),
         draws_(draws) {}
 
-  Result<void> prepare(const Scene& scene);
+  /// Errors: kDevice; kInterrupted, after which nothing is prepared.
+  Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor);
 
-  /// Draws the prepared scene with capture.comp.
-  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings);
+  /// Draws the prepared scene with capture.comp. The monitor is asked while a hierarchy is built on the host for it.
+  Result<Frame> capture(const Camera& camera, const CaptureSettings& settings, const ProgressMonitor& monitor);
 
   /// Gives back the memory that is not needed between captures, and waits for what uses it.
   Result<void> spare();

@@ -61,14 +61,16 @@ class VulkanDevice final : public Device {
 
   VulkanMemory memory() const { return {memory_->device_bytes(), memory_->host_bytes()}; }
 
-  Result<void> prepare(const Scene& scene) override {
-    return capture_ ? capture_->prepare(scene) : scene_->prepare(scene);
+  PlanePoolPtr pool() const override { return capture_ ? capture_->pool() : pool_; }
+
+  Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
+    return capture_ ? capture_->prepare(scene, monitor) : scene_->prepare(scene, monitor);
   }
 
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                         const ProgressMonitor& monitor) override {
     if (!capture_ && is_ended(monitor)) return interrupted();
-    if (!capture_) return scene_->capture(camera, settings);
+    if (!capture_) return scene_->capture(camera, settings, monitor);
     auto drawn = capture_->capture(camera, settings, monitor);
     if (!drawn) return drawn;
     Frame whole = *drawn;
@@ -338,6 +340,7 @@ class VulkanDevice final : public Device {
   std::string name_, description_;
   int threads_ = 1;
   std::unique_ptr<Device> capture_;
+  PlanePoolPtr pool_ = std::make_shared<PlanePool>();
   VulkanSettings settings_;
   std::optional<PlaneStore> store_;
   std::optional<Dispatcher> dispatcher_;

@@ -46,7 +46,7 @@ struct Outcome {
 
 /// Called now and then during long work, by the thread that called Umbrage and by no other, with about the share that
 /// is done: from 0 to 1, never falling. Returns whether to go on: after false it is not called again, the work ends
-/// soon, and its outcome has code 130. Reading a model and making it ready ask before and after, not in between.
+/// soon, and its outcome has code 130. Reading a model and making it ready, which come first, ask as often, with 0.
 using Progress = std::function<bool(double done)>;
 
 /// What one pass holds: `channels` floats of each pixel, one after the other.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/progress.h"
 #include "core/result.h"
 #include "scene/points.h"
 #include "scene/scene.h"
@@ -24,8 +25,9 @@ struct ImportSettings {
 /// coordinates that are not finite are dropped; normals are made where the file has none. PLY, OFF, OBJ and XYZ files
 /// without faces, and points of glTF files without triangles, become points. Missing textures give a warning and a
 /// neutral colour. Errors: kFile with one sentence that names the file and what is wrong with it;
-/// kUsage for a scene that the file does not hold.
-Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettings& settings = {});
+/// kUsage for a scene that the file does not hold; kInterrupted.
+Result<Scene> import_scene(const std::filesystem::path& file, const ImportSettings& settings = {},
+                           const ProgressMonitor& monitor = {});
 
 /// Of `count` scenes, whether the settings ask for one that there is. Errors: kUsage.
 Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count);

@@ -5,6 +5,7 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -111,10 +112,25 @@ fs::path import_program() {
 
 namespace {
 
+/// Waits for the byte that says that all is there, or the pipe's end, and asks meanwhile. 1: the byte.
+ssize_t wait_for_byte(int pipe, Poll* poll) {
+  while (poll) {
+    pollfd ready{.fd = pipe, .events = POLLIN, .revents = 0};
+    if (::poll(&ready, 1, int(kAskEvery.count())) != 0 && errno != EINTR) break;
+    if (ready.revents != 0) break;
+    if (poll->ask(0.0)) return 0;
+  }
+  char byte = 0;
+  ssize_t got = 0;
+  do got = ::read(pipe, &byte, 1);
+  while (got < 0 && errno == EINTR);
+  return got;
+}
+
 /// Runs umbrage-import with these words, which name the file, and takes over what it has read.
 template <class T>
 Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words,
-                     std::optional<Result<T>> (*receive)(int)) {
+                     std::optional<Result<T>> (*receive)(int), Poll* poll) {
   const fs::path program = import_program();
   if (program.empty())
     return file_error("{}: cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
@@ -139,10 +155,12 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
     return file_error("{}: cannot be read, since the program {} does not start ({})", file.string(), program.string(),
                       std::strerror(failed));
   done.close();  // the child's end alone is open now: that it ends is seen, too
-  char byte = 0;
-  ssize_t got = 0;
-  do got = ::read(told.number, &byte, 1);
-  while (got < 0 && errno == EINTR);
+  const ssize_t got = wait_for_byte(told.number, poll);
+  if (poll && poll->ended()) {
+    ::kill(child, SIGKILL);
+    wait_for(child, started);
+    return interrupted();
+  }
   std::optional<Result<T>> received;
   if (got == 1) received = receive(result.number);
   const Ended ended = wait_for(child, started);
@@ -155,17 +173,17 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
 
 }  // namespace
 
-Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings) {
+Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings, Poll* poll) {
   const auto number = [](float v) { return fmt::format("{}", v); };
   return read_apart<Scene>(
       file,
       {file.string(), number(settings.crease_angle_deg), number(settings.up.x), number(settings.up.y),
        number(settings.up.z), fmt::format("{}", settings.scene_index.value_or(kNoSceneIndex))},
-      receive_import);
+      receive_import, poll);
 }
 
-Result<Panorama> read_panorama_apart(const fs::path& file) {
-  return read_apart<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama);
+Result<Panorama> read_panorama_apart(const fs::path& file, Poll* poll) {
+  return read_apart<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama, poll);
 }
 
 }  // namespace umbrage

@@ -16,8 +16,8 @@ std::optional<Error> check_model_file(const std::filesystem::path& file, const s
 Error too_large_to_read(const std::filesystem::path& file);
 
 /// What comes after a reader of any format: name, up, normals, clean triangles, bounds. Errors: kFile where nothing is
-/// left to draw.
-Result<Scene> complete_import(Result<Scene> imported, const std::filesystem::path& file,
-                              const ImportSettings& settings);
+/// left to draw; kInterrupted.
+Result<Scene> complete_import(Result<Scene> imported, const std::filesystem::path& file, const ImportSettings& settings,
+                              Poll* poll = nullptr);
 
 }  // namespace umbrage

@@ -29,13 +29,13 @@ std::string list_of_formats() {
 }
 
 /// PLY, OFF or XYZ. Nothing for other formats, and where it has a texture, whose reader is not ours.
-std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format) {
-  if (format == "off") return read_off(file);
-  if (format == "xyz") return read_xyz(file);
+std::optional<Result<Scene>> import_own(const fs::path& file, const std::string& format, Poll* poll) {
+  if (format == "off") return read_off(file, poll);
+  if (format == "xyz") return read_xyz(file, poll);
   if (format != "ply") return std::nullopt;
   if (!ply_texture(file).empty()) return std::nullopt;
   std::string texture;
-  return read_ply(file, texture);
+  return read_ply(file, texture, poll);
 }
 
 /// Triangles with an index beyond the vertices: the file is damaged.
@@ -84,7 +84,8 @@ Error too_large_to_read(const fs::path& file) {
   return file_error("{}: needs more memory than there is, or is broken", file.string());
 }
 
-Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings) {
+Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,
+                              Poll* poll) {
   if (!imported) return imported;
   Scene& scene = *imported;
   scene.name = file.filename().string();
@@ -99,7 +100,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     scene.warnings.push_back(fmt::format(
         "{} of {} triangles have corners that are not among the vertices, and are left out", astray, triangles));
   }
-  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points);
+  const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points, poll);
+  if (poll && poll->ended()) return interrupted();
   if (scene.meshes.empty() && points > 0) {
     return file_error("{}: has no points that can be drawn; all {} are not finite", file.string(), points);
   }
@@ -126,15 +128,23 @@ Result<void> check_scene_index(const ImportSettings& settings, const std::string
                                   : fmt::format("{} scenes, 0 to {}", count, count - 1));
 }
 
-Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings) {
+Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings, const ProgressMonitor& monitor) {
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   if (format != "gltf" && format != "glb")  // of other formats a file is one scene
     if (auto fine = check_scene_index(settings, file.filename().string(), 1); !fine) return fine.error();
   try {
-    if (auto own = import_own(file, format)) return complete_import(std::move(*own), file, settings);
-    auto scene = import_apart(file, settings);
-    if (scene && scene->point_count() > 0) return complete_import(std::move(scene), file, settings);
+    constexpr double kRead = 0.5;  // about the share of the work when the file has been read
+    Poll poll(monitor);
+    poll.part(0.0, kRead);
+    if (poll.ended()) return interrupted();
+    auto own = import_own(file, format, &poll);
+    const bool apart = !own;
+    auto scene = apart ? import_apart(file, settings, &poll) : std::move(*own);
+    if (!scene) return scene;
+    poll.part(kRead, 1.0);
+    if (!apart || scene->point_count() > 0) scene = complete_import(std::move(scene), file, settings, &poll);
+    if (poll.ask(1.0)) return interrupted();
     return scene;
   } catch (const std::bad_alloc&) {
     return too_large_to_read(file);

@@ -61,9 +61,9 @@ struct Words {
 
 }  // namespace
 
-Result<Scene> read_off(const fs::path& path) {
+Result<Scene> read_off(const fs::path& path, Poll* poll) {
   const std::string file = path.string();
-  const auto bytes = read_whole_file(path);
+  const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
   Words words{*bytes};
   std::string_view kind = words.word();
@@ -87,6 +87,7 @@ Result<Scene> read_off(const fs::path& path) {
   mesh.name = path.stem().string();
   mesh.positions.reserve(vertex_count);
   for (std::size_t i = 0; i < vertex_count && !words.failed; ++i) {
+    if (stops(poll, i, vertex_count)) return interrupted();
     const float x = float(words.number()), y = float(words.number()), z = float(words.number());
     mesh.positions.emplace_back(x, y, z);
     if (has_normals) {
@@ -116,6 +117,7 @@ Result<Scene> read_off(const fs::path& path) {
                       mesh.positions.size(), vertex_count);
   }
   for (std::size_t i = 0; i < face_count; ++i) {
+    if (stops(poll, i, face_count)) return interrupted();
     const std::size_t corners = words.count();
     std::uint32_t first = 0, previous = 0;
     for (std::size_t k = 0; k < corners && !words.failed; ++k) {

@@ -246,7 +246,7 @@ float full_scale(Number number) {
   return 1.0f;
 }
 
-void read_vertices(const Element& element, Body& body, Mesh& mesh) {
+void read_vertices(const Element& element, Body& body, Mesh& mesh, Poll* poll) {
   std::vector<Slot> slots;
   std::array<bool, kNowhere + 1> has{};
   float color_scale = 1.0f;
@@ -261,7 +261,7 @@ void read_vertices(const Element& element, Body& body, Mesh& mesh) {
   if (has_normals) mesh.normals.reserve(element.count);
   if (has_uvs) mesh.uvs.reserve(element.count);
   if (has_colors) mesh.colors.reserve(element.count);
-  for (std::size_t i = 0; i < element.count && !body.ended; ++i) {
+  for (std::size_t i = 0; i < element.count && !body.ended && !stops(poll, i, element.count); ++i) {
     std::array<float, kNowhere + 1> value{};
     for (std::size_t k = 0; k < slots.size(); ++k) {
       const Property& property = element.properties[k];
@@ -308,9 +308,9 @@ void add_strips(const std::vector<std::uint32_t>& corners, Mesh& mesh) {
 }
 
 /// Reads the lists of indices of faces or strips; all else in the element is passed over.
-void read_lists(const Element& element, Body& body, bool strips, Mesh* mesh) {
+void read_lists(const Element& element, Body& body, bool strips, Mesh* mesh, Poll* poll) {
   std::vector<std::uint32_t> corners;
-  for (std::size_t i = 0; i < element.count && !body.ended; ++i) {
+  for (std::size_t i = 0; i < element.count && !body.ended && !stops(poll, i, element.count); ++i) {
     for (const Property& property : element.properties) {
       if (!property.list_size) {
         body.next(property.number);
@@ -345,9 +345,9 @@ std::string ply_texture(const fs::path& path) {
   return header ? header->texture : std::string();
 }
 
-Result<Scene> read_ply(const fs::path& path, std::string& texture_name) {
+Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* poll) {
   const std::string file = path.string();
-  const auto bytes = read_whole_file(path);
+  const auto bytes = read_whole_file(path, poll);
   if (!bytes) return bytes.error();
   std::string_view text = *bytes;
   Result<Header> header = read_header(text, file);
@@ -372,11 +372,12 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name) {
                          [&](const Property& property) { return property.name == name && !property.list_size; }))
           return file_error("{}: has vertices without '{}'", file, name);
       }
-      read_vertices(element, body, mesh);
+      read_vertices(element, body, mesh, poll);
     } else {
       const bool strips = element.name == "tristrips";
-      read_lists(element, body, strips, strips || element.name == "face" ? &mesh : nullptr);
+      read_lists(element, body, strips, strips || element.name == "face" ? &mesh : nullptr, poll);
     }
+    if (poll && poll->ended()) return interrupted();
     if (body.ended) {
       return file_error("{}: is cut short, or holds something other than a number, in its list of '{}'", file,
                         element.name);

@@ -80,13 +80,16 @@ Scene scene_of(Mesh mesh, const fs::path& file) {
 
 }  // namespace
 
-Result<Scene> read_xyz(const fs::path& path) {
+Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   const std::string file = path.string();
-  const auto text = read_whole_file(path);
+  const auto text = read_whole_file(path, poll);
   if (!text) return text.error();
   std::vector<Row> rows;
   std::size_t wrong = 0;
   for_each_line(*text, [&](std::string_view line, std::size_t number) {
+    constexpr std::size_t kLines = 4096;  // between questions
+    if (poll && number % kLines == 0 && poll->passing(double(line.data() - text->data()) / double(text->size())))
+      return false;
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty() || line.starts_with('#') || line.starts_with("//")) return true;
     const Row row = row_of(line);
@@ -98,6 +101,7 @@ Result<Scene> read_xyz(const fs::path& path) {
     rows.push_back(row);
     return true;
   });
+  if (poll && poll->ended()) return interrupted();
   if (wrong > 0) return file_error("{}: has no three numbers in line {}", file, wrong);
 
   Mesh mesh;

@@ -2,6 +2,7 @@
 #pragma once
 #include <filesystem>
 
+#include "core/progress.h"
 #include "core/result.h"
 #include "scene/scene.h"
 
@@ -10,8 +11,9 @@ namespace umbrage {
 /// Reads a file of one point per line, x y z, parted by blanks, commas or semicolons. Of what may follow, three whole
 /// numbers from 0 to 255 are a colour, three numbers that are a unit vector in every line are a normal; others, such as
 /// an intensity, are passed over. Lines that begin with # or //, and a first line that counts the points, are passed
-/// over too. The scene has one mesh and is not finished yet. Errors: kFile, with the line that is wrong.
-Result<Scene> read_xyz(const std::filesystem::path& file);
+/// over too. The scene has one mesh and is not finished yet. Errors: kFile, with the line that is wrong;
+/// kInterrupted.
+Result<Scene> read_xyz(const std::filesystem::path& file, Poll* poll = nullptr);
 
 /// Whether the text of an OBJ file has vertices but neither faces nor lines.
 bool is_obj_of_points(std::string_view text);

@@ -3,11 +3,12 @@
 #include <filesystem>
 #include <string>
 
+#include "core/progress.h"
 #include "core/result.h"
 
 namespace umbrage {
 
-/// All of a file. Errors: kFile where it cannot be read.
-Result<std::string> read_whole_file(const std::filesystem::path& file);
+/// All of a file. Errors: kFile where it cannot be read; kInterrupted.
+Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* poll = nullptr);
 
 }  // namespace umbrage

@@ -1,5 +1,6 @@
 // Watch: many threads work, one asks now and then whether to go on.
 #pragma once
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -24,12 +25,17 @@ class Watch {
   void done(long parts) {
     if (!monitor_) return;
     const long all = done_.fetch_add(parts, std::memory_order_relaxed) + parts;
-    if (std::this_thread::get_id() != asking_) return;
-    constexpr std::chrono::milliseconds kOften(40);
+    reached(double(all) / parts_);
+  }
+
+  /// This share of the work has been done, as who divides it says. From any thread.
+  void reached(double share) {
+    if (!monitor_ || std::this_thread::get_id() != asking_) return;
     const auto now = std::chrono::steady_clock::now();
-    if (ended() || now - last_ < kOften) return;
+    if (ended() || now - last_ < kAskEvery) return;
     last_ = now;
-    if (!monitor_(double(all) / parts_)) ended_ = true;
+    told_ = std::max(told_, std::min(share, 1.0));
+    if (!monitor_(told_)) ended_ = true;
   }
 
  private:
@@ -37,6 +43,7 @@ class Watch {
   const double parts_;
   const std::thread::id asking_ = std::this_thread::get_id();
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  double told_ = 0.0;  // by that thread
   std::atomic<long> done_ = 0;
   std::atomic<bool> ended_ = false;
 };

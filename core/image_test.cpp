@@ -1,0 +1,99 @@
+// Memory of planes, and whose it is.
+#include "core/image.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "devices/cpu/cpu_device.h"
+#include "scene/finish.h"
+#include "scene/framing.h"
+
+namespace umbrage {
+namespace {
+
+// Large enough to be kept: 4 MB.
+constexpr int kSide = 1024;
+
+TEST(PlanePool, MemoryServesTheNextPlanesOfItsSize) {
+  const auto pool = std::make_shared<PlanePool>();
+  {
+    const KeptPlanes kept(pool);
+    { const Plane plane(kSide, kSide); }
+    const std::size_t one = pool->bytes();
+    EXPECT_GE(one, std::size_t(kSide) * kSide * sizeof(float));
+    {
+      const Plane again(kSide, kSide);
+      EXPECT_EQ(pool->bytes(), 0u) << "it was taken";
+      const Plane other(kSide, kSide + 512), small(64, 64);
+    }
+    EXPECT_GT(pool->bytes(), 2 * one);
+  }
+  EXPECT_EQ(pool->bytes(), 0u) << "nobody holds it";
+  { const Plane plane(kSide, kSide); }
+  EXPECT_EQ(pool->bytes(), 0u);
+}
+
+TEST(PlanePool, WhoHoldsItNeedNotMakePlanes) {
+  const auto pool = std::make_shared<PlanePool>();
+  const HeldPool held(pool);
+  { const Plane plane(kSide, kSide); }
+  EXPECT_EQ(pool->bytes(), 0u) << "this thread's planes are nobody's";
+  {
+    const KeptPlanes kept(pool);
+    const Plane plane(kSide, kSide);
+  }
+  EXPECT_GT(pool->bytes(), 0u) << "from picture to picture";
+}
+
+TEST(PlanePool, ThreadsHaveTheirOwn) {
+  const auto first = std::make_shared<PlanePool>(), second = std::make_shared<PlanePool>();
+  const HeldPool held(first);
+  const KeptPlanes kept(second);
+  std::optional<Plane> handed_on;
+  std::thread([&] {
+    { const Plane plane(kSide, kSide); }
+    EXPECT_EQ(second->bytes(), 0u) << "of another thread";
+    const KeptPlanes own(first);
+    handed_on.emplace(kSide, kSide);
+  }).join();
+  handed_on.reset();
+  EXPECT_GT(first->bytes(), 0u) << "back to where it came from";
+  EXPECT_EQ(second->bytes(), 0u);
+}
+
+TEST(PlanePool, TheLastMadeCountsAndPlanesMayOutliveIt) {
+  auto outer = std::make_shared<PlanePool>();
+  const KeptPlanes kept(outer);
+  std::optional<Plane> plane;
+  {
+    const KeptPlanes inner(std::make_shared<PlanePool>());
+    plane.emplace(kSide, kSide, 0.5f);
+  }
+  EXPECT_EQ(plane->at(kSide - 1, kSide - 1), 0.5f);
+  plane.reset();
+  EXPECT_EQ(outer->bytes(), 0u) << "it was the inner one's";
+  plane.emplace(kSide, kSide);
+  plane.reset();
+  EXPECT_GT(outer->bytes(), 0u);
+}
+
+TEST(PlanePool, IsADevices) {
+  Scene scene;
+  scene.meshes.emplace_back();
+  scene.meshes[0].positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scene.meshes[0].indices = {0, 1, 2};
+  ASSERT_EQ(finish_scene(scene), 0u);
+  const auto first = make_cpu_device(), second = make_cpu_device();
+  EXPECT_NE(first->pool(), second->pool());
+  ASSERT_TRUE(first->prepare(scene));
+  const KeptPlanes kept(first->pool());
+  { ASSERT_TRUE(first->capture(frame_scene(scene, {}, kSide, kSide), {.width = kSide, .height = kSide})); }
+  EXPECT_GT(first->pool()->bytes(), 10 * std::size_t(kSide) * kSide * sizeof(float)) << "of depth, normals and others";
+  EXPECT_EQ(second->pool()->bytes(), 0u);
+}
+
+}  // namespace
+}  // namespace umbrage

@@ -1,0 +1,196 @@
+// Reading a model and making it ready end soon after their monitor says so, and tell what is right until then.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <thread>
+
+#include "devices/cpu/cpu_device.h"
+#include "devices/vulkan/hierarchy.h"
+#include "rays/traced_scene.h"
+#include "renderer/models.h"
+#include "run_program.h"
+#include "scene/finish.h"
+#include "scene/framing.h"
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+/// A wavy square of two triangles for each of side x side cells.
+Mesh waves(int side) {
+  Mesh mesh;
+  for (int j = 0; j <= side; ++j)
+    for (int i = 0; i <= side; ++i) {
+      const float x = float(i) / float(side), z = float(j) / float(side);
+      mesh.positions.emplace_back(x, 0.1f * std::sin(17.0f * x) * std::cos(23.0f * z), z);
+    }
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) {
+      const auto at = [&](int di, int dj) { return std::uint32_t((j + dj) * (side + 1) + i + di); };
+      mesh.indices.insert(mesh.indices.end(), {at(0, 0), at(0, 1), at(1, 0), at(1, 0), at(0, 1), at(1, 1)});
+    }
+  return mesh;
+}
+
+/// Work that is handed a monitor: done without one, watched, and ended after a while.
+using Work = std::function<Result<void>(const ProgressMonitor& monitor)>;
+
+/// Sees that what is told is right, and that work which is ended after `share` of its time ends within a tenth of it,
+/// or as soon as people would call at once.
+void expect_ends(const Work& work, const char* what) {
+  SCOPED_TRACE(what);
+  const Clock::time_point begin = Clock::now();
+  ASSERT_TRUE(work({}));
+  const double whole = seconds_since(begin);
+  const auto thread = std::this_thread::get_id();
+  std::vector<double> told;
+  ASSERT_TRUE(work([&](double done) {
+    EXPECT_EQ(std::this_thread::get_id(), thread);
+    told.push_back(done);
+    return true;
+  }));
+  ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  EXPECT_GE(told.front(), 0.0);
+  EXPECT_LE(told.back(), 1.0);
+  double most = 0.0, most_told = 0.0;
+  for (const double share : {0.0, 0.2, 0.5, 0.8}) {
+    const Clock::time_point start = Clock::now();
+    Clock::time_point ended;
+    bool said = false;
+    const auto done = work([&](double at) {
+      EXPECT_FALSE(said) << "nothing is asked after false";
+      most_told = std::max(most_told, at);
+      if (seconds_since(start) < share * whole) return true;
+      said = true;
+      ended = Clock::now();
+      return false;
+    });
+    if (!said) continue;  // it was done before
+    most = std::max(most, seconds_since(ended));
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().kind, ErrorKind::kInterrupted);
+  }
+  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * most, told.size());
+  constexpr double kAtOnce = 0.3;
+  EXPECT_LT(most, std::max(kAtOnce, 0.1 * whole));
+}
+
+class Cancel : public test::ProgramTest {
+ protected:
+  /// Half a million triangles in a file of this kind.
+  fs::path file_of(const std::string& ending) {
+    constexpr int kSide = 500;
+    const Mesh mesh = waves(kSide);
+    const fs::path file = folder_ / ("waves." + ending);
+    std::string text;
+    if (ending == "ply")
+      text = fmt::format(
+          "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+          "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+          mesh.positions.size(), mesh.indices.size() / 3);
+    if (ending == "off") text = fmt::format("OFF\n{} {} 0\n", mesh.positions.size(), mesh.indices.size() / 3);
+    const bool obj = ending == "obj";
+    for (const glm::vec3& p : mesh.positions)
+      fmt::format_to(std::back_inserter(text), "{}{} {} {}\n", obj ? "v " : "", p.x, p.y, p.z);
+    for (std::size_t i = 0; i < mesh.indices.size() && ending != "xyz"; i += 3) {
+      const unsigned first = obj ? 1 : 0;
+      fmt::format_to(std::back_inserter(text), "{} {} {} {}\n", obj ? "f" : "3", mesh.indices[i] + first,
+                     mesh.indices[i + 1] + first, mesh.indices[i + 2] + first);
+    }
+    std::ofstream(file, std::ios::binary) << text;
+    return file;
+  }
+};
+
+void expect_no_children() {
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+TEST_F(Cancel, ReadingAFileEnds) {
+  for (const char* ending : {"ply", "off", "xyz", "obj"}) {
+    const fs::path file = file_of(ending);
+    expect_ends(
+        [&](const ProgressMonitor& monitor) {
+          const auto scene = import_scene(file, {}, monitor);
+          return scene ? Result<void>() : scene.error();
+        },
+        ending);
+    expect_no_children();
+    fs::remove(file);
+  }
+}
+
+TEST_F(Cancel, SeveralModelsAreOneWork) {
+  const std::string file = file_of("ply").string();
+  expect_ends(
+      [&](const ProgressMonitor& monitor) {
+        const auto scene = load_scenes({file, "scene:solids?detail=2000", file}, {}, monitor);
+        return scene ? Result<void>() : scene.error();
+      },
+      "three models");
+}
+
+TEST_F(Cancel, AHierarchyIsNotBuiltToItsEnd) {
+  Scene scene;
+  constexpr int kSide = 800;
+  scene.meshes.push_back(waves(kSide));
+  ASSERT_EQ(finish_scene(scene), 0u);
+  for (const int threads : {1, 2}) {
+    const auto device = make_cpu_device({.threads = threads});
+    expect_ends([&](const ProgressMonitor& monitor) { return device->prepare(scene, monitor); }, "prepare");
+    expect_ends(
+        [&](const ProgressMonitor& monitor) {
+          const auto traced = trace_ready(scene, threads, monitor);
+          return traced ? Result<void>() : traced.error();
+        },
+        "trace_ready");
+  }
+  expect_ends(
+      [&](const ProgressMonitor& monitor) {
+        const auto built = build_hierarchy(scene, scene.center(), 1.0f, monitor);
+        return built ? Result<void>() : built.error();
+      },
+      "build_hierarchy");
+  // What was interrupted is as if it had never begun.
+  const auto device = make_cpu_device({});
+  int calls = 0;
+  EXPECT_FALSE(device->prepare(scene, [&](double) { return ++calls < 2; }));
+  ASSERT_TRUE(device->prepare(scene));
+  const Camera camera = frame_scene(scene, {}, 64, 48);
+  EXPECT_TRUE(device->capture(camera, {.width = 64, .height = 48}));
+}
+
+TEST_F(Cancel, TheLibraryEndsWhileItOpensAModel) {
+  for (const char* ending : {"ply", "obj"}) {
+    const std::string file = file_of(ending).string();
+    for (const int last : {2, 4, 6}) {
+      int calls = 0;
+      v0::FrameRenderer renderer;
+      const auto outcome = renderer.open(
+          {.model = file, .look = "ao", .width = 64, .height = 48, .device = "cpu", .progress = [&](double done) {
+             EXPECT_EQ(done, 0.0);
+             return ++calls < last;
+           }});
+      EXPECT_EQ(outcome.code, 130) << outcome.message;
+      EXPECT_EQ(calls, last);
+    }
+    expect_no_children();
+  }
+}
+
+}  // namespace
+}  // namespace umbrage
