@@ -190,6 +190,8 @@ std::string file_of(const Rows& rows, const std::vector<std::string>& channels, 
     pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, rows.count, step, stride));
   }
   Stream stream;
+  constexpr std::size_t kUsualRatio = 2;  // of floats; memory that is not used costs nothing
+  stream.bytes.reserve(channels.size() * std::size_t(rows.image->width) * rows.count * sizeof(float) / kUsualRatio);
   {
     Imf::OutputFile output(stream, header, 0);
     before = std::size_t(stream.tellp());
