@@ -4,7 +4,6 @@
 #include <chrono>
 #include <thread>
 
-#include "core/suggest.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
 
@@ -150,65 +149,29 @@ Result<Frame> uploaded(Device& device, const GBuffer& gbuffer, const EffectSetti
   return frame;
 }
 
-/// The effects of these names as a look's. Errors: kUsage.
-Result<Look> look_of(const std::vector<std::string>& names) {
-  Look look{.name = "effects"};
-  for (const std::string& name : names) {
-    const Effect* effect = find_effect(name);
-    if (effect) {
-      look.effects.push_back(effect->name);
-      continue;
-    }
-    std::vector<std::string_view> all;
-    for (const Effect* each : effects()) all.push_back(each->name);
-    return usage_error("there is no effect '{}'{}", name, suggestion(name, all));
-  }
-  return look;
-}
-
-/// A recipe of these effects alone: nothing of a look. Errors: kUsage.
-Result<Recipe> recipe_of_effects(const ShadeRequest& request, const Look& look) {
-  Recipe recipe{.look = &look, .occlusion = std::string(kNoOcclusion)};
-  auto settings = effect_settings(request.settings);
-  if (!settings) return settings.error();
-  recipe.settings = std::move(*settings);
-  for (const std::string& assignment : request.settings) {
-    const auto setting = parse_setting(assignment, handed_in());
-    recipe.said.push_back({setting->effect, setting->parameter, {}});
-  }
-  if (request.occlusion_radius.empty()) return recipe;
-  const auto radius = parse_length("occlusion_radius", request.occlusion_radius);
-  if (!radius) return radius.error();
-  recipe.radius = *radius;
-  return recipe;
-}
-
 }  // namespace
 
-Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const ShadeRequest& request, StageTimes& times,
+Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& asked, StageTimes& times,
                            const ProgressMonitor& monitor) {
-  const auto own_look = look_of(request.effects);
-  if (!own_look) return own_look.error();
-  auto recipe = request.effects.empty() ? make_recipe(request) : recipe_of_effects(request, *own_look);
-  if (!recipe) return recipe.error();
-  if (gbuffer.info.lights.empty() && request.effects.empty()) {
+  Recipe recipe = asked;  // whose radius is to be in scene units
+  if (gbuffer.info.lights.empty() && !recipe.own_look) {
     // View space is the camera's own: what is above and to the left of it does not depend on where it stands.
     Camera at_origin = gbuffer.info.camera;
     at_origin.view_from_world = glm::mat4(1.0f);
-    gbuffer.info.lights = recipe->look->studio_lights ? studio_lights(at_origin) : default_lights({}, at_origin);
-    if (recipe->look->studio_lights) gbuffer.info.ambient = glm::vec3(kStudioAmbient);
+    gbuffer.info.lights = recipe.look->studio_lights ? studio_lights(at_origin) : default_lights({}, at_origin);
+    if (recipe.look->studio_lights) gbuffer.info.ambient = glm::vec3(kStudioAmbient);
   }
-  DrawProgress progress(monitor, recipe->look->effects.size(), 1);
-  auto frame = uploaded(device, gbuffer, recipe->settings);
+  if (recipe.radius) {
+    const auto radius = radius_in_scene("`occlusion_radius`", *recipe.radius, gbuffer.info);
+    if (!radius) return radius.error();
+    apply_radius(*radius, gbuffer.info, recipe);
+  }
+  DrawProgress progress(monitor, recipe.look->effects.size(), 1);
+  auto frame = uploaded(device, gbuffer, recipe.settings);
   if (!frame) return frame;
   progress.step_done();
   times.done("upload");
-  if (recipe->radius) {
-    const auto radius = radius_in_scene("`occlusion_radius`", *recipe->radius, frame->info);
-    if (!radius) return radius.error();
-    apply_radius(*radius, frame->info, *recipe);
-  }
-  const LookRun run = timed_look_run(*recipe, times, progress);
+  const LookRun run = timed_look_run(recipe, times, progress);
   if (const auto done = run_look(run, device, *frame); !done) return done.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return frame;

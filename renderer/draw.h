@@ -1,8 +1,6 @@
 // Drawing: a plan becomes a picture on a device.
 #pragma once
 #include <optional>
-#include <span>
-#include <string>
 
 #include "renderer/plan.h"
 #include "renderer/times.h"
@@ -25,11 +23,10 @@ Result<Frame> draw(Device& device, Scene& scene, const Recipe& recipe, StageTime
 /// Makes a recipe, plans and draws: a picture without an image around the scene. Errors: kUsage, too.
 Result<Frame> draw(Device& device, Scene& scene, const RenderRequest& request, StageTimes& times);
 
-/// Shades what another renderer drew, with the recipe's look, or with `effects` in its place, one after the other, with
-/// the request's settings and radius. Without normals they are made of the depth. Where gbuffer.info has no lights a
-/// look gets some, as they stand to the camera of a model without lights. Errors: kUsage for names that there are not,
-/// and planes that are missing; kInterrupted.
-Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const ShadeRequest& request, StageTimes& times,
+/// Shades what another renderer drew by a recipe of its request. Without normals they are made of the depth. Where
+/// gbuffer.info has no lights a look gets some, as they stand to the camera of a model without lights. Errors: kUsage
+/// for planes that are missing and a radius larger than the scene; kInterrupted.
+Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& recipe, StageTimes& times,
                            const ProgressMonitor& monitor = {});
 
 /// Adds the image around the scene to a frame, where it is to be seen.

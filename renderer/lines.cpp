@@ -46,7 +46,9 @@ Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std
 }
 
 Result<ParameterBytes> line_parameters(const Recipe& recipe) {
-  return line_parameters(fmt::format("the look '{}' draws", recipe.look->name), recipe.look->effects, recipe.settings);
+  const std::string who =
+      recipe.own_look ? "the effects asked for draw" : fmt::format("the look '{}' draws", recipe.look->name);
+  return line_parameters(who, recipe.look->effects, recipe.settings);
 }
 
 std::span<const std::string_view> edge_planes() { return tracing_pass().inputs; }

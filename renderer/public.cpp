@@ -82,7 +82,7 @@ Result<Opened> open_model(const RenderRequest& request, std::vector<std::string>
   if (!recipe) return recipe.error();
   const auto import_with = import_settings(request);
   if (!import_with) return import_with.error();
-  auto lines = wanted_lines(request, *recipe);
+  auto lines = wanted_lines(request.strokes, *recipe);
   if (!lines) return lines.error();
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
@@ -137,24 +137,22 @@ std::vector<std::string> passes_made(const std::string& effect, const ParameterB
 }
 
 Result<Picture> shade_picture(const ShadeRequest& request) {
-  if (auto fine = check_shade(request); !fine) return fine.error();
+  const auto recipe = make_recipe(request);
+  if (!recipe) return recipe.error();
   auto shared = gbuffer_of(request);
   if (!shared) return shared.error();
-  const auto lines = wanted_lines(request);
+  const auto lines = wanted_lines(request.strokes, *recipe);
   if (!lines) return lines.error();
   auto device = make_device(request.device, request.threads);
   if (!device) return device.error();
   StageTimes times;
-  const auto frame = shade_planes(**device, std::move(shared->gbuffer), request, times, request.progress);
+  const auto frame = shade_planes(**device, std::move(shared->gbuffer), *recipe, times, request.progress);
   if (!frame) return frame.error();
   const auto& effects = request.effects;
   const bool color = effects.empty() || std::find(effects.begin(), effects.end(), "output") != effects.end();
   std::vector<std::string> passes = request.passes;
-  if (passes.empty() && !effects.empty()) {
-    const auto all = effect_settings(request.settings);
-    if (!all) return all.error();
-    passes = passes_made(effects.back(), params_of(*all, effects.back()));
-  }
+  if (passes.empty() && !effects.empty())
+    passes = passes_made(effects.back(), params_of(recipe->settings, effects.back()));
   auto picture = downloaded(**device, *frame, color, passes, *lines);
   if (picture) give_back_ids(shared->ids, *picture);
   return picture;

@@ -55,7 +55,23 @@ void use_image(const RenderRequest& request, Recipe& recipe) {
   if (output.metering == kMeteringNone) apply_presets(look.name, look.image_exposed_presets, recipe.settings);
 }
 
-/// Applies what the request sets by options and by "effect.parameter=value". Errors: kUsage.
+/// Applies "effect.parameter=value" of a request. Errors: kUsage.
+Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe& recipe) {
+  for (const std::string& assignment : assignments) {
+    const auto setting = parse_setting(assignment, handed_in());
+    if (!setting) return setting.error();
+    const Effect& effect = *setting->effect;
+    const Parameter& row = *setting->parameter;
+    if (!recipe.own_look && effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
+      return usage_error("`settings` {}: {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
+    if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
+      return done;
+    recipe.said.push_back({&effect, &row, {}});
+  }
+  return {};
+}
+
+/// Applies what the request sets by options and by assignments. Errors: kUsage.
 Result<void> apply_request(const RenderRequest& request, Recipe& recipe) {
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (request.background) {
@@ -64,17 +80,7 @@ Result<void> apply_request(const RenderRequest& request, Recipe& recipe) {
     output.background_b = (*request.background)[2];
   }
   if (request.transparent) output.transparent = 1;
-  for (const std::string& assignment : request.settings) {
-    const auto setting = parse_setting(assignment, handed_in());
-    if (!setting) return setting.error();
-    const Effect& effect = *setting->effect;
-    const Parameter& row = *setting->parameter;
-    if (effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
-      return usage_error("`settings` {}: {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
-    if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
-      return done;
-    recipe.said.push_back({&effect, &row, {}});
-  }
+  if (auto done = apply_settings(request.settings, recipe); !done) return done;
   // The shade on an unseen ground that is written with alpha is mixed by who shows it, in the file's values.
   if (output.transparent && output.transfer == kTransferSrgb)
     as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
@@ -134,6 +140,38 @@ RenderRequest picture_request(const ShadeRequest& request) {
   picture.device = request.device;
   picture.anti_aliasing = 1;  // the camera that would be moved is another's
   return picture;
+}
+
+/// The effects of these names as a look. Errors: kUsage.
+Result<Look> look_of(const std::vector<std::string>& names) {
+  Look look{.name = "effects"};
+  for (const std::string& name : names) {
+    const Effect* effect = find_effect(name);
+    if (effect) {
+      look.effects.push_back(effect->name);
+      continue;
+    }
+    std::vector<std::string_view> all;
+    for (const Effect* each : effects()) all.push_back(each->name);
+    return usage_error("there is no effect '{}'{}", name, suggestion(name, all));
+  }
+  return look;
+}
+
+/// A recipe of effects alone: nothing of a look. Errors: kUsage.
+Result<Recipe> recipe_of_effects(const ShadeRequest& request) {
+  const RenderRequest picture = picture_request(request);
+  if (auto fine = check_request(picture, kMostPixels); !fine) return fine.error();
+  auto look = look_of(request.effects);
+  if (!look) return look.error();
+  Recipe recipe{.width = request.width, .height = request.height};
+  recipe.own_look = std::make_shared<const Look>(std::move(*look));
+  recipe.look = recipe.own_look.get();
+  recipe.occlusion = kNoOcclusion;
+  recipe.settings = initial_settings(handed_in());
+  if (auto done = apply_request(picture, recipe); !done) return done.error();
+  if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
+  return recipe;
 }
 
 }  // namespace
@@ -271,9 +309,8 @@ Result<Recipe> make_recipe(const RenderRequest& request, long most_pixels) {
   return recipe;
 }
 
-Result<void> check_shade(const ShadeRequest& request) { return check_request(picture_request(request), kMostPixels); }
-
 Result<Recipe> make_recipe(const ShadeRequest& request) {
+  if (!request.effects.empty()) return recipe_of_effects(request);
   auto recipe = make_recipe(picture_request(request));
   if (!recipe) return recipe;
   if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)

@@ -2,6 +2,7 @@
 // parsed and checked.
 #pragma once
 #include <algorithm>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -26,10 +27,11 @@ enum class Ground {
 struct Recipe {
   int width = 0, height = 0;  ///< without the guard band
   const Look* look = nullptr;
-  std::string occlusion;         ///< the technique, or kNoOcclusion
-  int occlusion_every = 1;       ///< see LookRun
-  int frames = 1;                ///< pictures that are averaged
-  EffectSettings settings;       ///< with all that the request says; `radius` is not in them yet
+  std::shared_ptr<const Look> own_look;  ///< what `look` is where the request names effects in place of a look; or null
+  std::string occlusion;                 ///< the technique, or kNoOcclusion
+  int occlusion_every = 1;               ///< see LookRun
+  int frames = 1;                        ///< pictures that are averaged
+  EffectSettings settings;               ///< with all that the request says; `radius` is not in them yet
   std::vector<Setting> said;     ///< what the request sets: it holds whatever follows from something else. No values
   std::optional<Length> radius;  ///< of occlusion; nothing: as the settings have it
   Framing framing;
@@ -57,10 +59,8 @@ std::vector<const Effect*> every_effect();
 /// Errors: kUsage, also for a picture of more than `most_pixels`, all layers and its guard band included.
 Result<Recipe> make_recipe(const RenderRequest& request, long most_pixels = kMostPixels);
 
-/// The same request without lights and framing, of what another renderer drew: one frame.
+/// Of what another renderer drew: one frame, of a look or of effects in its place, without lights and framing.
 Result<Recipe> make_recipe(const ShadeRequest& request);
-/// Checks what such a request says besides its arrays. Errors: kUsage.
-Result<void> check_shade(const ShadeRequest& request);
 
 Framing framing_of(const CameraRequest& camera);
 /// How its model is read. Errors: kUsage.

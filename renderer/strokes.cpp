@@ -6,20 +6,8 @@
 
 namespace umbrage {
 
-Result<ParameterBytes> wanted_lines(const RenderRequest& request, const Recipe& recipe) {
-  return request.strokes ? line_parameters(recipe) : ParameterBytes();
-}
-
-Result<ParameterBytes> wanted_lines(const ShadeRequest& request) {
-  if (!request.strokes) return ParameterBytes();
-  if (request.effects.empty()) {
-    const auto recipe = make_recipe(request);
-    return recipe ? line_parameters(*recipe) : recipe.error();
-  }
-  const auto all = effect_settings(request.settings);
-  if (!all) return all.error();
-  return line_parameters("the effects asked for draw",
-                         std::vector<std::string_view>(request.effects.begin(), request.effects.end()), *all);
+Result<ParameterBytes> wanted_lines(bool strokes, const Recipe& recipe) {
+  return strokes ? line_parameters(recipe) : ParameterBytes();
 }
 
 Result<void> add_strokes(Device& device, const Frame& frame, const ParameterBytes& outline_params, Picture& picture) {

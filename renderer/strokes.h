@@ -1,7 +1,6 @@
 // Lines of a picture, as the public interface hands them out.
 #pragma once
 #include <filesystem>
-#include <span>
 #include <string>
 
 #include "renderer/recipe.h"
@@ -9,10 +8,9 @@
 
 namespace umbrage {
 
-/// The parameters of the lines that the request's look or effects draw; empty unless strokes are wanted. Errors: those
-/// of line_parameters; kUsage for settings that cannot be.
-Result<ParameterBytes> wanted_lines(const RenderRequest& request, const Recipe& recipe);
-Result<ParameterBytes> wanted_lines(const ShadeRequest& request);
+/// The parameters of the lines that the recipe's look or effects draw; empty unless strokes are wanted. Errors: those
+/// of line_parameters.
+Result<ParameterBytes> wanted_lines(bool strokes, const Recipe& recipe);
 
 /// Adds the lines of a drawn frame to its picture; `outline_params` are those of wanted_lines. Errors: those of
 /// Device::download.

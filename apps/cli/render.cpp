@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -13,15 +12,13 @@
 #include "apps/cli/frame_names.h"
 #include "apps/cli/hints.h"
 #include "apps/cli/line_file.h"
+#include "apps/cli/picture_file.h"
 #include "apps/cli/progress.h"
 #include "apps/cli/render_options.h"
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
 #include "core/guarded.h"
-#include "core/srgb.h"
-#include "core/suggest.h"
 #include "effects/effects.h"
-#include "effects/outline/outline.h"
 #include "io/image_file.h"
 #include "renderer/bands.h"
 #include "renderer/draw.h"
@@ -31,15 +28,7 @@
 namespace umbrage::cli {
 namespace {
 
-constexpr std::string_view kStandardOutput = "-";  // as --output
-
-/// Of a file that can be written. Errors: kUsage.
-Result<std::string> extension_of(const std::string& file) {
-  if (is_svg(file)) return std::string("svg");
-  const auto format = format_of(file);
-  if (!format) return usage_error("{}; or .svg, for lines", format.error().message);
-  return std::string((*format)->extension);
-}
+const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 
 /// Bytes of "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text) {
@@ -52,79 +41,6 @@ Result<double> parse_memory(std::string_view text) {
     return usage_error("--memory cannot be '{}': it takes bytes, or a number with K, M, G or T, such as 6G", text);
   for (std::size_t k = 0; unit && k <= kUnits.find(*end); ++k) bytes *= 1024.0;
   return bytes;
-}
-
-/// Where a picture goes.
-struct Place {
-  std::string file;        ///< or kStandardOutput
-  Video* video = nullptr;  ///< a frame of it, in place of a file
-  PictureInfo first;       ///< of the first of several frames
-  std::string extension() const { return video || file == kStandardOutput ? "png" : *extension_of(file); }
-};
-
-const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
-
-/// One pass as a picture: vectors from [-1, 1] to [0, 1], depth from white (near) to black (far).
-Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
-  Image out(frame.width, frame.height);
-  constexpr std::array kChannels = {"color.r", "color.g", "color.b", "color.a"};
-  constexpr float kThinnest = 1e-4f;  // of the depth: a scene that is one plane facing the camera is near, not 0 / 0
-  const float span = std::max(info.depth_max - info.depth_min, kThinnest * info.depth_max);
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const Plane& in = frame.plane(names[k]);
-    Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min(k, kChannels.size() - 1)]);
-    const bool vector = names[k].ends_with(".x") || names[k].ends_with(".y") || names[k].ends_with(".z");
-    for (int y = 0; y < out.height; ++y)
-      for (int x = 0; x < out.width; ++x) {
-        float v = in.at(x, y);
-        if (vector) v = 0.5f * v + 0.5f;
-        if (names[k] == "depth" || names[k].ends_with(".depth"))
-          v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / span : 0.0f;
-        plane.at(x, y) = v;
-      }
-  }
-  return out;
-}
-
-/// The lines alone, in their colour, with alpha.
-Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
-  const auto& line = as<OutlineParams>(params_of(settings, "outline"));
-  const Parameter& transfer = *find_parameter(*find_effect("output"), "transfer");
-  const bool srgb = parameter_text(transfer, params_of(settings, "output")) == "srgb";
-  Image out(cover.width, cover.height);
-  for (const auto& [name, value] : {std::pair{"color.r", line.r}, {"color.g", line.g}, {"color.b", line.b}})
-    out.add(name) = Plane(cover.width, cover.height, srgb ? srgb_from_linear(value) : value);
-  out.add("color.a") = cover;
-  return out;
-}
-
-/// Writes the file, or standard output, from rows that are made meanwhile.
-Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSettings& settings,
-                      const MakeImageRows& make) {
-  if (place.file != kStandardOutput) return write_image_rows(place.file, shape, settings, make);
-  const auto bytes = encode_png_rows(shape, settings, make);
-  if (!bytes) return bytes.error();
-  if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
-    return file_error("standard output: the picture could not be written");
-  return {};
-}
-
-/// Writes the file, or standard output, or adds a frame to a video.
-Result<void> put_image(const Place& place, const Image& image, const WriteSettings& settings) {
-  if (place.video) return place.video->add(image);
-  return put_rows(place, {image.width, image.height, image.names}, settings,
-                  [&](const TakeImageRows& take) { return take(image); });
-}
-
-/// What the file holds of a picture, or of some of its rows.
-Image picture_in_file(const RenderOptions& o, const Place& place, const Image& drawn,
-                      const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
-  const bool of_display = place.extension() == "png";
-  if (o.passes && of_display && *o.passes == "outline") return picture_of_lines(drawn.plane("outline"), settings);
-  if (o.passes && of_display) return picture_of_pass(drawn, names, info);
-  Image picture(drawn.width, drawn.height);
-  for (const std::string& name : names) picture.add(name) = drawn.plane(name);
-  return picture;
 }
 
 Result<void> write_output(const RenderOptions& o, const Place& place, const EffectSettings& effect_settings,

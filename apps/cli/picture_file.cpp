@@ -1,0 +1,84 @@
+#include "apps/cli/picture_file.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "core/srgb.h"
+#include "effects/effects.h"
+#include "effects/outline/outline.h"
+#include "io/svg.h"
+
+namespace umbrage::cli {
+namespace {
+
+/// One pass as a picture: vectors from [-1, 1] to [0, 1], depth from white (near) to black (far).
+Image picture_of_pass(const Image& frame, const std::vector<std::string>& names, const PictureInfo& info) {
+  Image out(frame.width, frame.height);
+  constexpr std::array kChannels = {"color.r", "color.g", "color.b", "color.a"};
+  constexpr float kThinnest = 1e-4f;  // of the depth: a scene that is one plane facing the camera is near, not 0 / 0
+  const float span = std::max(info.depth_max - info.depth_min, kThinnest * info.depth_max);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const Plane& in = frame.plane(names[k]);
+    Plane& plane = out.add(names.size() == 1 ? names[0] : kChannels[std::min(k, kChannels.size() - 1)]);
+    const bool vector = names[k].ends_with(".x") || names[k].ends_with(".y") || names[k].ends_with(".z");
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x) {
+        float v = in.at(x, y);
+        if (vector) v = 0.5f * v + 0.5f;
+        if (names[k] == "depth" || names[k].ends_with(".depth"))
+          v = std::isfinite(v) ? 1.0f - (v - info.depth_min) / span : 0.0f;
+        plane.at(x, y) = v;
+      }
+  }
+  return out;
+}
+
+/// The lines alone, in their colour, with alpha.
+Image picture_of_lines(const Plane& cover, const EffectSettings& settings) {
+  const auto& line = as<OutlineParams>(params_of(settings, "outline"));
+  const Parameter& transfer = *find_parameter(*find_effect("output"), "transfer");
+  const bool srgb = parameter_text(transfer, params_of(settings, "output")) == "srgb";
+  Image out(cover.width, cover.height);
+  for (const auto& [name, value] : {std::pair{"color.r", line.r}, {"color.g", line.g}, {"color.b", line.b}})
+    out.add(name) = Plane(cover.width, cover.height, srgb ? srgb_from_linear(value) : value);
+  out.add("color.a") = cover;
+  return out;
+}
+
+}  // namespace
+
+Result<std::string> extension_of(const std::string& file) {
+  if (is_svg(file)) return std::string("svg");
+  const auto format = format_of(file);
+  if (!format) return usage_error("{}; or .svg, for lines", format.error().message);
+  return std::string((*format)->extension);
+}
+
+Result<void> put_rows(const Place& place, const ImageShape& shape, const WriteSettings& settings,
+                      const MakeImageRows& make) {
+  if (place.file != kStandardOutput) return write_image_rows(place.file, shape, settings, make);
+  const auto bytes = encode_png_rows(shape, settings, make);
+  if (!bytes) return bytes.error();
+  if (std::fwrite(bytes->data(), 1, bytes->size(), stdout) != bytes->size() || std::fflush(stdout) != 0)
+    return file_error("standard output: the picture could not be written");
+  return {};
+}
+
+Result<void> put_image(const Place& place, const Image& image, const WriteSettings& settings) {
+  if (place.video) return place.video->add(image);
+  return put_rows(place, {image.width, image.height, image.names}, settings,
+                  [&](const TakeImageRows& take) { return take(image); });
+}
+
+Image picture_in_file(const RenderOptions& o, const Place& place, const Image& drawn,
+                      const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
+  const bool of_display = place.extension() == "png";
+  if (o.passes && of_display && *o.passes == "outline") return picture_of_lines(drawn.plane("outline"), settings);
+  if (o.passes && of_display) return picture_of_pass(drawn, names, info);
+  Image picture(drawn.width, drawn.height);
+  for (const std::string& name : names) picture.add(name) = drawn.plane(name);
+  return picture;
+}
+
+}  // namespace umbrage::cli
