@@ -41,7 +41,8 @@ struct CaptureSettings {
   /// Rays of a pixel to a light that has a size; where there are several, and the light is seen whole or not at all,
   /// one. What arrives is averaged along surfaces, over 4 x 4 pixels, or more where penumbrae are wide. 0: points.
   int shadow_rays = 0;
-  int sample = 0;  ///< of pictures that are averaged: each has other shadow rays
+  std::optional<Lighting> lighting = {};  ///< in place of the scene's own
+  int sample = 0;                         ///< of pictures that are averaged: each has other shadow rays
   /// Planes of materials and ids, by their names on the first layer, that alone are captured; nothing: all. Depth,
   /// normals and shadows always are.
   std::optional<std::vector<std::string>> planes = {};

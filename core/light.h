@@ -4,6 +4,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <vector>
 
 namespace umbrage {
 
@@ -41,5 +42,13 @@ AmbientShape turned(const AmbientShape& shape, const glm::mat3& rotation);
 
 /// Lights whose shadows a capture can hold, one plane each.
 inline constexpr int kMostShadows = 8;
+
+/// What shines on a scene, in world space.
+struct Lighting {
+  std::vector<Light> lights;  ///< the first one is the key light
+  glm::vec3 ambient{0.3f};    ///< radiance from everywhere, the mean over all normals
+  AmbientShape ambient_shape;
+  float usual_light = 1.0f;  ///< luminance of white that is turned to the light: pictures are exposed for it
+};
 
 }  // namespace umbrage

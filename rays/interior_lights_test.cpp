@@ -76,10 +76,15 @@ TEST(InteriorLights, PicturesOfScenesWithoutLightsUseThem) {
     settings.look = "lit";
     settings.camera.position = {0.0f, 1.5f, 3.5f};
     settings.camera.focal_point = {0.0f, 1.0f, -1.0f};
+    const auto plan = make_plan(*make_recipe(settings), scene, 0);
+    ASSERT_TRUE(plan);
+    ASSERT_EQ(plan->lighting().lights.size(), 1u);
+    EXPECT_EQ(plan->lighting().lights[0].kind, open ? LightKind::kDirectional : LightKind::kPoint);
+    EXPECT_TRUE(scene.lights.empty());
     StageTimes times;
-    ASSERT_TRUE(draw(**device, scene, settings, times));
-    ASSERT_EQ(scene.lights.size(), 1u);
-    EXPECT_EQ(scene.lights[0].kind, open ? LightKind::kDirectional : LightKind::kPoint);
+    const auto drawn = draw(**device, scene, *plan, times);
+    ASSERT_TRUE(drawn);
+    EXPECT_EQ(drawn->frame.info.lights.size(), 1u);
   }
 }
 

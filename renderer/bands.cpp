@@ -292,11 +292,9 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
 
 }  // namespace
 
-Result<Lines> draw_bands(Device& device, Scene& scene, const Plan& planned, int rows,
-                         const std::vector<std::string>& planes, bool lines, const TakeRows& take, StageTimes& times,
-                         const ProgressMonitor& monitor) {
+Result<Lines> draw_bands(Device& device, const Plan& planned, int rows, const std::vector<std::string>& planes,
+                         bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
-  set_lighting(plan.lighting, scene);
   BandProgress progress(monitor, plan.recipe.frames);
   BandDrawer drawer(device, plan, rows, progress, times);
   PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};

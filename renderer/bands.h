@@ -26,8 +26,7 @@ using TakeRows = std::function<Result<void>(const PictureInfo& info, const Image
 
 /// Draws a prepared scene as draw does, to the bit the same, in bands of so many rows, and hands out these planes.
 /// Returns the lines of a look that line_parameters takes, where `lines` asks for them. Errors: as of draw.
-Result<Lines> draw_bands(Device& device, Scene& scene, const Plan& plan, int rows,
-                         const std::vector<std::string>& planes, bool lines, const TakeRows& take, StageTimes& times,
-                         const ProgressMonitor& monitor = {});
+Result<Lines> draw_bands(Device& device, const Plan& plan, int rows, const std::vector<std::string>& planes, bool lines,
+                         const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor = {});
 
 }  // namespace umbrage

@@ -48,7 +48,7 @@ Image drawn(const RenderRequest& settings, int rows, const std::vector<std::stri
   };
   const auto plan = make_plan(*recipe, scene, device->threads());
   EXPECT_TRUE(plan);
-  const auto done = draw_bands(*device, scene, *plan, rows, planes, false, take, times);
+  const auto done = draw_bands(*device, *plan, rows, planes, false, take, times);
   EXPECT_TRUE(done) << done.error().message;
   EXPECT_EQ(next, settings.height);
   return whole;

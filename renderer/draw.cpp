@@ -75,11 +75,10 @@ Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
   return device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame.info, rows), frame);
 }
 
-Result<Drawn> draw(Device& device, Scene& scene, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor,
-                   std::optional<float> stops) {
+Result<Drawn> draw(Device& device, const Scene& scene, const Plan& planned, StageTimes& times,
+                   const ProgressMonitor& monitor, std::optional<float> stops) {
   const KeptPlanes kept(device.pool());
   Plan plan = planned;  // each frame has noise of its own
-  set_lighting(plan.lighting, scene);
   DrawProgress progress(monitor, steps_of(look_run(plan.recipe)).size(), plan.recipe.frames);
   const ProgressMonitor of_step = progress.of_step();
   TracedScenePtr hierarchy;  // of the reference, for all frames
@@ -123,14 +122,14 @@ Result<Drawn> draw(Device& device, Scene& scene, const Plan& planned, StageTimes
   }
 }
 
-Result<Frame> draw(Device& device, Scene& scene, const Recipe& recipe, StageTimes& times) {
+Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times) {
   const auto plan = make_plan(recipe, scene, device.threads());
   if (!plan) return plan.error();
   auto drawn = draw(device, scene, *plan, times);
   return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
 }
 
-Result<Frame> draw(Device& device, Scene& scene, const RenderRequest& request, StageTimes& times) {
+Result<Frame> draw(Device& device, const Scene& scene, const RenderRequest& request, StageTimes& times) {
   const auto recipe = make_recipe(request);
   return recipe ? draw(device, scene, *recipe, times) : recipe.error();
 }

@@ -12,16 +12,16 @@ struct Drawn {
   std::optional<float> stops;  ///< what metering added to the exposure, for pictures that belong together
 };
 
-/// Draws a scene that the device was prepared with: captures, runs the look. The scene gets the plan's lights. `stops`:
+/// Draws a scene that the device was prepared with: captures, runs the look. `stops`:
 /// of another picture, in place of metering. Errors: kInterrupted; those of the device.
-Result<Drawn> draw(Device& device, Scene& scene, const Plan& plan, StageTimes& times,
+Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
 /// Plans and draws a furnished scene.
-Result<Frame> draw(Device& device, Scene& scene, const Recipe& recipe, StageTimes& times);
+Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times);
 
 /// Makes a recipe, plans and draws: a picture without an image around the scene. Errors: kUsage, too.
-Result<Frame> draw(Device& device, Scene& scene, const RenderRequest& request, StageTimes& times);
+Result<Frame> draw(Device& device, const Scene& scene, const RenderRequest& request, StageTimes& times);
 
 /// Shades what another renderer drew by a recipe of its request. Without normals they are made of the depth. Where
 /// gbuffer.info has no lights a look gets some, as they stand to the camera of a model without lights. Errors: kUsage

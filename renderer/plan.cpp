@@ -42,7 +42,7 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
   constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
   const Recipe& recipe = plan.recipe;
-  Lighting& lighting = plan.lighting;
+  Lighting& lighting = plan.lighting();
   if (recipe.look->studio_lights) {
     lighting.lights = studio_lights(plan.camera);
     lighting.ambient = glm::vec3(kStudioAmbient);
@@ -102,7 +102,7 @@ Result<void> measure_lengths(const Scene& scene, Plan& plan) {
 
 /// Looks that do not show how bright lights are show a sky as if white lay in it.
 float sky_gain(const Plan& plan) {
-  const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting.usual_light;
+  const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting().usual_light;
   return shows_light(plan.recipe) || !(usual > 0.0f) ? intensity : intensity / usual;
 }
 
@@ -146,14 +146,16 @@ void furnish(Scene& scene, const Recipe& recipe) {
 Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor) {
   Plan plan{.recipe = recipe,
             .camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height),
-            .lighting = lighting_of(scene),
             .capture = recipe.capture,
             .up = scene.up};
   EffectSettings& settings = plan.recipe.settings;
-  if (scene.lights.empty() && !recipe.hdri.lights())
-    if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
+  if (!plan.capture.lighting) {
+    plan.capture.lighting = lighting_of(scene);
+    if (scene.lights.empty() && !recipe.hdri.lights())
+      if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
+  }
   meter_inside(scene, plan);
-  if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting);
+  if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   if (auto measured = measure_lengths(scene, plan); !measured) return measured.error();
   plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
@@ -176,16 +178,16 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   recipe.hdri.rotation_deg += angle_deg;
   plan.camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
   if (recipe.hdri.lights()) {
-    plan.lighting = image_lighting(recipe.hdri, scene.up);
+    plan.lighting() = image_lighting(recipe.hdri, scene.up);
   } else if (plan.lit_from_camera) {
     const glm::mat3 turn(glm::rotate(glm::mat4(1.0f), glm::radians(angle_deg), glm::normalize(scene.up)));
     const glm::vec3 center = turn_center(scene, first.recipe.framing);
-    for (Light& light : plan.lighting.lights) {
+    for (Light& light : plan.lighting().lights) {
       light.direction = glm::normalize(turn * light.direction);
       light.position = center + turn * (light.position - center);
     }
   }
-  if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting);
+  if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   plan.sky_gain = sky_gain(plan);
   if (auto measured = measure_lengths(scene, plan); !measured) fail_check(measured.error().message);
   return plan;

@@ -8,15 +8,16 @@ namespace umbrage {
 struct Plan {
   Recipe recipe;  ///< of one frame
   Camera camera;
-  Lighting lighting;
-  bool lit_from_camera = false;  ///< `lighting` was made for the camera, and goes around the scene with it
-  CaptureSettings capture;
+  CaptureSettings capture;         ///< with the lighting
+  bool lit_from_camera = false;    ///< that was made for the camera, and goes around the scene with it
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< of the scene
   float sky_gain = 1.0f;           ///< on the image around the scene, where that is seen
   ParameterBytes output;           ///< how the finished picture is made of averaged frames
   ParameterBytes lines;  ///< of `outline`, where that is drawn once, by frame 0, over averaged frames; or empty
   int first_noise = 0;   ///< of frame 0: see Effect::noise
 
+  Lighting& lighting() { return *capture.lighting; }
+  const Lighting& lighting() const { return *capture.lighting; }
   /// Frames are drawn from the last to the first, which has its samples at the pixels' centres.
   bool averages() const { return recipe.frames > 1; }
 };
@@ -25,8 +26,8 @@ struct Plan {
 /// takes the place of the scene's own. Before a device is prepared.
 void furnish(Scene& scene, const Recipe& recipe);
 
-/// The plan of a furnished scene. Lights that it lacks are found with so many threads; 0: all. Errors: kUsage;
-/// kInterrupted.
+/// The plan of a furnished scene, in the light of recipe.capture where that has one. Lights that the scene lacks are
+/// found with so many threads; 0: all. Errors: kUsage; kInterrupted.
 Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
 /// The plan of a model that has turned before the camera: this has gone so far around, counterclockwise as seen from

@@ -111,6 +111,7 @@ Result<Picture> draw_frame(Opened& opened) {
   if (opened.monitor) before = [&](double) { return opened.monitor(0.0); };
   const auto plan = make_plan(opened.recipe, *opened.scene, opened.device->threads(), before);
   if (!plan) return plan.error();
+  opened.recipe.capture.lighting = plan->lighting();  // of all frames
   const auto drawn = draw(*opened.device, *opened.scene, *plan, times, opened.monitor);
   if (!drawn) return drawn.error();
   return downloaded(*opened.device, drawn->frame, true, opened.recipe.passes, opened.lines);

@@ -86,13 +86,6 @@ struct Scene {
   std::size_t point_count() const;
 };
 
-/// What shines on a scene: fields as of Scene.
-struct Lighting {
-  std::vector<Light> lights;
-  glm::vec3 ambient{0.3f};
-  AmbientShape ambient_shape;
-  float usual_light = 1.0f;
-};
 Lighting lighting_of(const Scene& scene);
 void set_lighting(Lighting lighting, Scene& scene);
 

@@ -79,7 +79,8 @@ struct Order {
 };
 
 /// The planes of the passes that are wanted, as a small copy of the picture has them.
-Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, Scene& scene, const Plan& plan) {
+Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, const Scene& scene,
+                                             const Plan& plan) {
   constexpr int kSmall = 16;  // pixels a side
   RenderRequest small = o.request;
   small.width = small.height = kSmall;
@@ -88,10 +89,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   recipe->hdri = plan.recipe.hdri;
   keep_passes_alone(*recipe);
   StageTimes times;
-  // Lights that a scene lacks hang on the picture.
-  const Lighting lighting = lighting_of(scene);
   const auto frame = draw(device, scene, *recipe, times);
-  set_lighting(lighting, scene);
   if (!frame) return frame.error();
   const auto chosen = chosen_planes(small.passes, device.plane_names(*frame), frame->info);
   if (!chosen) return chosen.error();
@@ -101,8 +99,8 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
 }
 
 /// Draws the picture in bands, into its file. Progress is shown meanwhile, on `line`.
-Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& device, Scene& scene, const Plan& plan,
-                            int band_rows, ProgressLine& line, StageTimes& times) {
+Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& device, const Scene& scene,
+                            const Plan& plan, int band_rows, ProgressLine& line, StageTimes& times) {
   const Recipe& recipe = order.recipe;
   const LineFile& lines = order.lines;
   const Place place{o.output, nullptr, {}};
@@ -142,7 +140,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
                              recipe.height);
         },
         [&]() -> Result<void> {
-          auto drawn = draw_bands(device, scene, plan, band_rows, wanted, bool(lines), take_rows, times, monitor);
+          auto drawn = draw_bands(device, plan, band_rows, wanted, bool(lines), take_rows, times, monitor);
           if (!drawn) return drawn.error();
           traced = std::move(*drawn);
           return {};
@@ -232,8 +230,8 @@ VideoSettings video_settings(const RenderOptions& o, const Output& output) {
 }
 
 /// Draws and writes all frames.
-Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& device, Scene& scene, const Plan& plan,
-                         StageTimes& times) {
+Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& device, const Scene& scene,
+                         const Plan& plan, StageTimes& times) {
   const Output& output = order.output;
   const LineFile& lines = order.lines;
   ProgressLine line;

@@ -11,7 +11,8 @@ namespace umbrage {
 
 PictureInfo picture_info(const Scene& scene, const Camera& camera, const CaptureSettings& settings) {
   PictureInfo info = with_guard({.width = settings.width, .height = settings.height, .camera = camera}, settings.guard);
-  info.ambient = scene.ambient;
+  const Lighting lighting = settings.lighting ? *settings.lighting : lighting_of(scene);
+  info.ambient = lighting.ambient;
   info.scene_radius = scene.radius();
   info.ground_object = scene.ground_object;
   info.ground_middle = glm::vec3(camera.view_from_world * glm::vec4(scene.ground_middle, 1.0f));
@@ -29,9 +30,9 @@ PictureInfo picture_info(const Scene& scene, const Camera& camera, const Capture
   info.depth_max = farthest > 0.0f ? farthest : 1.0f;
   info.depth_min = std::clamp(nearest, kNearestShare * info.depth_max, info.depth_max);
   const glm::mat3 rotation(camera.view_from_world);
-  info.ambient_shape = turned(scene.ambient_shape, rotation);
-  info.usual_light = scene.usual_light;
-  for (Light light : scene.lights) {
+  info.ambient_shape = turned(lighting.ambient_shape, rotation);
+  info.usual_light = lighting.usual_light;
+  for (Light light : lighting.lights) {
     light.direction = rotation * light.direction;
     light.position = glm::vec3(camera.view_from_world * glm::vec4(light.position, 1.0f));
     info.lights.push_back(light);
