@@ -51,9 +51,6 @@ class ViewDepth {
 
 Result<void> check(const ShadeRequest& r) {
   if (auto fine = check_lens(r); !fine) return fine;
-  if (long(r.width) * r.height > kMostPixels)
-    return usage_error("a G-buffer cannot have {} x {} pixels: {} together are the most", r.width, r.height,
-                       kMostPixels);
   if (!(r.right > r.left && r.top > r.bottom))
     return usage_error("the camera's window cannot be {} to {} and {} to {}: right lies beyond left, top above bottom",
                        r.left, r.right, r.bottom, r.top);
@@ -228,13 +225,7 @@ Result<SharedGBuffer> gbuffer_of(const ShadeRequest& request) {
             if (!std::isfinite(depth.at(x, y))) plane->at(x, y) = -1.0f;
   }
   PictureInfo& info = gbuffer.info;
-  info.width = request.width;
-  info.height = request.height;
-  info.camera.projection = request.orthographic ? Projection::kOrthographic : Projection::kPerspective;
-  info.camera.left = request.left;
-  info.camera.right = request.right;
-  info.camera.bottom = request.bottom;
-  info.camera.top = request.top;
+  set_lens(request, info);
   for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
   measure_extent(request, gbuffer.layers[0].plane("depth"), info);
   return shared;

@@ -19,7 +19,7 @@ struct SharedGBuffer {
   SharedIds ids;
 };
 
-/// The request's arrays in our conventions. Errors: kUsage.
+/// The arrays, in our conventions, of a request that make_recipe has found good. Errors: kUsage.
 Result<SharedGBuffer> gbuffer_of(const ShadeRequest& request);
 
 /// Whether a pass holds ids.

@@ -2,6 +2,7 @@
 #pragma once
 #include <cmath>
 
+#include "core/gbuffer.h"
 #include "core/result.h"
 #include "renderer/options.h"
 
@@ -29,6 +30,18 @@ Result<void> check_lens(const Request& r) {
                        r.top);
   if (!std::isfinite(r.scene_radius)) return usage_error("scene_radius cannot be {}", r.scene_radius);
   return {};
+}
+
+/// The picture's size and camera.
+template <class Request>
+void set_lens(const Request& r, PictureInfo& info) {
+  info.width = r.width;
+  info.height = r.height;
+  info.camera.projection = r.orthographic ? Projection::kOrthographic : Projection::kPerspective;
+  info.camera.left = r.left;
+  info.camera.right = r.right;
+  info.camera.bottom = r.bottom;
+  info.camera.top = r.top;
 }
 
 }  // namespace umbrage

@@ -9,6 +9,7 @@
 namespace umbrage {
 namespace {
 
+constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a share such as 5%";
 constexpr float kMaxPosition = 1e15f;  // as for models: rays beyond leave what Embree takes
 
 /// Numbers of a list parted by commas. Errors: kUsage.
@@ -47,7 +48,7 @@ std::string taken(const Option& o) {
   if (!o.choices.empty()) return joined(o.choices);
   switch (o.form) {
     case OptionForm::kLength:
-      return "a length above 0 in scene units, or a share such as 5%";
+      return std::string(kLengthTaken);
     case OptionForm::kPercent:
       return fmt::format("{:g}% to {:g}% of the picture's longer side", o.min, o.max);
     case OptionForm::kPosition:
@@ -256,16 +257,15 @@ Result<Length> parse_length(std::string_view field, std::string_view text) {
   float value = 0.0f;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0f) || !std::isfinite(value))
-    return usage_error("`{}` cannot be '{}': it takes a length above 0 in scene units, or a share such as 5%", field,
-                       text);
+    return usage_error("`{}` cannot be '{}': it takes {}", field, text, kLengthTaken);
   return Length{value, share ? 1 : 0};
 }
 
 Result<int> parse_scale(std::string_view field, std::string_view text) {
-  const auto& names = option_of("occlusion_scale").choices;
-  for (std::size_t k = 0; k < names.size(); ++k)
-    if (names[k] == text) return 1 << k;
-  return usage_error("`{}` cannot be '{}': it takes full, half or quarter", field, text);
+  const Option& option = option_of(field);
+  for (std::size_t k = 0; k < option.choices.size(); ++k)
+    if (option.choices[k] == text) return 1 << k;
+  return wrong(option, text);
 }
 
 }  // namespace umbrage

@@ -58,13 +58,7 @@ int depth_role(DepthKind kind) {
 
 PictureInfo info_of(const VulkanGBuffer& gbuffer) {
   PictureInfo info;
-  info.width = gbuffer.width;
-  info.height = gbuffer.height;
-  info.camera.projection = gbuffer.orthographic ? Projection::kOrthographic : Projection::kPerspective;
-  info.camera.left = gbuffer.left;
-  info.camera.right = gbuffer.right;
-  info.camera.bottom = gbuffer.bottom;
-  info.camera.top = gbuffer.top;
+  set_lens(gbuffer, info);
   info.scene_radius = gbuffer.scene_radius;
   // Without a look at the depths: what the planes say, as far as the scene reaches.
   const bool planes = has_planes(gbuffer.depth_kind);
