@@ -103,4 +103,8 @@ int layer_of_plane(std::string_view name) {
   return layer;
 }
 
+std::string_view of_first_layer(std::string_view plane) {
+  return layer_of_plane(plane) > 0 ? plane.substr(plane.find('.') + 1) : plane;
+}
+
 }  // namespace umbrage

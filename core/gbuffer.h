@@ -100,6 +100,9 @@ std::string layer_plane(int layer, std::string_view name);
 /// The layer of a plane of that name.
 int layer_of_plane(std::string_view name);
 
+/// Its name on the first layer.
+std::string_view of_first_layer(std::string_view plane);
+
 /// A G-buffer on the host: its information and one image per depth layer, nearest first, of the information's size.
 struct GBuffer {
   PictureInfo info;

@@ -60,11 +60,6 @@ const ParameterBytes& params_of(const LookRun& run, const Effect& effect) {
   return umbrage::params_of(*run.settings, effect.name);
 }
 
-/// A plane's name on the first layer.
-std::string_view of_first_layer(std::string_view plane) {
-  return layer_of_plane(plane) > 0 ? plane.substr(plane.find('.') + 1) : plane;
-}
-
 /// Leaves out steps that make nothing of what is wanted, nor of what later steps read.
 void keep_needed(const LookRun& run, Steps& steps) {
   std::set<std::string_view> read;
@@ -126,7 +121,7 @@ ReducedPlanes reduced_planes(const LookRun& run, const Steps& steps, std::size_t
       for (std::string_view input : pass.inputs) {
         if (once && contains(pass.later_inputs, input)) continue;
         // Every layer's plane of that name is reduced with the first one's.
-        if (!input.starts_with("layer") && !contains(made, input) && !contains(planes.read, input))
+        if (layer_of_plane(input) == 0 && !contains(made, input) && !contains(planes.read, input))
           planes.read.emplace_back(input);
       }
       planes.light |= contains(pass.outputs, "indirect.r");

@@ -1,7 +1,6 @@
 #include "renderer/passes.h"
 
 #include <algorithm>
-
 #include <set>
 
 #include "core/suggest.h"
@@ -49,10 +48,6 @@ std::string_view look_with(std::string_view pass) {
 }
 
 }  // namespace
-
-std::string_view of_first_layer(std::string_view plane) {
-  return layer_of_plane(plane) > 0 ? plane.substr(plane.find('.') + 1) : plane;
-}
 
 std::string pass_of(std::string_view plane) {
   const bool channel = plane.size() > 2 && plane[plane.size() - 2] == '.';

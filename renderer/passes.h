@@ -12,9 +12,6 @@ namespace umbrage {
 /// The word for a plane: `normal` for normal.x, `layer1.depth` for itself.
 std::string pass_of(std::string_view plane);
 
-/// A plane's name without its layer.
-std::string_view of_first_layer(std::string_view plane);
-
 /// A word and its planes.
 struct PassPlanes {
   std::string name;
