@@ -185,6 +185,10 @@ Result<void> check_together(const RenderRequest& r) {
                        camera.position      ? "position"
                        : camera.focal_point ? "focal_point"
                                             : "direction");
+  if (camera.position && camera.focal_point && camera.direction)
+    return usage_error(
+        "`camera.focal_point` and `camera.direction` both say where a camera at `camera.position` looks: give one of "
+        "them");
   if (camera.position && camera.focal_point && *camera.position == *camera.focal_point) {
     const Vector3& v = *camera.position;
     return usage_error(

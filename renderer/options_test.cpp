@@ -84,6 +84,8 @@ TEST(Options, TheLibraryChecksWhatTheTableSays) {
   refused({.layers = 17}, "`layers` cannot be '17': it takes a whole number from 1 to 16");
   refused({.camera = {.direction = {{0, 0, 0}}}}, "`camera.direction`");
   refused({.camera = {.position = {{1, 2, 3}}, .focal_point = {{1, 2, 3}}}}, "its own place");
+  refused({.camera = {.position = {{1, 2, 3}}, .focal_point = {{0, 0, 0}}, .direction = {{1, 0, 0}}}},
+          "`camera.focal_point` and `camera.direction` both");
   refused({.camera = {.index = 0, .direction = {{1, 0, 0}}}}, "`camera.index` and `camera.direction` both");
   refused({.occlusion = "reference", .occlusion_scale = "half"}, "`occlusion_scale` cannot be 'half'");
   refused({.hdri_skybox = true}, "`hdri_skybox` needs an image");

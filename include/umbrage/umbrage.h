@@ -95,7 +95,7 @@ struct CameraRequest {
   std::optional<std::array<float, 3>> position{};     ///< the eye
   std::optional<std::array<float, 3>> focal_point{};  ///< what is looked at
   std::optional<std::array<float, 3>> view_up{};      ///< what points up in the picture; not 0
-  std::optional<std::array<float, 3>> direction{};    ///< in which the camera looks; not 0
+  std::optional<std::array<float, 3>> direction{};    ///< in which it looks; not 0; not beside position and focal_point
   std::optional<float> view_angle_deg{};              ///< vertical field of view, 0.1 to 179
   float azimuth_deg = 0.0f;                           ///< then turned around the model,
   float elevation_deg = 0.0f;                         ///< and risen over it
@@ -105,14 +105,14 @@ struct CameraRequest {
 
 /// What to draw. Everything but the model has a value that serves.
 struct RenderRequest {
-  std::string model{};          ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
+  std::string model{};  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
   std::vector<std::string> more_models{};  ///< that stand beside it, as they are placed in their files
-  std::string look = "studio";  ///< a recipe: see `umbrage list looks`
-  std::string occlusion{};      ///< an occlusion technique, "reference" or "none"; empty: the look's own
-  std::vector<std::string> settings{};  ///< "effect.parameter=value": see `umbrage list effects`
-  int width = 1024, height = 1024;      ///< pixels, 1 to 16384 each, together at most 67 108 864
-  int threads = 0;                      ///< 0: as many as the machine has; at most 1024
-  std::string device = "auto";          ///< "cpu", "vulkan", "vulkan:N", or "auto": a graphics card if there is one
+  std::string look = "studio";             ///< a recipe: see `umbrage list looks`
+  std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: the look's own
+  std::vector<std::string> settings{};     ///< "effect.parameter=value": see `umbrage list effects`
+  int width = 1024, height = 1024;         ///< pixels, 1 to 16384 each, together at most 67 108 864
+  int threads = 0;                         ///< 0: as many as the machine has; at most 1024
+  std::string device = "auto";             ///< "cpu", "vulkan", "vulkan:N", or "auto": a graphics card if there is one
   CameraRequest camera{};
   std::optional<std::array<float, 3>> up{};  ///< the model's up; as its format says
   std::optional<int> scene_index{};         ///< of a glTF file that holds several scenes, from 0; the one that it names
@@ -201,7 +201,8 @@ struct PixelArray {
   std::ptrdiff_t pixel_stride = 0;
   std::ptrdiff_t row_stride = 0;      ///< floats from a row to the next; 0: width times pixel_stride. May be negative
   std::ptrdiff_t channel_stride = 1;  ///< floats from a channel to the next; width * height for plane after plane
-  /// In place of `values`, of object_id and material_id: whole numbers, all 32 bits of which count. Strides are in them.
+  /// In place of `values`, of object_id and material_id: whole numbers, all 32 bits of which count. Strides are in
+  /// them.
   const std::uint32_t* ids = nullptr;
 };
 
