@@ -75,7 +75,7 @@ struct Pass {
 };
 
 enum class EffectKind {
-  kOcclusion,  ///< writes `ao`; every look can take it through --ao
+  kOcclusion,  ///< writes `ao`; every look can take it as its `occlusion`
   kFilter,     ///< smooths what a technique wrote, at the resolution at which that ran
   kShading,    ///< writes light or colour
   kOutput,     ///< turns light into what a file or a screen holds

@@ -27,12 +27,12 @@ struct Look {
   bool back_sides = false;
   int shadow_rays = 0;
   int extra_views = 0;
-  /// Occlusion is computed for every so manieth pixel across and down, unless --ao-scale is given: 1, 2 or 4.
+  /// Occlusion is computed for every so manieth pixel across and down, unless `occlusion_scale` is given: 1, 2 or 4.
   int occlusion_every = 1;
-  /// Pictures that are averaged, each sampled elsewhere within its pixels, unless --anti-aliasing or a quality says.
+  /// Pictures that are averaged, each sampled elsewhere within its pixels, unless `anti_aliasing` or a quality says.
   int frames = 1;
   bool averages_for_eye = false;  ///< averaged pictures are mixed as square roots of light, as lines are
-  std::string_view quality = {};  ///< one of looks/quality.h, unless --quality is given; empty: as the settings are
+  std::string_view quality = {};  ///< one of looks/quality.h, unless `quality` is given; empty: as the settings are
   bool studio_lights = false;     ///< a scene without lights gets a soft key and a fill light, else a key light alone
   /// What stands in the open stands on a ground that cannot be seen but for the shadows on it.
   bool ground = false;

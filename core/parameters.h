@@ -59,8 +59,8 @@ std::size_t offset_of(Field Params::*field) {
 Parameter number_row(ParameterType type, std::string_view name, std::size_t offset, const NumberRange& range,
                      std::string_view help);
 
-/// One row of a parameter table each: its name as in --set, its field, from which its place follows, what it takes, and
-/// its help. Choices and switches are fields of type int; the initial choice is given by its index.
+/// One row of a parameter table each: its name as in `settings`, its field, from which its place follows, what it
+/// takes, and its help. Choices and switches are fields of type int; the initial choice is given by its index.
 template <class Params>
 Parameter real_row(std::string_view name, float Params::*field, const NumberRange& range, std::string_view help) {
   return number_row(ParameterType::kReal, name, offset_of(field), range, help);

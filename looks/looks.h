@@ -23,7 +23,7 @@ const Look* find_look(std::string_view name);
 /// No occlusion at all: `ao` is 1 everywhere.
 inline constexpr std::string_view kNoOcclusion = "none";
 
-/// Names that --ao takes: every occlusion technique, also those handed in, and `none`.
+/// Names that `occlusion` takes: every occlusion technique, also those handed in, and `none`.
 std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in = {});
 
 /// Runs a technique that no device can run, since it needs more than a frame: it adds its planes to the frame.

@@ -1,4 +1,4 @@
-// What people say of the instruction set, --isa and UMBRAGE_ISA, in sentences where it cannot be.
+// What people say of the instruction set, `isa` and UMBRAGE_ISA, in sentences where it cannot be.
 #pragma once
 #include <string_view>
 

@@ -265,7 +265,7 @@ const std::vector<Option> kOptions = {
     {.field = "hdri_ambient",
      .option = "hdri-ambient",
      .group = "Light",
-     .help = "light the scene by it, as it does unless --hdri-ambient=false is given",
+     .help = "light the scene by it, as it does unless `hdri_ambient`=false is given",
      .initial = "true",
      .where = in<&RenderRequest::hdri_ambient>},
     {.field = "hdri_skybox",

@@ -122,7 +122,8 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"color_g", light.color.g},
                        {"color_b", light.color.b},
                        {"shadow", light.casts_shadow}});
-  for (const std::string& warning : scene.warnings) records.push_back({{"what", "warning"}, {"text", warning}});
+  for (const std::string& warning : scene.warnings)
+    records.push_back({{"what", "warning"}, {"text", in_options(warning)}});
   return records;
 }
 
@@ -186,7 +187,7 @@ void print_text(const Scene& scene, const std::string& format) {
   }
   more(cameras.size());
   print_line("lights", scene.lights.empty() ? "none: looks bring their own" : fmt::format("{}", scene.lights.size()));
-  for (const std::string& warning : scene.warnings) print_line("warning", warning);
+  for (const std::string& warning : scene.warnings) print_line("warning", in_options(warning));
 }
 
 Result<void> info(const InfoOptions& o) {

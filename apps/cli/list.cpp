@@ -33,9 +33,9 @@ nlohmann::json list_effects() {
     records.push_back({{"name", effect->name}, {"summary", effect->summary}});
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     for (const Parameter& row : effect->parameters)
-      records.push_back(
-          {{"name", fmt::format("{}.{}", effect->name, row.name)},
-           {"summary", fmt::format("{}: {} [{}]", row.help, parameter_range(row), parameter_text(row, initial))}});
+      records.push_back({{"name", fmt::format("{}.{}", effect->name, row.name)},
+                         {"summary", in_options(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
+                                                            parameter_text(row, initial)))}});
   }
   return records;
 }

@@ -25,8 +25,9 @@ const std::vector<Parameter> kTable = {
         "material", &LightingParams::material, 0, {"scene", "clay", "display"},
         "the scene's materials, white clay without highlights, or the scene's with its albedo as a display shows it "
         "(for output.transfer=none)"),
-    bool_row("open", &LightingParams::open, false,
-             "write also how bright a white surface is where nothing is in the lights' way, which `ground` reads"),
+    bool_row(
+        "open", &LightingParams::open, false,
+        "write also how bright a white surface is where nothing is in the lights' way, which the effect ground reads"),
     choice_row(
         "rig", &LightingParams::rig, 0, {"scene", "head", "key"},
         "the scene's lights, one light at the eye, or one parallel light from above and to the left of the camera"),

@@ -16,7 +16,7 @@ const std::vector<Parameter> kTable = {
              "brightness, in stops: 1 doubles the light"),
     choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
                "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "
-               "bright the light is that --hdri-file gives"),
+               "bright the light is that `hdri_file` gives"),
     real_row("shoulder", &OutputParams::shoulder, {.initial = 1, .max = 1},
              "light from which on it is compressed, so that nothing exceeds white; 1: nothing is"),
     choice_row("transfer", &OutputParams::transfer, 0, {"srgb", "none"},
@@ -29,7 +29,7 @@ const std::vector<Parameter> kTable = {
              "blue where there is no surface, as written to the file"),
     bool_row("transparent", &OutputParams::transparent, false, "alpha 0 and black where there is no surface"),
     bool_row("sky", &OutputParams::sky, false,
-             "show the light of the planes `sky`, which --hdri-skybox makes, where there is no surface"),
+             "show the light of the planes `sky`, which `hdri_skybox` makes, where there is no surface"),
 };
 
 void fill_constants(const OutputParams& params, const PictureInfo&, OutputConstants& c) {

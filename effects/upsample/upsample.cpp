@@ -12,11 +12,11 @@ namespace {
 
 const std::vector<Parameter> kTable = {
     choice_row("factor", &UpsampleParams::factor, 0, {"2", "4"},
-               "pixels across and down that one at reduced resolution stands for; --ao-scale sets it"),
+               "pixels across and down that one at reduced resolution stands for; `occlusion_scale` sets it"),
     bool_row("indirect", &UpsampleParams::indirect, false,
-             "upsample the reflected light too, not the occlusion alone; --ao-scale sets it"),
+             "upsample the reflected light too, not the occlusion alone; `occlusion_scale` sets it"),
     bool_row("leave", &UpsampleParams::leave, false,
-             "leave pixels that too few others fit for the technique to compute; --ao-scale sets it"),
+             "leave pixels that too few others fit for the technique to compute; `occlusion_scale` sets it"),
     real_row("distance", &UpsampleParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
              "how far a pixel may lie off another's plane to join it fully"),
     real_row("angle", &UpsampleParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
