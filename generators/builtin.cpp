@@ -21,7 +21,7 @@ Result<int> parse_detail(std::string_view uri, std::string_view text) {
   double value = 0.0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc() || end != text.data() + text.size() || !(value >= kLeastDetail && value <= kMostDetail))
-    return usage_error("{}: detail is '{}', but must be a number of triangles from 1000 to 10000000", uri, text);
+    return usage_error("'{}': detail is '{}', but must be a number of triangles from 1000 to 10000000", uri, text);
   return int(std::lround(value));
 }
 
@@ -29,18 +29,18 @@ Result<int> parse_detail(std::string_view uri, std::string_view text) {
 
 Result<Scene> make_builtin_scene(std::string_view uri) {
   if (!uri.starts_with(kScheme))
-    return usage_error("{}: not a built-in scene; those are written scene:NAME or scene:NAME?detail=N", uri);
+    return usage_error("'{}': not a built-in scene; those are written scene:NAME or scene:NAME?detail=N", uri);
   const std::string_view rest = uri.substr(kScheme.size());
   const std::size_t mark = rest.find('?');
   const std::string_view name = rest.substr(0, mark);
   const auto scenes = builtin_scenes();
-  if (scenes.empty()) return usage_error("{}: this build of Umbrage has no built-in scenes", uri);
+  if (scenes.empty()) return usage_error("'{}': this build of Umbrage has no built-in scenes", uri);
   const auto scene =
       std::find_if(scenes.begin(), scenes.end(), [&](const BuiltinScene& each) { return each.name == name; });
   if (scene == scenes.end()) {
     std::vector<std::string_view> names;
     for (const BuiltinScene& each : scenes) names.push_back(each.name);
-    return usage_error("{}: there is no built-in scene '{}'{}", uri, name, suggestion(name, names));
+    return usage_error("'{}': there is no built-in scene '{}'{}", uri, name, suggestion(name, names));
   }
   int triangles = scene->default_triangles;
   if (mark != std::string_view::npos) {
@@ -48,7 +48,7 @@ Result<Scene> make_builtin_scene(std::string_view uri) {
     const std::size_t equals = query.find('=');
     const std::string_view key = query.substr(0, equals);
     if (key != "detail" || equals == std::string_view::npos)
-      return usage_error("{}: '{}' is not an option of a built-in scene; the only one is detail=N", uri, query);
+      return usage_error("'{}': '{}' is not an option of a built-in scene; the only one is detail=N", uri, query);
     const Result<int> detail = parse_detail(uri, query.substr(equals + 1));
     if (!detail) return detail.error();
     triangles = *detail;

@@ -84,8 +84,8 @@ bool means_no_triangles(const std::string& reason) {
 }
 
 Error unreadable(const fs::path& file, const std::string& format, const std::string& reason) {
-  if (means_no_triangles(reason)) return file_error("{}: has no triangles", file.string());
-  return file_error("{}: cannot be read as {}{}", file.string(), upper(format), reason_of(reason));
+  if (means_no_triangles(reason)) return file_error("'{}' has no triangles", file.string());
+  return file_error("'{}' cannot be read as {}{}", file.string(), upper(format), reason_of(reason));
 }
 
 std::string text_of(const fs::path& file) {
@@ -116,7 +116,7 @@ std::optional<Error> check_dae(const fs::path& file) {
       const std::size_t begin = text.find('>', at);
       const std::size_t wrong = text.find_first_not_of("0123456789- \t\r\n>", begin);
       if (begin == std::string::npos || (wrong != std::string::npos && text[wrong] == '<')) continue;
-      return file_error("{}: cannot be read as DAE (a list of indices, <{}>, holds something else)", file.string(),
+      return file_error("'{}' cannot be read as DAE (a list of indices, <{}>, holds something else)", file.string(),
                         tag);
     }
   }
@@ -125,7 +125,7 @@ std::optional<Error> check_dae(const fs::path& file) {
   for (std::size_t at = text.find(kArray); at != std::string::npos; at = text.find(kArray, at + 1)) {
     const std::optional<std::uint64_t> numbers = attribute_of(tag_at(at), "count");
     if (!numbers || *numbers > text.size() - at) {
-      return file_error("{}: cannot be read as DAE (a <float_array> has no count, or a wrong one)", file.string());
+      return file_error("'{}' cannot be read as DAE (a <float_array> has no count, or a wrong one)", file.string());
     }
     const std::size_t accessor = text.find("<accessor", at);
     if (accessor == std::string::npos || accessor > text.find("</source>", at)) continue;
@@ -136,7 +136,7 @@ std::optional<Error> check_dae(const fs::path& file) {
     const bool fits =
         count <= *numbers && stride <= *numbers && offset <= *numbers && count * stride + offset <= *numbers;
     if (!fits) {
-      return file_error("{}: cannot be read as DAE (an <accessor> asks for more than the {} numbers of its array)",
+      return file_error("'{}' cannot be read as DAE (an <accessor> asks for more than the {} numbers of its array)",
                         file.string(), *numbers);
     }
   }
@@ -337,7 +337,7 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
   }
   for (const std::string& name : clear)
     scene.warnings.push_back(
-        fmt::format("surfaces of the material {} are more clear than opaque and are left out", name));
+        fmt::format("surfaces of the material '{}' are more clear than opaque and are left out", name));
 }
 
 /// World up as the format or the file says. Assimp turns DAE itself, and leaves FBX to its reader.
@@ -416,8 +416,8 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     scene.warnings.push_back("some triangles have corners that are not among the vertices, and are left out");
   }
   if (!missing_libraries.empty()) {
-    scene.warnings.push_back(fmt::format("the material library {} is not there; surfaces are shown in a neutral colour",
-                                         missing_libraries.front()));
+    scene.warnings.push_back(fmt::format(
+        "the material library '{}' is not there; surfaces are shown in a neutral colour", missing_libraries.front()));
   }
   return scene;
 }

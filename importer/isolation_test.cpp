@@ -43,7 +43,7 @@ class IsolatedImport : public ProgramTest {
     const Result<Scene> scene = import_scene(model(name));
     ASSERT_FALSE(scene) << name;
     EXPECT_EQ(scene.error().kind, ErrorKind::kFile);
-    EXPECT_NE(scene.error().message.find(name + ": "), std::string::npos) << scene.error().message;
+    EXPECT_NE(scene.error().message.find(name + "' "), std::string::npos) << scene.error().message;
     EXPECT_NE(scene.error().message.find(text), std::string::npos) << scene.error().message;
     EXPECT_EQ(scene.error().message.find('\n'), std::string::npos) << scene.error().message;
   }
@@ -133,7 +133,7 @@ TEST_F(IsolatedImport, WorksInAnyProgram) {
 
 TEST_F(IsolatedImport, NeedsItsProgram) {
   ::setenv("UMBRAGE_IMPORT", "/nowhere/umbrage-import", 1);
-  expect_error("sound.obj", "/nowhere/umbrage-import does not start");
+  expect_error("sound.obj", "'/nowhere/umbrage-import' does not start");
   ::setenv("UMBRAGE_IMPORT", "/bin/true", 1);
   expect_error("sound.obj", "its reader crashed on it");
   ::unsetenv("UMBRAGE_IMPORT");

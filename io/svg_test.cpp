@@ -122,7 +122,7 @@ TEST_F(SvgTest, RefusesWhatCannotBe) {
   bad(lines + "--look cartoon-paper", 2, {"outline.mode=paper", "robust"});
   bad(lines + "--set outline.opacity=0", 2, {"outline.opacity=0"});
   bad(lines + "--look cartoonn", 2, {"'cartoonn'", "did you mean"});
-  bad(lines + "--svg more.svg", 2, {"--svg more.svg", "--output lines.svg"});
+  bad(lines + "--svg more.svg", 2, {"--svg 'more.svg'", "--output 'lines.svg'"});
   bad("nothere.obj -o out.png --svg lines.svg", 2, {"'studio' draws no lines"});
   bad("nothere.obj -o out.png --look cartoon --svg lines.png", 2, {"--svg", "'lines.png'", ".svg"});
   bad("nothere.obj -o - --look cartoon --svg -", 2, {"--svg", "'-'", ".svg"});

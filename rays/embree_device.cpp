@@ -35,8 +35,9 @@ Result<RTCDevice> new_embree_device() {
 
 Error build_error(const Scene& scene, RTCError error) {
   if (error == RTC_ERROR_OUT_OF_MEMORY)
-    return device_error("{}: not enough memory for {}", scene.name, size_text(scene));
-  return device_error("{}: Embree cannot build a hierarchy of {} (error {})", scene.name, size_text(scene), int(error));
+    return device_error("'{}': not enough memory for {}", scene.name, size_text(scene));
+  return device_error("'{}': Embree cannot build a hierarchy of {} (error {})", scene.name, size_text(scene),
+                      int(error));
 }
 
 std::string_view isa_of_rays() {

@@ -81,16 +81,16 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& mo
   if (!read) return read.error();
   if (const std::size_t changed = clean_panorama(*read); changed > 0)
     warnings.push_back(fmt::format(
-        "{}: {} of its pixels are not finite or below 0 somewhere, which becomes 0, or 65504 where it is infinite",
+        "'{}': {} of its pixels are not finite or below 0 somewhere, which becomes 0, or 65504 where it is infinite",
         hdri.file, changed));
   if (read->width != 2 * read->height)
     warnings.push_back(
-        fmt::format("{}: is {} x {} pixels; an image of all directions is twice as wide as it is high, and "
+        fmt::format("'{}' is {} x {} pixels; an image of all directions is twice as wide as it is high, and "
                     "this one is stretched to that",
                     hdri.file, read->width, read->height));
   Panorama panorama = reduced_panorama(*read, kWidestPanorama, kHighestPanorama);
   if (hdri.ambient && std::all_of(panorama.rgb.begin(), panorama.rgb.end(), [](float v) { return v == 0.0f; }))
-    warnings.push_back(fmt::format("{}: is all black, and gives no light", hdri.file));
+    warnings.push_back(fmt::format("'{}' is all black, and gives no light", hdri.file));
   hdri.panorama = std::make_shared<const Panorama>(std::move(panorama));
   return warnings;
 }

@@ -1,6 +1,7 @@
 #include "renderer/options.h"
 
 #include <algorithm>
+#include <cctype>
 
 #include "core/check.h"
 #include "core/device.h"
@@ -335,6 +336,16 @@ std::span<const Option> options() { return kOptions; }
 
 const Option& option_of(std::string_view field) {
   for (const Option& option : kOptions)
+/// Where a quotation '...' that begins there ends, behind its mark; the same place where none begins. Apostrophes, as
+/// in "the picture's" or "the models' sizes", begin none.
+std::size_t end_of_quotation(std::string_view message, std::size_t at) {
+  const auto is_letter = [&](std::size_t k) { return k < message.size() && std::isalnum((unsigned char)message[k]); };
+  if (message[at] != '\'' || (at > 0 && message[at - 1] != ' ' && message[at - 1] != '(')) return at;
+  for (std::size_t k = at + 1; k < message.size(); ++k)
+    if (message[k] == '\'' && !is_letter(k + 1)) return k + 1;
+  return at;
+}
+
     if (option.field == field) return option;
   fail_check(fmt::format("there is no option for the field '{}'", field));
 }
@@ -342,18 +353,20 @@ const Option& option_of(std::string_view field) {
 std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&)) {
   std::string text;
   for (std::size_t at = 0; at < message.size();) {
-    const std::size_t open = message.find('`', at), close = open == message.npos ? open : message.find('`', open + 1);
-    const auto field = close == message.npos ? std::string_view() : message.substr(open + 1, close - open - 1);
-    const auto row = std::find_if(kOptions.begin(), kOptions.end(), [&](const Option& o) { return o.field == field; });
-    if (row == kOptions.end()) {
-      const std::size_t next = close == message.npos ? message.size() : close;
-      text += message.substr(at, next - at);
-      at = next;
-      if (close != message.npos) text += message[at++];
-      continue;
+    if (message[at] == '`') {
+      const std::size_t close = message.find('`', at + 1);
+      const std::string_view field = message.substr(at + 1, close == message.npos ? close : close - at - 1);
+      const auto row =
+          std::find_if(kOptions.begin(), kOptions.end(), [&](const Option& o) { return o.field == field; });
+      if (close != message.npos && row != kOptions.end()) {
+        text += rename(*row);
+        at = close + 1;
+        continue;
+      }
     }
-    text += std::string(message.substr(at, open - at)) + rename(*row);
-    at = close + 1;
+    const std::size_t next = std::max(end_of_quotation(message, at), at + 1);
+    text += message.substr(at, next - at);
+    at = next;
   }
   return text;
 }

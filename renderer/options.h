@@ -1,7 +1,8 @@
 // The table of what a RenderRequest can say: one row per option. From it come the command line with its help, manual
 // page and completion, the checks of the library and what both say of a wrong value.
 //
-// Messages name a field in backquotes, `camera.zoom`; who speaks to people in other words puts them in its place.
+// Messages name a field in backquotes, `camera.zoom`; who speaks to people in other words puts them in its place. They
+// quote what somebody wrote, such as the name of a file, in '...': there nothing is put in its place.
 #pragma once
 #include <array>
 #include <optional>
@@ -58,7 +59,7 @@ std::span<const Option> options();
 /// The row of that field, which must be there.
 const Option& option_of(std::string_view field);
 
-/// A message with what `rename` makes of each field that it names in backquotes.
+/// A message with what `rename` makes of each field that it names in backquotes; none of them within '...'.
 std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&));
 
 /// Whether its numbers are whole.

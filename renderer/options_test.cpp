@@ -103,5 +103,22 @@ TEST(Options, MessagesAreSaidInOtherWords) {
   EXPECT_EQ(with_fields_renamed("", dashed), "");
 }
 
+// Files may be called as fields are.
+TEST(Options, WhatIsQuotedIsSaidAsItIs) {
+  const auto dashed = [](const Option& o) { return "--" + std::string(o.option); };
+  const auto stays = [&](const std::string& quoted, const std::string& before, const std::string& after) {
+    const std::string said = with_fields_renamed(before + quoted + after + "`width`", dashed);
+    EXPECT_EQ(said, before + quoted + after + "--resolution");
+  };
+  for (const char* quoted : {"'`width`.obj'", "'a `width` b'", "'it's `width`'", "'`'", "''"}) {
+    stays(quoted, "", " is empty: ");
+    stays(quoted, "the picture's file, ", ", or ");
+    stays(quoted, "the models' sizes (", "): ");
+  }
+  EXPECT_EQ(with_fields_renamed("the picture's `width` and the models' `width` or 'x'", dashed),
+            "the picture's --resolution and the models' --resolution or 'x'");
+  EXPECT_EQ(with_fields_renamed("'never closed `width`", dashed), "'never closed --resolution");
+}
+
 }  // namespace
 }  // namespace umbrage

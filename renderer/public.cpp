@@ -194,7 +194,7 @@ Result<void> write_picture(const Picture& picture, const std::string& file, cons
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
   const bool holds_passes = (*format)->extension == "exr";
-  if (picture.width < 1 || picture.height < 1) return usage_error("there is no picture to write to {}", file);
+  if (picture.width < 1 || picture.height < 1) return usage_error("there is no picture to write to '{}'", file);
   if (auto writable = check_writable(file); !writable) return writable;
   Image image(picture.width, picture.height);
   if (!picture.rgba.empty()) {
@@ -207,7 +207,8 @@ Result<void> write_picture(const Picture& picture, const std::string& file, cons
     }
   } else if (!holds_passes) {
     if (picture.passes.size() != 1 || (picture.passes[0].channels != 1 && picture.passes[0].channels != 3))
-      return usage_error("{} holds one picture of colours or one pass of 1 or 3 channels; write to a .exr file", file);
+      return usage_error("'{}' holds one picture of colours or one pass of 1 or 3 channels; write to a .exr file",
+                         file);
     const Pixels& pass = picture.passes[0];
     const std::vector<std::string> colors = {".r", ".g", ".b"};
     auto done = pass.channels == 1 ? add_planes(pass.name, {""}, pass.values, image)

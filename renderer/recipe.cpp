@@ -63,7 +63,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
     const Effect& effect = *setting->effect;
     const Parameter& row = *setting->parameter;
     if (!recipe.own_look && effect.set_reduction && (row.name == "factor" || row.name == "indirect"))
-      return usage_error("`settings` {}: {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
+      return usage_error("`settings` '{}': {}.{} follows from `occlusion_scale`", assignment, effect.name, row.name);
     if (auto done = set_parameter(effect.name, row, setting->value, params_of(recipe.settings, effect.name)); !done)
       return done;
     recipe.said.push_back({&effect, &row, {}});

@@ -28,9 +28,10 @@ Result<void> add_strokes(Device& device, const Frame& frame, const ParameterByte
 Result<void> write_strokes(const Picture& picture, const std::filesystem::path& file) {
   if (!(picture.stroke_opacity > 0.0f))
     return usage_error(
-        "there are no strokes to write to {}: the request is to ask for them, and stroke_opacity above 0",
+        "there are no strokes to write to '{}': the request is to ask for them, and stroke_opacity above 0",
         file.string());
-  if (picture.width < 1 || picture.height < 1) return usage_error("there is no picture to write to {}", file.string());
+  if (picture.width < 1 || picture.height < 1)
+    return usage_error("there is no picture to write to '{}'", file.string());
   if (auto writable = check_writable(file); !writable) return writable;
   Lines lines{picture.width, picture.height, {}};
   for (const Stroke& stroke : picture.strokes) {

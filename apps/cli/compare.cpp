@@ -107,7 +107,7 @@ Result<void> run_compare(const CompareOptions& o) {
   line.wipe();
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return file_error("{}: the report's folder cannot be made: {}", folder.string(), error.message());
+  if (error) return file_error("'{}': the report's folder cannot be made: {}", folder.string(), error.message());
   if (auto written = write_text(folder / "scores.json", scores_text(scores)); !written) return written;
   if (auto written = write_text(folder / "index.html", *page); !written) return written;
 

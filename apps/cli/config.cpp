@@ -84,7 +84,7 @@ Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<st
   if (!named && (file.empty() || !fs::is_regular_file(file, ignored))) return words;
   std::ifstream stream(file);
   if (!stream || fs::is_directory(file, ignored))
-    return file_error("{}: cannot be read as a configuration", file.string());
+    return file_error("'{}' cannot be read as a configuration", file.string());
 
   std::vector<std::string> added;
   std::string section, line;

@@ -64,7 +64,7 @@ std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& 
     const char* what = !o.request.point_size.empty()       ? "--point-size"
                        : o.request.point_sprites != "auto" ? "--point-sprites"
                                                            : nullptr;
-    if (what) sentences.push_back(fmt::format("{} does nothing: {} has no points", what, scene.name));
+    if (what) sentences.push_back(fmt::format("{} does nothing: '{}' has no points", what, scene.name));
   }
   return sentences;
 }

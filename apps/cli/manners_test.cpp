@@ -50,9 +50,9 @@ TEST_F(Manners, ReadsAModelFromStandardInput) {
     EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
     EXPECT_FALSE(fs::exists(folder_ / "x.png"));
   };
-  refused("$UMBRAGE - -o x.png </dev/null", 3, "standard input: is empty");
+  refused("$UMBRAGE - -o x.png </dev/null", 3, "standard input is empty");
   refused("echo hello | $UMBRAGE - -o x.png", 3, "--input-format");
-  refused("echo hello | $UMBRAGE - -o x.png --input-format ply", 3, "standard input: cannot be read as PLY");
+  refused("echo hello | $UMBRAGE - -o x.png --input-format ply", 3, "standard input cannot be read as PLY");
   refused("echo hello | $UMBRAGE - -o x.png --input-format pyl", 2, "did you mean 'ply'");
   refused("$UMBRAGE - - -o x.png <tri.obj", 2, "once");
   refused("$UMBRAGE tri.obj -o x.png --input-format obj", 2, "--input-format");
@@ -89,7 +89,7 @@ TEST_F(Manners, TellsFormatsByContent) {
     const Outcome outcome = shell("$UMBRAGE info - <model");
     EXPECT_EQ(outcome.code, 3) << format << outcome.out;
     EXPECT_TRUE(outcome.err.find(format) != std::string::npos ||
-                outcome.err.find("standard input: ") != std::string::npos)
+                outcome.err.find("umbrage: standard input ") != std::string::npos)
         << outcome.err;
     EXPECT_EQ(outcome.err.find("cannot be told"), std::string::npos) << format << ": " << outcome.err;
   }
@@ -241,11 +241,11 @@ TEST_F(Manners, ScenesAreChosenByIndex) {
     EXPECT_NE(good("info " + file + " --scene-index 0").out.find("--scene-index 0 (left): this one"),
               std::string::npos);
     good(file + " --scene-index 2 -o a.png" + kSmall);
-    bad(file + " -o x.png --scene-index 3", 2, {"--scene-index cannot be 3", file, "3 scenes, 0 to 2"});
+    bad(file + " -o x.png --scene-index 3", 2, {"--scene-index cannot be '3'", file, "3 scenes, 0 to 2"});
   }
   good("tri.obj --scene-index 0 -o b.png" + std::string(kSmall));
-  bad("tri.obj -o x.png --scene-index 1", 2, {"--scene-index", "tri.obj has one scene, 0"});
-  bad("scene:pink -o x.png --scene-index 1", 2, {"--scene-index", "scene:pink has one scene, 0"});
+  bad("tri.obj -o x.png --scene-index 1", 2, {"--scene-index", "'tri.obj' has one scene, 0"});
+  bad("scene:pink -o x.png --scene-index 1", 2, {"--scene-index", "'scene:pink' has one scene, 0"});
   bad("a.gltf -o x.png --scene-index -1", 2, {"--scene-index"});
   bad("a.gltf -o x.png --scene-index left", 2, {"--scene-index"});
 }
@@ -375,7 +375,7 @@ TEST_F(Manners, WarnsOfSettingsThatDoNothing) {
   warned("--set hbao.radius=5%",
          "--set hbao.radius=5% does nothing: the occlusion of this picture is bitmask; try --ao hbao");
   warned("--ao none --ao-radius 5%", "--ao-radius 5% does nothing: this picture has no occlusion");
-  warned("--point-size 1%", "--point-size does nothing: tri.obj has no points");
+  warned("--point-size 1%", "--point-size does nothing: 'tri.obj' has no points");
   warned("--set lighting.open=off --set bitmask.slices=2 --set output.shoulder=0.5", "");
   warned("--look ao --ao hbao --set hbao.radius=5%", "");
   warned("--look ao --ao-radius 0.001%",

@@ -102,7 +102,7 @@ Result<void> check_folder(const std::filesystem::path& folder, std::initializer_
   fs::path parent = fs::absolute(folder, ignored);
   while (!fs::exists(parent, ignored) && parent != parent.parent_path()) parent = parent.parent_path();
   if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
-    return file_error("{}: the folder cannot be made", folder.string());
+    return file_error("'{}': the folder cannot be made", folder.string());
   return {};
 }
 

@@ -50,8 +50,9 @@ bool is_number(std::string_view word) {
 }
 
 Error about_standard_input(Error error) {
-  if (const auto at = error.message.find(dropped_file); at != std::string::npos)
-    error.message.replace(at, std::strlen(dropped_file), "standard input");
+  const std::string name = fmt::format("'{}'", dropped_file);
+  if (const auto at = error.message.find(name); at != std::string::npos)
+    error.message.replace(at, name.size(), "standard input");
   return error;
 }
 
@@ -65,17 +66,17 @@ Result<fs::path> take_standard_input(const std::string& format) {
     bytes.resize(before + kStep);
     const std::size_t got = std::fread(bytes.data() + before, 1, kStep, stdin);
     bytes.resize(before + got);
-    if (std::ferror(stdin)) return file_error("standard input: cannot be read");
+    if (std::ferror(stdin)) return file_error("standard input cannot be read");
   }
-  if (bytes.empty()) return file_error("standard input: is empty");
+  if (bytes.empty()) return file_error("standard input is empty");
   const std::string ending = format.empty() ? format_of_content(bytes) : format;
-  if (ending.empty()) return file_error("standard input: its format cannot be told; name it with --input-format");
+  if (ending.empty()) return file_error("the format of standard input cannot be told; name it with --input-format");
   std::error_code code;
   const fs::path place = fs::temp_directory_path(code);
   std::random_device random;
   const std::string folder = (place / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
   const std::string file = folder + "/stdin." + ending;
-  if (code || file.size() >= kLongestPath) return file_error("standard input: there is no folder for temporary files");
+  if (code || file.size() >= kLongestPath) return file_error("there is no folder for standard input's temporary file");
   // Known to the signal handler before they are there: the first byte makes a name of the others.
   for (const auto& [dropped, name] : {std::pair(dropped_folder, &folder), {dropped_file, &file}}) {
     std::strcpy(dropped + 1, name->c_str() + 1);
@@ -85,12 +86,12 @@ Result<fs::path> take_standard_input(const std::string& format) {
   constexpr mode_t kOwnerOnly = 0700;
   if (::mkdir(folder.c_str(), kOwnerOnly) != 0) {
     dropped_file[0] = dropped_folder[0] = '\0';
-    return file_error("standard input: there is no folder for temporary files");
+    return file_error("there is no folder for standard input's temporary file");
   }
   std::FILE* stream = std::fopen(file.c_str(), "wbx");
   const bool written = stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
   if (!stream || std::fclose(stream) != 0 || !written)
-    return file_error("standard input: there is no room for it in {}", folder);
+    return file_error("there is no room for standard input in '{}'", folder);
   return fs::path(file);
 }
 

@@ -61,19 +61,20 @@ nlohmann::json terms_json(const Terms& terms) {
 
 Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) return file_error("{}: the baseline cannot be read", file.string());
+  if (!stream) return file_error("'{}': the baseline cannot be read", file.string());
   std::ostringstream text;
   text << stream.rdbuf();
   nlohmann::json baseline = nlohmann::json::parse(text.str(), nullptr, false);
   const auto no_scores = [&] {
-    return file_error("{}: this is no list of scores, as compare writes into scores.json", file.string());
+    return file_error("'{}': this is no list of scores, as compare writes into scores.json", file.string());
   };
   if (!baseline.is_array() || baseline.empty()) return no_scores();
   for (const nlohmann::json& record : baseline) {
     if (!record.is_object() || !record.contains("format")) return no_scores();
     if (record["format"] != kScoresFormat)
       return file_error(
-          "{}: its scores are of format {}, which another version measured; this one measures format {}: make it anew",
+          "'{}': its scores are of format {}, which another version measured; this one measures format {}: make it "
+          "anew",
           file.string(), shown(record["format"]), kScoresFormat);
     for (const char* field :
          {"scene", "camera", "technique", "setting", "view", "radius", "falloff", "normal", "settings", "guard"})
@@ -100,7 +101,7 @@ Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, con
     for (const auto& [field, value] : now.items()) {
       const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);
       if (before != value)
-        return file_error("{}: it was measured on other terms: {} {}, now {}", name, field, shown(before),
+        return file_error("'{}': it was measured on other terms: {} {}, now {}", name, field, shown(before),
                           shown(value));
     }
   return {};
@@ -119,7 +120,7 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
     }
     const nlohmann::json& after = *found->second;
     if (before.at("view") != after.at("view"))
-      return file_error("{}: its camera {} of {} looked elsewhere: {}, now {}", name,
+      return file_error("'{}': its camera '{}' of '{}' looked elsewhere: {}, now {}", name,
                         before.at("camera").get<std::string>(), before.at("scene").get<std::string>(),
                         shown(before.at("view")), shown(after.at("view")));
     ++check.compared;
@@ -137,7 +138,7 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
     }
   }
   if (check.compared == 0)
-    return file_error("{}: none of its {} scores is of a scene, camera, size and technique that were compared now",
+    return file_error("'{}': none of its {} scores is of a scene, camera, size and technique that were compared now",
                       name, check.missing);
   return check;
 }

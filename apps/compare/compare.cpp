@@ -178,7 +178,7 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
     return traced_half;
   });
   if (!occlusion) return occlusion.error();
-  if (occlusion->pixels == 0) return usage_error("{} shows nothing: move the camera or leave it to be placed", what);
+  if (occlusion->pixels == 0) return usage_error("'{}' shows nothing: move the camera or leave it to be placed", what);
   run.error_sum += occlusion->error;
   ++run.pictures;
   run.truth_sum += occlusion->sum;
@@ -197,7 +197,7 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   const double mean = mean_of(light->planes, classes);
   if (!(mean > 0.0)) {
     run.result.warnings.push_back(
-        fmt::format("{}: no surface sends light to another one within {:.4g} scene units: its light is not compared",
+        fmt::format("'{}': no surface sends light to another one within {:.4g} scene units: its light is not compared",
                     what, radius));
     return truths;
   }

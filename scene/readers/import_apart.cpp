@@ -78,11 +78,11 @@ Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
 Error ended_early(const fs::path& file, const Ended& ended) {
   const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM)
-    return file_error("{}: is broken, or too much for its reader, which was stopped after {:.0f} s", file.string(),
+    return file_error("'{}' is broken, or too much for its reader, which was stopped after {:.0f} s", file.string(),
                       ended.seconds);
   if (signal == SIGKILL)
-    return file_error("{}: is broken, or needs more memory than there is: the system ended its reader", file.string());
-  return file_error("{}: is broken; its reader crashed on it{}", file.string(),
+    return file_error("'{}' is broken, or needs more memory than there is: the system ended its reader", file.string());
+  return file_error("'{}' is broken; its reader crashed on it{}", file.string(),
                     signal ? fmt::format(" ({})", ::strsignal(signal)) : "");
 }
 
@@ -133,14 +133,15 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
                      std::optional<Result<T>> (*receive)(int), Poll* poll) {
   const fs::path program = import_program();
   if (program.empty())
-    return file_error("{}: cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
-                      file.string(), kProgram);
+    return file_error(
+        "'{}' cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
+        file.string(), kProgram);
   Descriptor result = moved_up(::memfd_create("umbrage-scene", MFD_CLOEXEC));
   int ends[2] = {-1, -1};
   Descriptor told, done;
   if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_up(ends[0]), done = moved_up(ends[1]);
   if (result.number < 0 || told.number < 0 || done.number < 0)
-    return file_error("{}: cannot be read: {}", file.string(), std::strerror(errno));
+    return file_error("'{}' cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
   // What a library prints before it gives up says nothing to people; the error does.
   const ChildProgram reader{.program = fs::absolute(program),  // not one on PATH
@@ -152,8 +153,8 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
                                       {kImportDone, done.number}}};
   pid_t child = 0;
   if (const int failed = start_child(reader, child))
-    return file_error("{}: cannot be read, since the program {} does not start ({})", file.string(), program.string(),
-                      std::strerror(failed));
+    return file_error("'{}' cannot be read, since the program '{}' does not start ({})", file.string(),
+                      program.string(), std::strerror(failed));
   done.close();  // the child's end alone is open now: that it ends is seen, too
   const ssize_t got = wait_for_byte(told.number, poll);
   if (poll && poll->ended()) {
@@ -166,7 +167,7 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   const Ended ended = wait_for(child, started);
   if (received) return std::move(*received);
   if (got == 1)
-    return file_error("{}: cannot be read: {} is of another version than this program", file.string(),
+    return file_error("'{}' cannot be read: '{}' is of another version than this program", file.string(),
                       program.string());
   return ended_early(file, ended);
 }

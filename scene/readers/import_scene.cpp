@@ -63,25 +63,25 @@ std::string import_format(const fs::path& file) {
 std::optional<Error> check_model_file(const fs::path& file, const std::string& format) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
-  if (status.type() == fs::file_type::not_found) return file_error("{}: there is no such file", file.string());
-  if (error) return file_error("{}: cannot be read ({})", file.string(), error.message());
+  if (status.type() == fs::file_type::not_found) return file_error("'{}': there is no such file", file.string());
+  if (error) return file_error("'{}' cannot be read ({})", file.string(), error.message());
   if (status.type() == fs::file_type::directory) {
-    return file_error("{}: is a folder, where a model file is needed", file.string());
+    return file_error("'{}' is a folder, where a model file is needed", file.string());
   }
   const auto& formats = import_formats();
   if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
-    return file_error("{}: is no model that can be read; files that end in {} can", file.string(), list_of_formats());
+    return file_error("'{}' is no model that can be read; files that end in {} can", file.string(), list_of_formats());
   }
-  if (status.type() != fs::file_type::regular) return file_error("{}: is not a regular file", file.string());
-  if (fs::file_size(file, error) == 0 && !error) return file_error("{}: is empty", file.string());
+  if (status.type() != fs::file_type::regular) return file_error("'{}' is not a regular file", file.string());
+  if (fs::file_size(file, error) == 0 && !error) return file_error("'{}' is empty", file.string());
   if (!std::ifstream(file, std::ios::binary)) {
-    return file_error("{}: cannot be opened for reading (permission?)", file.string());
+    return file_error("'{}' cannot be opened for reading (permission?)", file.string());
   }
   return std::nullopt;
 }
 
 Error too_large_to_read(const fs::path& file) {
-  return file_error("{}: needs more memory than there is, or is broken", file.string());
+  return file_error("'{}' needs more memory than there is, or is broken", file.string());
 }
 
 Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,
@@ -92,7 +92,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   if (const float length = glm::length(settings.up); length > 0.0f && std::isfinite(length)) {
     scene.up = settings.up / length;
   }
-  if (scene.meshes.empty()) return file_error("{}: has no triangles and no points", file.string());
+  if (scene.meshes.empty()) return file_error("'{}' has no triangles and no points", file.string());
   const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
   std::size_t astray = 0;
   for (const Mesh& mesh : scene.meshes) astray += triangles_astray(mesh);
@@ -103,10 +103,10 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points, poll);
   if (poll && poll->ended()) return interrupted();
   if (scene.meshes.empty() && points > 0) {
-    return file_error("{}: has no points that can be drawn; all {} are not finite", file.string(), points);
+    return file_error("'{}' has no points that can be drawn; all {} are not finite", file.string(), points);
   }
   if (scene.meshes.empty()) {
-    return file_error("{}: has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
+    return file_error("'{}' has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
                       triangles);
   }
   constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and do not show
@@ -122,7 +122,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
 Result<void> check_scene_index(const ImportSettings& settings, const std::string& name, std::size_t count) {
   if (!settings.scene_index) return {};
   if (*settings.scene_index >= 0 && std::size_t(*settings.scene_index) < count) return {};
-  return usage_error("`scene_index` cannot be {}: {} has {}", *settings.scene_index, name,
+  return usage_error("`scene_index` cannot be '{}': '{}' has {}", *settings.scene_index, name,
                      count == 1   ? "one scene, 0"
                      : count == 2 ? "two scenes, 0 and 1"
                                   : fmt::format("{} scenes, 0 to {}", count, count - 1));

@@ -68,19 +68,19 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   Words words{*bytes};
   std::string_view kind = words.word();
   if (!kind.ends_with("OFF") || kind.find_first_not_of("STCNOF") != std::string_view::npos) {
-    return file_error("{}: cannot be read as OFF (its first word is not OFF, COFF, NOFF or the like)", file);
+    return file_error("'{}' cannot be read as OFF (its first word is not OFF, COFF, NOFF or the like)", file);
   }
   const std::string_view prefix = kind.substr(0, kind.size() - 3);
   const bool has_normals = prefix.find('N') != std::string_view::npos;
   const bool has_uvs = prefix.starts_with("ST"), has_colors = prefix.find('C') != std::string_view::npos;
   words.skip();
-  if (words.text.starts_with("BINARY")) return file_error("{}: is a binary OFF file; only text can be read", file);
+  if (words.text.starts_with("BINARY")) return file_error("'{}' is a binary OFF file; only text can be read", file);
 
   const std::size_t vertex_count = words.count(), face_count = words.count();
   words.count();  // edges, which nobody uses
   // A vertex takes three numbers and a face at least one, each with a blank.
   if (words.failed || vertex_count > words.text.size() / 6 + 1 || face_count > words.text.size() / 2 + 1) {
-    return file_error("{}: is cut short, or its counts of vertices and faces are wrong", file);
+    return file_error("'{}' is cut short, or its counts of vertices and faces are wrong", file);
   }
   Scene scene;
   Mesh mesh;
@@ -113,7 +113,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
   for (const glm::vec3& c : mesh.colors) brightest = std::max({brightest, c.x, c.y, c.z});
   for (glm::vec3& c : mesh.colors) c = linear_color(brightest > 1.0f ? c / 255.0f : c);
   if (words.failed) {
-    return file_error("{}: is cut short, or has something other than a number, at vertex {} of {}", file,
+    return file_error("'{}' is cut short, or has something other than a number, at vertex {} of {}", file,
                       mesh.positions.size(), vertex_count);
   }
   for (std::size_t i = 0; i < face_count; ++i) {
@@ -127,7 +127,7 @@ Result<Scene> read_off(const fs::path& path, Poll* poll) {
       previous = corner;
     }
     if (words.failed) {
-      return file_error("{}: is cut short, or has something other than an index, at face {} of {}", file, i + 1,
+      return file_error("'{}' is cut short, or has something other than an index, at face {} of {}", file, i + 1,
                         face_count);
     }
     words.rest_of_line();

@@ -139,12 +139,12 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
   bool first = true, has_format = false;
   while (true) {
     const std::size_t end = text.find('\n');
-    if (end == std::string_view::npos) return file_error("{}: has a PLY header without end_header", file);
+    if (end == std::string_view::npos) return file_error("'{}' has a PLY header without end_header", file);
     const std::string_view line = text.substr(0, end);
     text.remove_prefix(end + 1);
     const std::vector<std::string_view> words = words_of(line);
     if (first && (words.size() != 1 || words[0] != "ply")) {
-      return file_error("{}: cannot be read as PLY (its first line is not 'ply')", file);
+      return file_error("'{}' cannot be read as PLY (its first line is not 'ply')", file);
     }
     first = false;
     if (words.empty() || words[0] == "ply" || words[0] == "obj_info") continue;
@@ -152,7 +152,7 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
     std::string shown(line.substr(0, kMostShown));
     std::replace_if(
         shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    const Error wrong = file_error("{}: has the PLY header line '{}', which cannot be understood", file, shown);
+    const Error wrong = file_error("'{}' has the PLY header line '{}', which cannot be understood", file, shown);
     if (words[0] == "comment") {
       if (words.size() > 2 && words[1] == "TextureFile") header.texture = line.substr(words[2].data() - line.data());
     } else if (words[0] == "format") {
@@ -188,7 +188,7 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
       return wrong;
     }
   }
-  if (!has_format) return file_error("{}: has a PLY header without a format", file);
+  if (!has_format) return file_error("'{}' has a PLY header without a format", file);
   return header;
 }
 
@@ -362,7 +362,7 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
     const std::size_t row = std::max<std::size_t>(1, element.properties.size());
     if (element.count > body.left() / row + 1) {
       return file_error(
-          "{}: is cut short, or its header is wrong: '{}' has {} entries there, for which the {} bytes "
+          "'{}' is cut short, or its header is wrong: '{}' has {} entries there, for which the {} bytes "
           "that follow are too few",
           file, element.name, element.count, body.left());
     }
@@ -370,7 +370,7 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
       for (const char* name : {"x", "y", "z"}) {
         if (std::none_of(element.properties.begin(), element.properties.end(),
                          [&](const Property& property) { return property.name == name && !property.list_size; }))
-          return file_error("{}: has vertices without '{}'", file, name);
+          return file_error("'{}' has vertices without '{}'", file, name);
       }
       read_vertices(element, body, mesh, poll);
     } else {
@@ -379,7 +379,7 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
     }
     if (poll && poll->ended()) return interrupted();
     if (body.ended) {
-      return file_error("{}: is cut short, or holds something other than a number, in its list of '{}'", file,
+      return file_error("'{}' is cut short, or holds something other than a number, in its list of '{}'", file,
                         element.name);
     }
   }

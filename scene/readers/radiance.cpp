@@ -134,18 +134,18 @@ Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std:
   Source source{bytes};
   Header header;
   if (const std::string wrong = read_header(source, header); !wrong.empty())
-    return file_error("{} is no Radiance picture that can be read: {}", name, wrong);
+    return file_error("'{}' is no Radiance picture that can be read: {}", name, wrong);
   const int width = header.width, height = header.height;
   constexpr int kWidest = 1 << 16;  // of which a row takes memory before anything is known to follow
   if (std::int64_t(width) * height > most_pixels || width > kWidest)
-    return file_error("{} says that it has {} x {} pixels, more than such an image can have here ({})", name, width,
+    return file_error("'{}' says that it has {} x {} pixels, more than such an image can have here ({})", name, width,
                       height, most_pixels);
   std::vector<std::uint8_t> row(std::size_t(width) * kChannels);
   Panorama out{name, width, height, {}};
   for (int y = 0; y < height; ++y) {
     const bool sound = read_row(source, width, row);
-    if (source.ended) return file_error("{} is cut short: row {} of {} is not whole", name, y + 1, height);
-    if (!sound) return file_error("{} is damaged in row {} of {}", name, y + 1, height);
+    if (source.ended) return file_error("'{}' is cut short: row {} of {} is not whole", name, y + 1, height);
+    if (!sound) return file_error("'{}' is damaged in row {} of {}", name, y + 1, height);
     // Only then, so that a header alone cannot ask for much.
     if (y == 0) out.rgb.reserve(std::size_t(width) * std::size_t(height) * 3);
     for (int x = 0; x < width; ++x) {

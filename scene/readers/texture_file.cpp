@@ -29,15 +29,15 @@ struct ImageHeader {
 };
 
 Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t most) {
-  if (bytes.empty()) return file_error("{} is empty, which is no image", name);
-  if (bytes.size() > std::size_t(std::numeric_limits<int>::max())) return file_error("{} is larger than 2 GB", name);
+  if (bytes.empty()) return file_error("'{}' is empty, which is no image", name);
+  if (bytes.size() > std::size_t(std::numeric_limits<int>::max())) return file_error("'{}' is larger than 2 GB", name);
   ImageHeader header;
   int channels = 0;
   if (!stbi_info_from_memory(bytes.data(), int(bytes.size()), &header.width, &header.height, &channels)) {
-    return file_error("{} is no image of a known format (PNG, JPEG, TGA, BMP, GIF, PSD, HDR, PNM)", name);
+    return file_error("'{}' is no image of a known format (PNG, JPEG, TGA, BMP, GIF, PSD, HDR, PNM)", name);
   }
   if (std::int64_t(header.width) * header.height > most) {
-    return file_error("{} says that it has {} x {} pixels, more than such an image can have here ({})", name,
+    return file_error("'{}' says that it has {} x {} pixels, more than such an image can have here ({})", name,
                       header.width, header.height, most);
   }
   return header;
@@ -45,14 +45,14 @@ Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std:
 
 Error broken(const std::string& name) {
   const char* reason = stbi_failure_reason();
-  return file_error("{} is a broken image: {}", name, reason ? reason : "it holds no pixels");
+  return file_error("'{}' is a broken image: {}", name, reason ? reason : "it holds no pixels");
 }
 
 Result<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) return file_error("{} cannot be opened", file.string());
+  if (!stream) return file_error("'{}' cannot be opened", file.string());
   std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (stream.bad()) return file_error("{} cannot be read", file.string());
+  if (stream.bad()) return file_error("'{}' cannot be read", file.string());
   return bytes;
 }
 

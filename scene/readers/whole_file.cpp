@@ -13,7 +13,7 @@ Result<std::string> read_whole_file(const std::filesystem::path& file, Poll* pol
   std::ifstream stream(file, std::ios::binary);
   std::string bytes(error ? 0 : std::size_t(size), '\0');
   constexpr std::size_t kAtOnce = std::size_t(8) << 20;
-  const Error unreadable = file_error("{}: cannot be read", file.string());
+  const Error unreadable = file_error("'{}' cannot be read", file.string());
   if (!stream || error) return unreadable;
   for (std::size_t at = 0; at < bytes.size(); at += kAtOnce) {
     if (poll && poll->passing(0.0)) return interrupted();
