@@ -1,12 +1,12 @@
 #include "core/parameters.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "core/check.h"
 #include "core/length.h"
+#include "core/numbers.h"
 #include "core/suggest.h"
 
 namespace umbrage {
@@ -25,11 +25,6 @@ T load(const ParameterBytes& bytes, std::size_t offset) {
   T value;
   std::memcpy(&value, bytes.data() + offset, sizeof(T));
   return value;
-}
-
-bool parse_number(std::string_view text, double& value) {
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
 std::string join_choices(const std::vector<std::string_view>& names) {
@@ -108,8 +103,9 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
     return wrong();
   }
   const bool percent = row.type == ParameterType::kLength && text.ends_with('%');
-  double value = 0.0;
-  if (!parse_number(percent ? text.substr(0, text.size() - 1) : text, value)) return wrong();
+  const auto parsed = parse_number(percent ? text.substr(0, text.size() - 1) : text);
+  if (!parsed) return wrong();
+  const double value = *parsed;
   if (row.above_zero && !(value > 0.0)) return wrong();
   if (percent ? (value < 0.0 || value > kMostPercent) : (value < row.least || value > row.most)) return wrong();
   if (row.type == ParameterType::kLength)

@@ -12,16 +12,16 @@ namespace {
 constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a share such as 5%";
 constexpr float kMaxPosition = 1e15f;  // as for models: rays beyond leave what Embree takes
 
-/// Numbers of a list parted by commas. Errors: kUsage.
+/// Three numbers parted by commas.
 std::optional<Vector3> parse_three(std::string_view text) {
   Vector3 v{};
   std::size_t start = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t end = i == 2 ? text.size() : text.find(',', start);
     if (end == std::string_view::npos) return std::nullopt;
-    const std::string_view part = text.substr(start, end - start);
-    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), v[i]);
-    if (part.empty() || error != std::errc() || stop != part.data() + part.size()) return std::nullopt;
+    const auto value = parse_number(text.substr(start, end - start));
+    if (!value) return std::nullopt;
+    v[i] = float(*value);
     start = end + 1;
   }
   return v;
@@ -60,8 +60,7 @@ std::string taken(const Option& o) {
     default:
       break;
   }
-  return is_whole(o) ? fmt::format("a whole number from {} to {}", long(o.min), long(o.max))
-                     : fmt::format("a number from {:g} to {:g}", o.min, o.max);
+  return interval_of(o).words();
 }
 
 template <class T>
@@ -69,11 +68,9 @@ Error wrong(const Option& o, const T& value) {
   return usage_error("`{}` cannot be '{}': it takes {}", o.field, value, taken(o));
 }
 
-std::optional<double> number_in(std::string_view text) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+Result<void> check_choice(const Option& o, std::string_view text) {
+  const bool known = std::find(o.choices.begin(), o.choices.end(), text) != o.choices.end();
+  return o.choices.empty() || known ? Result<void>() : wrong(o, text);
 }
 
 /// The value of an option in a request, checked. Errors: kUsage.
@@ -100,8 +97,7 @@ class CheckValue {
       const auto length = parse_length(o_.field, text);
       return length ? Result<void>() : length.error();
     }
-    const bool known = std::find(o_.choices.begin(), o_.choices.end(), text) != o_.choices.end();
-    return o_.choices.empty() || known ? Result<void>() : wrong(o_, text);
+    return check_choice(o_, text);
   }
   Result<void> operator()(FieldOf<std::optional<Vector3>> of) {
     const auto& v = of(request_);
@@ -110,7 +106,7 @@ class CheckValue {
   }
 
  private:
-  Result<void> number(double value) { return value >= o_.min && value <= o_.max ? Result<void>() : wrong(o_, value); }
+  Result<void> number(double value) { return interval_of(o_).has(value) ? Result<void>() : wrong(o_, value); }
 
   const Option& o_;
   RenderRequest& request_;
@@ -122,7 +118,7 @@ class SetValue {
   SetValue(const Option& option, std::string_view text, RenderRequest& request)
       : o_(option), text_(text), request_(request) {}
 
-  Result<void> operator()(std::monostate) { return {}; }
+  Result<void> operator()(std::monostate) { return check_choice(o_, text_); }
   Result<void> operator()(FieldOf<bool> of) {
     if (text_ != "true" && text_ != "false")
       return usage_error("`{}` cannot be '{}': it takes true or false", o_.field, text_);
@@ -130,7 +126,10 @@ class SetValue {
     return {};
   }
   Result<void> operator()(FieldOf<std::vector<std::string>> of) {
-    of(request_).emplace_back(text_);
+    if (o_.form == OptionForm::kWords)
+      of(request_) = split(text_);
+    else
+      of(request_).emplace_back(text_);
     return {};
   }
   Result<void> operator()(FieldOf<std::string> of) {
@@ -150,15 +149,16 @@ class SetValue {
 
  private:
   Result<void> whole(auto& to) {
-    const auto value = number_in(text_);
-    if (!value || *value != std::floor(*value) || !(*value >= o_.min && *value <= o_.max)) return wrong(o_, text_);
+    const auto value = parse_number(text_, interval_of(o_));
+    if (!value) return wrong(o_, text_);
     to = int(*value);
     return {};
   }
   Result<void> real(auto& to) {
     const bool percent = o_.form == OptionForm::kPercent;
-    const auto value = number_in(percent && text_.ends_with('%') ? text_.substr(0, text_.size() - 1) : text_);
-    if (!value || percent != text_.ends_with('%') || !(*value >= o_.min && *value <= o_.max)) return wrong(o_, text_);
+    const std::string_view digits = text_.substr(0, text_.size() - (percent && text_.ends_with('%') ? 1 : 0));
+    const auto value = parse_number(digits, interval_of(o_));
+    if (!value || percent != text_.ends_with('%')) return wrong(o_, text_);
     to = float(*value);
     return {};
   }
@@ -204,9 +204,10 @@ Result<void> check_together(const RenderRequest& r) {
 
 }  // namespace
 
-bool is_whole(const Option& option) {
-  return std::holds_alternative<FieldOf<int>>(option.where) ||
-         std::holds_alternative<FieldOf<std::optional<int>>>(option.where);
+Interval interval_of(const Option& option) {
+  const bool whole = std::holds_alternative<FieldOf<int>>(option.where) ||
+                     std::holds_alternative<FieldOf<std::optional<int>>>(option.where);
+  return {.min = option.min, .max = option.max, .whole = whole};
 }
 
 Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request) {
@@ -230,16 +231,14 @@ Result<void> check_request(const RenderRequest& request, long most_pixels) {
   return check_together(request);
 }
 
-Result<double> parse_number(std::string_view field, std::string_view text, double min, double max) {
-  const auto value = number_in(text);
-  if (value && *value >= min && *value <= max) return *value;
-  return usage_error("{} cannot be '{}': it takes a number from {:g} to {:g}", field, text, min, max);
-}
-
-Result<int> parse_whole(std::string_view field, std::string_view text, int min, int max) {
-  const auto value = number_in(text);
-  if (value && *value == std::floor(*value) && *value >= min && *value <= max) return int(*value);
-  return usage_error("{} cannot be '{}': it takes a whole number from {} to {}", field, text, min, max);
+std::vector<std::string> split(std::string_view text) {
+  std::vector<std::string> words;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', start), text.size());
+    words.emplace_back(text.substr(start, comma - start));
+    start = comma + 1;
+  }
+  return words;
 }
 
 Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long most_pixels) {
@@ -257,10 +256,8 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {
   const bool share = text.ends_with('%');
-  const std::string_view digits = text.substr(0, text.size() - (share ? 1 : 0));
-  float value = 0.0f;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size() || !(value > 0.0f) || !std::isfinite(value))
+  const float value = float(parse_number(text.substr(0, text.size() - (share ? 1 : 0))).value_or(0.0));
+  if (!(value > 0.0f) || !std::isfinite(value))
     return usage_error("`{}` cannot be '{}': it takes {}", field, text, kLengthTaken);
   return Length{value, share ? 1 : 0};
 }

@@ -322,20 +322,20 @@ const std::vector<Option> kOptions = {
      .environment = "UMBRAGE_ISA"},
     {.field = "passes",
      .option = "passes",
-     .group = "",
-     .help = "",
+     .group = "Output",
+     .help = "planes to write instead of the picture: all, or names such as depth,normal,ao",
      .where = in<&RenderRequest::passes>,
-     .commands = 0},
+     .form = OptionForm::kWords},
+    {.field = "bits",
+     .option = "bits",
+     .group = "Output",
+     .help = "bits per channel of a PNG: 8 or 16",
+     .initial = "8",
+     .choices = {"8", "16"}},
     {.field = "strokes", .option = "svg", .group = "", .help = "", .where = in<&RenderRequest::strokes>, .commands = 0},
     {.field = "model", .option = "MODEL", .group = "", .help = "", .where = in<&RenderRequest::model>, .commands = 0},
 };
 
-}  // namespace
-
-std::span<const Option> options() { return kOptions; }
-
-const Option& option_of(std::string_view field) {
-  for (const Option& option : kOptions)
 /// Where a quotation '...' that begins there ends, behind its mark; the same place where none begins. Apostrophes, as
 /// in "the picture's" or "the models' sizes", begin none.
 std::size_t end_of_quotation(std::string_view message, std::size_t at) {
@@ -346,6 +346,12 @@ std::size_t end_of_quotation(std::string_view message, std::size_t at) {
   return at;
 }
 
+}  // namespace
+
+std::span<const Option> options() { return kOptions; }
+
+const Option& option_of(std::string_view field) {
+  for (const Option& option : kOptions)
     if (option.field == field) return option;
   fail_check(fmt::format("there is no option for the field '{}'", field));
 }

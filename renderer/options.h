@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/length.h"
+#include "core/numbers.h"
 #include "core/result.h"
 #include "umbrage/umbrage.h"
 
@@ -35,6 +36,7 @@ enum class OptionForm {
   kPosition,   ///< "1,2.5,-3"
   kDirection,  ///< the same, or "+Y"; not 0
   kColor,      ///< three numbers from 0 to 1
+  kWords,      ///< "depth,normal"
 };
 
 /// The commands that have an option, as bits.
@@ -46,7 +48,7 @@ struct Option {
       option;  ///< and on a command line, without dashes: "camera-zoom-factor"; empty: it has none of its own
   std::string_view group, help;
   std::string_view initial;  ///< what holds where nobody says, as help shows it; empty: it does not
-  Field where;
+  Field where;               ///< nothing: it is the command line's own, or the process's
   unsigned commands = kRender;
   double min = 0.0, max = 0.0;  ///< inclusive range of numbers
   OptionForm form = OptionForm::kPlain;
@@ -62,8 +64,8 @@ const Option& option_of(std::string_view field);
 /// A message with what `rename` makes of each field that it names in backquotes; none of them within '...'.
 std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&));
 
-/// Whether its numbers are whole.
-bool is_whole(const Option& option);
+/// The numbers that it takes.
+Interval interval_of(const Option& option);
 
 /// Sets a field from text; flags take "true" and "false". Errors: kUsage.
 Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request);
@@ -72,10 +74,9 @@ Result<void> set_option(const Option& option, std::string_view text, RenderReque
 /// names nothing. `most_pixels`: of the picture. Errors: kUsage.
 Result<void> check_request(const RenderRequest& request, long most_pixels);
 
-/// Numbers as people write them. `field` is named in errors. Errors: kUsage.
-Result<double> parse_number(std::string_view field, std::string_view text, double min, double max);
-Result<int> parse_whole(std::string_view field, std::string_view text, int min, int max);
-/// "640,480" or "640x480".
+/// The words of a list parted by commas.
+std::vector<std::string> split(std::string_view text);
+/// "640,480" or "640x480". `field` is named in errors, here and below. Errors: kUsage.
 Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long most_pixels);
 /// "0.3" or "5%", above 0.
 Result<Length> parse_length(std::string_view field, std::string_view text);

@@ -188,8 +188,8 @@ std::vector<std::string> channels_to_write(const Pixels& pass) {
 }
 
 Result<void> write_picture(const Picture& picture, const std::string& file, const SaveRequest& request) {
-  if (request.bits != 8 && request.bits != 16)
-    return usage_error("`bits` cannot be {}: it takes 8 or 16", request.bits);
+  RenderRequest ignored;  // `bits` has no field in it
+  if (auto fine = set_option(option_of("bits"), fmt::format("{}", request.bits), ignored); !fine) return fine;
   if (is_svg(file)) return write_strokes(picture, file);
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};

@@ -127,7 +127,7 @@ TEST_F(Isa, IsTakenFromAConfigurationButNotWithoutAValue) {
   const auto outcome = run("tri.obj -o a.png --config bounded --device cpu --verbose" + kSize, "UMBRAGE_ISA=");
   EXPECT_NE(outcome.err.find("kernels scalar"), std::string::npos) << outcome.err;
   write("empty", "look = ao\nisa =\n");
-  bad("tri.obj -o b.png --config empty", 2, {"empty, line 2", "isa needs a value"});
+  bad("tri.obj -o b.png --config empty", 2, {"'empty', line 2", "isa needs a value"});
 }
 
 TEST_F(Isa, WrongOnesAreRefused) {

@@ -74,8 +74,6 @@ struct BenchPlan {
 };
 
 Result<BenchPlan> plan_of(const BenchOptions& o) {
-  constexpr int kMostRuns = 10000;
-  if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
   std::vector<std::string_view> names = {"capture"};
   for (const Effect* effect : effects()) names.push_back(effect->name);
   if (!o.effect.empty() && std::find(names.begin(), names.end(), o.effect) == names.end())
@@ -246,11 +244,8 @@ void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
   command->add_option("--effect", options->effect, "time this one only; capture is one too");
   add_one(*command, *options, "occlusion_scale", "",
           "full, or half or quarter: techniques and filters alone, at that share of the resolution", "full");
-  command->add_option("--resolution", options->sizes, "width,height; may be given several times [1024,1024]")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false);
-  command->add_option("--runs", options->runs, "runs behind each time [9]");
+  add_sizes(*command, options->sizes, "1024,1024");
+  add_number(*command, "--runs", options->runs, {1, 10000, true}, "runs behind each time");
   command->add_flag("--json", options->json, "print JSON");
   add_device_options(*command, *options, kBench);
   command->callback([options, &run] { run = with_options(options, bench); });

@@ -158,8 +158,12 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--threads x", {"--threads", "'x'", "0 to 1024"});
   bad_option("--threads 1.5", {"--threads", "'1.5'", "whole number"});
   bad_option("--threads 99999", {"--threads", "'99999'", "0 to 1024"});
-  bad_option("--bits 7", {"--bits", "7", "8 or 16"});
-  bad_option("--bits many", {"--bits", "'many'", "whole number"});
+  bad_option("--bits 7", {"--bits", "'7'", "8 or 16"});
+  bad_option("--bits many", {"--bits", "'many'", "8 or 16"});
+  bad_option("--turntable 1.5", {"--turntable", "'1.5'", "a whole number from 1 to 100000"});
+  bad_option("--frame-rate 0", {"--frame-rate", "'0'", "a number from 0.1 to 1000"});
+  for (const char* text : {"much", "0", "-1G", "1GB", "G", "inf"})
+    bad_option(fmt::format("--memory {}", text), {"--memory", fmt::format("'{}'", text), "such as 6G"});
   bad_option("--verbose=perhaps", {"--verbose", "'perhaps'"});
   bad_option("--passes all", {"--passes all", ".exr"});
   bad_option("--passes depth,normal", {"depth,normal", ".exr"});
@@ -172,12 +176,12 @@ TEST_F(CliRefusals, RefusesValues) {
   for (const char* text : {"0", "180", "-30", "wide", "nan"})
     bad_option(fmt::format("--camera-view-angle {}", text), {"--camera-view-angle", fmt::format("'{}'", text), "179"});
   bad_option("--camera-position 1,2,3 --camera-focal-point 1,2,3", {"--camera-position", "'1,2,3'", "its own place"});
+  bad_option("--camera-position 1,2,3 --camera-focal-point 0,0,0 --camera-direction 1,0,0",
+             {"--camera-position", "--camera-focal-point and --camera-direction both"});
   bad_option("--look= studio", {"--look needs a value after its '='"});
   bad_option("--set toon.bands=2.5", {"toon.bands", "'2.5'", "a whole number from"});
   bad("tri.obj -o out.bmp", 2, {"'out.bmp'", ".png, .exr or .pfm"});
   bad_option("--camera-zoom-factor 0", {"--camera-zoom-factor", "'0'"});
-  bad_option("--camera-position 1,2,3 --camera-focal-point 0,0,0 --camera-direction 1,0,0",
-             {"--camera-position", "--camera-focal-point and --camera-direction both"});
   bad_option("--camera-azimuth-angle x", {"--camera-azimuth-angle", "'x'"});
   bad_option("--camera-elevation-angle 1e9", {"--camera-elevation-angle", "'1e9'"});
   for (const char* text : {"2,0,0", "-0.1,0,0", "red", "1,1", "nan,0,0"})

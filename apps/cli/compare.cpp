@@ -151,11 +151,7 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(comparison);
   command->add_option("-o,--output", options->output, "folder for index.html and scores.json [report]")
       ->group(comparison);
-  command->add_option("--resolution", options->sizes, "width,height; may be given several times [960,540 and 480,270]")
-      ->take_all()
-      ->expected(1)
-      ->allow_extra_args(false)
-      ->group(comparison);
+  add_sizes(*command, options->sizes, "960,540 and 480,270")->group(comparison);
   add_measure_options(*command, *options, comparison);
   command->add_option("--baseline", options->baseline, "an earlier scores.json: fail where a score is worse than there")
       ->group(comparison);

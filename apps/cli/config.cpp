@@ -60,6 +60,24 @@ bool is_given(const CLI::Option& option, const std::vector<std::string>& words) 
   });
 }
 
+/// What is wrong with a value, as far as can be said without the others. Errors: kUsage.
+Result<void> check_value(CLI::Option& option, std::string value) {
+  if (option.get_type_name().empty()) {  // a flag
+    try {
+      CLI::detail::to_flag_value(value);
+      return {};
+    } catch (const std::invalid_argument&) {
+      return usage_error("{} cannot be '{}': it takes true or false", option.get_name(), value);
+    }
+  }
+  try {
+    const std::string wrong = (*option.get_validator())(value);
+    return wrong.empty() ? Result<void>() : Error{ErrorKind::kUsage, wrong};
+  } catch (const CLI::OptionNotFound&) {  // there is none: it takes any text
+    return {};
+  }
+}
+
 }  // namespace
 
 void add_config_option(CLI::App& command) {
@@ -71,10 +89,10 @@ void add_config_option(CLI::App& command) {
       ->group("Configuration");
 }
 
-Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<std::string> words) {
+Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::string> words) {
   if (words.empty()) return words;
-  const CLI::App* command = nullptr;
-  for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
+  CLI::App* command = nullptr;
+  for (CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
     if (each->get_name() == words[0]) command = each;
   if (!command || !command->get_option_no_throw(kOption)) return words;
   const auto named = named_file(words);
@@ -92,7 +110,7 @@ Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<st
     const std::string_view text = trimmed(line);
     if (text.empty() || text[0] == '#' || text[0] == ';') continue;
     const auto wrong = [&](const std::string& what) {
-      return usage_error("{}, line {}: {}", file.string(), number, what);
+      return usage_error("'{}', line {}: {}", file.string(), number, what);
     };
     if (text[0] == '[') {
       section = std::string(trimmed(text.substr(1, text.find(']') - 1)));
@@ -123,11 +141,12 @@ Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<st
     }
     if (!known) return wrong(fmt::format("there is no option '{}'{}", name, suggestion(name, names)));
     if (!section.empty() && section != command->get_name()) continue;
-    const CLI::Option* option = command->get_option_no_throw("--" + name);
+    CLI::Option* option = command->get_option_no_throw("--" + name);
     if (!option) continue;
     const bool several = name == "set";
     const char* variable = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
     if ((is_given(*option, words) && !several) || (variable && *variable)) continue;
+    if (const auto fine = check_value(*option, value); !fine) return wrong(fine.error().message);
     // A later line goes before an earlier one, except for options that add up.
     if (!several) std::erase_if(added, [&](const std::string& word) { return word.starts_with("--" + name + "="); });
     added.push_back("--" + name + "=" + value);

@@ -21,6 +21,6 @@ void add_config_option(CLI::App& command);
 /// `--config none` is none. It has lines `option = value`, comments after #, and headings `[command]`; what stands
 /// before the first heading is for every command that has the option. Options that the environment names are left to
 /// it. Errors: kUsage, with file and line; kFile for a file of --config that cannot be read.
-Result<std::vector<std::string>> with_config(const CLI::App& app, std::vector<std::string> words);
+Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::string> words);
 
 }  // namespace umbrage::cli

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 struct FiguresOptions : CommonOptions {
   std::string paper = "unsharp", output = "figures", bunny = kBunnyFile;
-  std::optional<int> size;
+  int size = 0;  // pixels; 0: the paper's own
   int runs = 5;
 };
 
@@ -35,24 +35,24 @@ struct Paper {
 constexpr Paper kPapers[] = {
     {"unsharp", "the unsharp-mask paper", 1024, true,
      [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return unsharp_figures(device, o.bunny, *o.size, progress);
+       return unsharp_figures(device, o.bunny, o.size, progress);
      },
      [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return unsharp_tables(device, o.bunny, *o.size, o.runs, progress);
+       return unsharp_tables(device, o.bunny, o.size, o.runs, progress);
      }},
     {"cartoon", "the cartoon-rendering paper", 512, false,
      [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return cartoon_figures(device, *o.size, progress);
+       return cartoon_figures(device, o.size, progress);
      },
      [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return cartoon_tables(device, *o.size, o.runs, progress);
+       return cartoon_tables(device, o.size, o.runs, progress);
      }},
     {"bleeding", "the colour-bleeding paper", 768, false,
      [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return bleeding_figures(device, *o.size, progress);
+       return bleeding_figures(device, o.size, progress);
      },
      [](Device& device, const FiguresOptions& o, const Progress& progress) {
-       return bleeding_tables(device, *o.size, o.runs, progress);
+       return bleeding_tables(device, o.size, o.runs, progress);
      }},
 };
 
@@ -91,11 +91,7 @@ Result<void> make_figures(const FiguresOptions& asked) {
     for (const Paper& each : kPapers) names.push_back(each.name);
     return usage_error("there is no paper '{}'{}", o.paper, suggestion(o.paper, names));
   }
-  if (!o.size) o.size = paper->size;
-  constexpr int kLeastSize = 128, kMostSize = 4096, kMostRuns = 1000;
-  if (*o.size < kLeastSize || *o.size > kMostSize)
-    return usage_error("--size cannot be {}: it takes {} to {} pixels", *o.size, kLeastSize, kMostSize);
-  if (o.runs < 1 || o.runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", o.runs, kMostRuns);
+  if (o.size == 0) o.size = paper->size;
   auto device = device_of(o);
   if (!device) return device.error();
   if (paper->with_bunny && !fs::exists(o.bunny))
@@ -134,12 +130,12 @@ Result<void> make_figures(const FiguresOptions& asked) {
     for (const TableRow& row : table.rows)
       fmt::print("{:<15} {:<70} {:7.1f} ms{}{}\n", table.id, row.setting, row.ms, row.note.empty() ? "" : "  ",
                  row.note);
-  if (auto written = write_image(folder / "contact-sheet.png", contact_sheet(*figures, *o.size / 2), {.small = true});
+  if (auto written = write_image(folder / "contact-sheet.png", contact_sheet(*figures, o.size / 2), {.small = true});
       !written)
     return written;
   if (auto written = write_text(folder / "numbers.json", records.dump(2) + "\n"); !written) return written;
   if (auto written =
-          write_text(folder / "index.md", report_of(*paper, *figures, *tables, (*device)->description(), *o.size));
+          write_text(folder / "index.md", report_of(*paper, *figures, *tables, (*device)->description(), o.size));
       !written)
     return written;
   fmt::print("{} pictures, contact-sheet.png and index.md are in {}\n", picture_count, o.output);
@@ -156,9 +152,9 @@ void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<FiguresOptions>();
   command->add_option("--paper", options->paper, "unsharp, cartoon or bleeding [unsharp]");
   command->add_option("-o,--output", options->output, "folder to write to [figures]");
-  command->add_option("--size", options->size,
-                      "side of the pictures in pixels [the paper's: unsharp 1024, cartoon 512, bleeding 768]");
-  command->add_option("--runs", options->runs, "runs behind each time in the tables [5]");
+  add_number(*command, "--size", options->size, {128, 4096, true}, "side of the pictures in pixels",
+             "the paper's: unsharp 1024, cartoon 512, bleeding 768");
+  add_number(*command, "--runs", options->runs, {1, 1000, true}, "runs behind each time in the tables");
   command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]");
   add_device_options(*command, *options, kFigures);
   command->callback([options, &run] { run = with_options(options, make_figures); });

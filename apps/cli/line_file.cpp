@@ -18,9 +18,9 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   if (lines.alone && !o.svg.empty())
     return usage_error("--svg '{}' is for lines beside a picture, and --output '{}' has no picture: give one of them",
                        o.svg, o.output);
-  if (lines.alone && o.passes)
+  if (lines.alone && o.writes_passes())
     return usage_error("--passes {} needs a file that holds planes, such as .exr, and '{}' holds lines alone",
-                       *o.passes, o.output);
+                       o.text_of("passes"), o.output);
   if (!o.svg.empty() && !is_svg(o.svg))
     return usage_error("--svg cannot be '{}': it takes a file whose name ends in .svg", o.svg);
   lines.file = lines.alone ? o.output : o.svg;

@@ -51,15 +51,14 @@ Error wrong_words(const CLI::App& app, const CLI::ParseError& error) {
     if (text.ends_with("missing")) return usage_error("{} needs a value; see {}", option, help);
     if (text.find("At Most") != std::string::npos) return usage_error("{} is given twice; give it once", option);
   }
+  if (dynamic_cast<const CLI::ValidationError*>(&error))  // "--option: ", and what a Check says
+    return Error{ErrorKind::kUsage, text.substr(std::min(text.find(": ") + 2, text.size()))};
   if (dynamic_cast<const CLI::ConversionError*>(&error)) {
-    // "Could not convert: --option = value"
+    // "Could not convert: --option = value", of flags: all others are texts
     const std::size_t start = text.find("--"), equals = text.find(" = ");
     if (start != std::string::npos && equals != std::string::npos && start < equals) {
-      const std::string option = text.substr(start, equals - start);
-      const CLI::Option* found = command->get_option_no_throw(option);
-      const bool flag = found && found->get_type_name().empty();
-      return usage_error("{} cannot be '{}': it takes {}", option, text.substr(equals + 3),
-                         flag ? "true or false" : "a whole number");
+      return usage_error("{} cannot be '{}': it takes true or false", text.substr(start, equals - start),
+                         text.substr(equals + 3));
     }
   }
   return usage_error("{}; see {}", text, help);

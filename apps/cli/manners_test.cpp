@@ -298,14 +298,54 @@ TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
   EXPECT_EQ(image("f.png").width, 24);
 
   write("wrong1", "look ao\n");
-  bad("tri.obj -o x.png --config wrong1", 2, {"wrong1, line 1", "option = value"});
+  bad("tri.obj -o x.png --config wrong1", 2, {"'wrong1', line 1", "option = value"});
   write("wrong2", "\nlok = ao\n");
-  bad("tri.obj -o x.png --config wrong2", 2, {"wrong2, line 2", "no option 'lok'", "look"});
+  bad("tri.obj -o x.png --config wrong2", 2, {"'wrong2', line 2", "no option 'lok'", "look"});
   write("wrong3", "[rendre]\n");
-  bad("tri.obj -o x.png --config wrong3", 2, {"wrong3, line 1", "did you mean 'render'"});
-  write("wrong4", "look = nothing\n");
-  bad("tri.obj -o x.png --config wrong4", 2, {"no look 'nothing'"});
-  bad("tri.obj -o x.png --config nothere", 3, {"nothere"});
+  bad("tri.obj -o x.png --config wrong3", 2, {"'wrong3', line 1", "did you mean 'render'"});
+  bad("tri.obj -o x.png --config nothere", 3, {"'nothere'"});
+}
+
+TEST_F(Manners, WrongValuesOfTheConfigurationAreSaidWithTheirLine) {
+  const auto refused = [&](const std::string& command, const std::string& line, const std::string& text) {
+    write("wrong", "# a comment\n" + line + "\n");
+    bad(command + " --config wrong", 2, {"umbrage: 'wrong', line 2: " + text});
+  };
+  const std::string render = "tri.obj -o x.png";
+  refused(render, "layers = 17", "--layers cannot be '17': it takes a whole number from 1 to 16");
+  refused(render, "camera-zoom-factor = near", "--camera-zoom-factor cannot be 'near': it takes a number from 0.001");
+  refused(render, "ao-radius = wide", "--ao-radius cannot be 'wide'");
+  refused(render, "ground = maybe", "--ground cannot be 'maybe': it takes auto, on or off");
+  refused(render, "resolution = 64", "--resolution cannot be '64'");
+  refused(render, "guard-band = 200%", "--guard-band cannot be '200%'");
+  refused(render, "background-color = 2,0,0", "--background-color cannot be '2,0,0'");
+  refused(render, "set = unsharp.kernel=0", "unsharp.kernel cannot be '0'");
+  refused(render, "look = nothing", "there is no look 'nothing'");
+  refused(render, "ao = nothing", "there is no occlusion technique 'nothing'");
+  refused(render, "quality = best", "--quality cannot be 'best'");
+  refused(render, "turntable = 0", "--turntable cannot be '0': it takes a whole number from 1 to 100000");
+  refused(render, "frame-rate = 1e4", "--frame-rate cannot be '1e4': it takes a number from 0.1 to 1000");
+  refused(render, "bits = 12", "--bits cannot be '12': it takes 8 or 16");
+  refused(render, "memory = much", "--memory cannot be 'much'");
+  refused(render, "half = perhaps", "--half cannot be 'perhaps': it takes true or false");
+  refused("compare tri.obj", "cameras = 0", "--cameras cannot be '0': it takes a whole number from 1 to 100");
+  refused("bench", "resolution = 0x0", "--resolution cannot be '0x0'");
+  // What the command line says in its place, or is for another command, is not looked at.
+  write("wrong", "layers = 17\n[bench]\nruns = 0\n");
+  good(render + " --config wrong --layers 1" + std::string(kSmall));
+}
+
+// No name of an option appears in what somebody has named.
+TEST_F(Manners, FilesMayBeCalledAsOptionsAre) {
+  bad(Words{"`width`.obj", "-o", "x.png"}, 3, {"'`width`.obj'", "no such file"});
+  bad(Words{"a `look` b.obj", "-o", "x.png"}, 3, {"'a `look` b.obj'", "no such file"});
+  write("`look`.ply", "ply\n");
+  bad(Words{"`look`.ply", "-o", "x.png"}, 3, {"'`look`.ply' "});
+  bad(Words{"tri.obj", "-o", "x.png", "--camera-index", "0", "--look", "`ao`"}, 2, {"no look '`ao`'"});
+  fs::copy_file(folder_ / "tri.obj", folder_ / "`up`.obj");
+  bad(Words{"`up`.obj", "-o", "x.png", "--camera-index", "0"}, 2, {"--camera-index cannot be '0': '`up`.obj' has"});
+  write("`up`", "layers = 17\n");
+  bad(Words{"tri.obj", "-o", "x.png", "--config", "`up`"}, 2, {"'`up`', line 1: --layers cannot be '17'"});
 }
 
 TEST_F(Manners, ShellsCompleteEveryOption) {

@@ -84,7 +84,6 @@ Words values_of(const CLI::App& command, std::string_view option) {
   if (option == "device") return {"auto", "cpu", "vulkan"};
   if (option == "isa") return {usable_isas().begin(), usable_isas().end()};
   if (option == "up") return {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
-  if (option == "bits") return {"8", "16"};
   if (option == "paper") return {"unsharp", "cartoon", "bleeding"};
   if (option == "input-format") return import_formats();
   for (const Option& row : options())

@@ -5,9 +5,9 @@
 namespace umbrage::cli {
 
 void add_measure_options(CLI::App& command, MeasureOptions& o, const std::string& group) {
-  command.add_option("--cameras", o.cameras, "at most so many views of each scene [2]")->group(group);
-  command.add_option("--samples", o.samples, "rays per pixel of the truth, an even number [256]")->group(group);
-  command.add_option("--runs", o.runs, "runs behind each time [3]")->group(group);
+  add_number(command, "--cameras", o.cameras, kCameras, "at most so many views of each scene")->group(group);
+  add_number(command, "--samples", o.samples, kSamples, "rays per pixel of the truth, an even number")->group(group);
+  add_number(command, "--runs", o.runs, kRuns, "runs behind each time")->group(group);
 }
 
 Result<void> set_measure(const MeasureOptions& o, MeasureSettings& settings) {

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 
 #include "io/image_file.h"
@@ -12,26 +13,100 @@
 #include "renderer/isa_setting.h"
 
 namespace umbrage::cli {
+namespace {
+
+/// Help with the range, where people want to know it, and with what holds where nobody says.
+std::string help_with(std::string_view help, const Interval& takes, std::string_view initial) {
+  constexpr double kTold = 2000.0;
+  std::string text(help);
+  if (takes.whole && takes.max < kTold) text += fmt::format(", {} to {}", long(takes.min), long(takes.max));
+  return initial.empty() ? text : fmt::format("{} [{}]", text, initial);
+}
+
+/// As help shows it.
+std::string type_of(const Interval& takes) { return takes.whole ? "INT" : "FLOAT"; }
+
+template <class Number>
+CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& value, const Interval& takes,
+                            std::string_view help, std::string_view initial) {
+  const std::string now = fmt::format("{}", value);
+  CLI::Option* option = command.add_option_function<std::string>(
+      name, [&value](const std::string& text) { value = Number(parse_number(text).value_or(double(value))); },
+      help_with(help, takes, initial.empty() ? now : initial));
+  option->type_name(type_of(takes));
+  add_check(*option, [name, takes](const std::string& text) -> Result<void> {
+    if (parse_number(text, takes)) return {};
+    return usage_error("{} cannot be '{}': it takes {}", name, text, takes.words());
+  });
+  return option;
+}
+
+/// What is wrong with the text for a row of the table. Of names too, that there are none such; but a device is looked
+/// for later.
+Result<void> check_text(const Option& row, const std::string& text) {
+  // CLI11 has all commands look at the environment, also those that are not run: take_options looks at it for the one.
+  const char* named = row.environment.empty() ? nullptr : std::getenv(std::string(row.environment).c_str());
+  if (named && text == named) return {};
+  RenderRequest alone;
+  if (auto set = set_option(row, text, alone); !set) return set;
+  if (const auto settings = effect_settings(alone.settings); !settings) return settings.error();
+  // Others may need each other: no recipe is made of them alone.
+  if (row.field != "look" && row.field != "occlusion" && row.field != "quality") return {};
+  const auto recipe = make_recipe(alone);
+  return recipe ? Result<void>() : recipe.error();
+}
+
+}  // namespace
+
+void add_check(CLI::Option& option, Check check) {
+  option.check([check = std::move(check)](const std::string& text) -> std::string {
+    const auto fine = text.empty() ? Result<void>() : check(text);  // of an empty text main has something to say
+    return fine ? "" : fine.error().message;
+  });
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, int& value, const Interval& takes,
+                        std::string_view help, std::string_view initial) {
+  return add_any_number(command, name, value, takes, help, initial);
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const Interval& takes,
+                        std::string_view help, std::string_view initial) {
+  return add_any_number(command, name, value, takes, help, initial);
+}
+
+CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::string_view initial) {
+  CLI::Option* option =
+      command.add_option("--resolution", sizes, fmt::format("width,height; may be given several times [{}]", initial))
+          ->take_all()
+          ->expected(1)
+          ->allow_extra_args(false);
+  add_check(*option, [](const std::string& text) -> Result<void> {
+    const auto size = parse_size("width", text, kMostPixels);
+    return size ? Result<void>() : size.error();
+  });
+  return option;
+}
 
 void add_one(CLI::App& command, CommonOptions& o, std::string_view field, std::string_view group, std::string_view help,
              std::string_view initial) {
   const Option& row = option_of(field);
   const std::string name = "--" + std::string(row.option);
-  std::string text(help.empty() ? row.help : help);
-  constexpr double kTold = 2000.0;  // up to which people want to know how far a number goes
-  if (is_whole(row) && row.max < kTold) text += fmt::format(", {} to {}", long(row.min), long(row.max));
-  if (initial.empty()) initial = row.initial;
-  if (!initial.empty()) text += fmt::format(" [{}]", initial);
+  const std::string text =
+      in_options(help_with(help.empty() ? row.help : help, interval_of(row), initial.empty() ? row.initial : initial));
   CLI::Option* option = nullptr;
   if (const auto* of = std::get_if<FieldOf<bool>>(&row.where)) {
     bool& flag = o.flags[row.option];
     flag = (*of)(o.request);
     option = command.add_flag(name, flag, text);
-  } else if (std::holds_alternative<FieldOf<std::vector<std::string>>>(row.where)) {
+  } else if (std::holds_alternative<FieldOf<std::vector<std::string>>>(row.where) && row.form != OptionForm::kWords) {
     option = command.add_option(name, o.lists[row.option], text)->take_all()->expected(1)->allow_extra_args(false);
   } else {
     option = command.add_option(name, o.texts[row.option], text);
   }
+  if (interval_of(row).max > 0.0 && row.form == OptionForm::kPlain) option->type_name(type_of(interval_of(row)));
+  if (!option->get_type_name().empty())
+    add_check(*option, [&row](const std::string& word) { return check_text(row, word); });
   if (!row.environment.empty()) option->envname(std::string(row.environment));
   if (!group.empty()) option->group(std::string(group));
 }
@@ -83,7 +158,7 @@ std::string in_options(std::string_view message) {
 
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& o) {
   if (o.is_given("isa"))
-    if (auto valid = use_isa(o.texts.find("isa")->second); !valid) return valid.error();
+    if (auto valid = use_isa(o.text_of("isa")); !valid) return valid.error();
   // Also for work that no device does: hierarchies, metrics.
   static std::optional<tbb::global_control> limit;
   if (o.request.threads > 0)
@@ -104,16 +179,6 @@ Result<void> check_folder(const std::filesystem::path& folder, std::initializer_
   if (folder.empty() || !fs::is_directory(parent, ignored) || ::access(parent.c_str(), W_OK | X_OK) != 0)
     return file_error("'{}': the folder cannot be made", folder.string());
   return {};
-}
-
-std::vector<std::string> split(const std::string& text) {
-  std::vector<std::string> words;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', start), text.size());
-    words.push_back(text.substr(start, comma - start));
-    start = comma + 1;
-  }
-  return words;
 }
 
 }  // namespace umbrage::cli

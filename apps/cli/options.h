@@ -15,7 +15,8 @@
 
 namespace CLI {
 class App;
-}
+class Option;
+}  // namespace CLI
 
 namespace umbrage::cli {
 
@@ -34,7 +35,16 @@ struct CommonOptions {
     const auto text = texts.find(option);
     return text != texts.end() && !text->second.empty();
   }
+  /// What was written; nothing: "".
+  std::string text_of(std::string_view option) const { return is_given(option) ? texts.find(option)->second : ""; }
 };
+
+/// Finds what is wrong with the text of an option, whatever the others say. Errors: kUsage.
+using Check = std::function<Result<void>(const std::string&)>;
+
+/// Has an option refuse what the check refuses, whether it stands on the command line, in a configuration file or in
+/// the environment.
+void add_check(CLI::Option& option, Check check);
 
 /// Adds the options of a group that this command has.
 void add_group(CLI::App& command, CommonOptions& options, OptionCommand which, std::string_view group);
@@ -45,6 +55,15 @@ void add_device_options(CLI::App& command, CommonOptions& options, OptionCommand
 /// One option, in that group; its help and what holds where nobody says, where they differ from the table's.
 void add_one(CLI::App& command, CommonOptions& options, std::string_view field, std::string_view group,
              std::string_view help = {}, std::string_view initial = {});
+
+/// An option that is a number, and not of the table. It holds what `value` is now where nobody says, or what `initial`
+/// says in words.
+CLI::Option* add_number(CLI::App& command, const std::string& name, int& value, const Interval& takes,
+                        std::string_view help, std::string_view initial = {});
+CLI::Option* add_number(CLI::App& command, const std::string& name, double& value, const Interval& takes,
+                        std::string_view help, std::string_view initial = {});
+/// --resolution, any number of times.
+CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::string_view initial);
 
 /// Reads what was written into the request. Errors: kUsage, naming the field and what it takes.
 Result<void> take_options(CommonOptions& options);
@@ -65,8 +84,5 @@ Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);
 
 /// Whether a folder can be made, or these files written into the one that is there, before any work; makes nothing.
 Result<void> check_folder(const std::filesystem::path& folder, std::initializer_list<const char*> files);
-
-/// The words of a list parted by commas.
-std::vector<std::string> split(const std::string& text);
 
 }  // namespace umbrage::cli

@@ -74,8 +74,8 @@ Result<void> put_image(const Place& place, const Image& image, const WriteSettin
 Image picture_in_file(const RenderOptions& o, const Place& place, const Image& drawn,
                       const std::vector<std::string>& names, const EffectSettings& settings, const PictureInfo& info) {
   const bool of_display = place.extension() == "png";
-  if (o.passes && of_display && *o.passes == "outline") return picture_of_lines(drawn.plane("outline"), settings);
-  if (o.passes && of_display) return picture_of_pass(drawn, names, info);
+  if (o.writes_only("outline") && of_display) return picture_of_lines(drawn.plane("outline"), settings);
+  if (o.writes_passes() && of_display) return picture_of_pass(drawn, names, info);
   Image picture(drawn.width, drawn.height);
   for (const std::string& name : names) picture.add(name) = drawn.plane(name);
   return picture;

@@ -2,7 +2,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,7 @@
 #include "apps/cli/standard_input.h"
 #include "apps/cli/video.h"
 #include "core/guarded.h"
+#include "core/numbers.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
 #include "renderer/bands.h"
@@ -33,23 +33,20 @@ const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 /// Bytes of "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text) {
   constexpr std::string_view kUnits = "KMGT";
-  double bytes = 0.0;
-  const char* const last = text.data() + text.size();
-  const auto [end, error] = std::from_chars(text.data(), last, bytes);
-  const bool unit = end + 1 == last && kUnits.find(*end) != std::string_view::npos;
-  if (error != std::errc() || !(unit || end == last) || !(bytes > 0.0) || !std::isfinite(bytes))
+  const std::size_t unit = text.empty() ? kUnits.npos : kUnits.find(text.back());
+  const auto number = parse_number(text.substr(0, text.size() - (unit == kUnits.npos ? 0 : 1)));
+  if (!number || !(*number > 0.0))
     return usage_error("--memory cannot be '{}': it takes bytes, or a number with K, M, G or T, such as 6G", text);
-  for (std::size_t k = 0; unit && k <= kUnits.find(*end); ++k) bytes *= 1024.0;
-  return bytes;
+  return unit == kUnits.npos ? *number : *number * std::pow(1024.0, double(unit + 1));
 }
 
 Result<void> write_output(const RenderOptions& o, const Place& place, const EffectSettings& effect_settings,
                           Device& device, const Frame& frame) {
   const Camera camera = inner_camera(frame.info);
-  const WriteSettings settings{.bits = o.bits, .half = o.half, .threads = device.threads(), .camera = &camera};
+  const WriteSettings settings{.bits = o.bits(), .half = o.half, .threads = device.threads(), .camera = &camera};
   auto names = kColor;
   if (o.request.transparent) names.push_back("color.a");
-  if (o.passes) {
+  if (o.writes_passes()) {
     const auto chosen = chosen_planes(o.request.passes, device.plane_names(frame), frame.info);
     if (!chosen) return chosen.error();
     names.clear();
@@ -64,7 +61,6 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
 struct Output {
   int frames = 1;
   bool turns = false, is_video = false;
-  double frame_rate = 0.0;
   FrameNames names;  ///< of frames that are files
 };
 
@@ -106,7 +102,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
   const Place place{o.output, nullptr, {}};
   auto names = lines.alone ? std::vector<std::string>() : kColor;
   if (o.request.transparent && !lines.alone) names.push_back("color.a");
-  if (o.passes) {
+  if (o.writes_passes()) {
     auto planes = pass_planes(o, device, scene, plan);
     if (!planes) return planes.error();
     names = std::move(*planes);
@@ -121,7 +117,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
                          picture_in_file(o, place, pixel, names, recipe.settings, {}).names};
   Seen seen;
   Lines traced;
-  const WriteSettings settings{.bits = o.bits, .half = o.half, .threads = device.threads(), .camera = &plan.camera};
+  const WriteSettings settings{.bits = o.bits(), .half = o.half, .threads = device.threads(), .camera = &plan.camera};
   const auto monitor = [&](double done) {
     line.show("drawing", done);
     return true;
@@ -191,11 +187,7 @@ Result<Output> output_of(const RenderOptions& o) {
   if (piped && ::isatty(STDOUT_FILENO))
     return usage_error("-o - writes a PNG to standard output, which is a terminal: send it to a file or a program");
   if (piped && o.json) return usage_error("-o - and --json cannot both have standard output");
-  constexpr double kSlowest = 0.1, kFastest = 1000.0;
-  const auto rate = parse_number("--frame-rate", o.frame_rate, kSlowest, kFastest);
-  if (!rate) return rate.error();
-  output.frame_rate = *rate;
-  if (o.turntable.empty()) {
+  if (o.turntable == 0) {
     if (is_video(o.output) && !format_of(o.output))
       return usage_error("'{}' is a video, of several frames: --turntable 120 makes it", o.output);
     if (piped) return output;
@@ -203,10 +195,7 @@ Result<Output> output_of(const RenderOptions& o) {
     if (const auto known = extension_of(o.output); !known) return known.error();
     return output;
   }
-  constexpr int kMostTurns = 100000;
-  const auto frames = parse_whole("--turntable", o.turntable, 1, kMostTurns);
-  if (!frames) return frames.error();
-  output.frames = *frames;
+  output.frames = o.turntable;
   output.turns = true;
   output.is_video = is_video(o.output);
   if (output.is_video) return output;
@@ -222,11 +211,11 @@ Result<Output> output_of(const RenderOptions& o) {
   return output;
 }
 
-VideoSettings video_settings(const RenderOptions& o, const Output& output) {
+VideoSettings video_settings(const RenderOptions& o) {
   return {.width = o.request.width,
           .height = o.request.height,
-          .frame_rate = output.frame_rate,
-          .alpha = o.passes ? *o.passes == "outline" : o.request.transparent};
+          .frame_rate = o.frame_rate,
+          .alpha = o.writes_passes() ? o.writes_only("outline") : o.request.transparent};
 }
 
 /// Draws and writes all frames.
@@ -245,7 +234,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
   std::unique_ptr<Video> video;
   Place place{o.output, nullptr, {}};
   if (output.is_video) {
-    auto begun = Video::begin(o.output, video_settings(o, output));
+    auto begun = Video::begin(o.output, video_settings(o));
     if (!begun) return begun.error();
     video = std::move(*begun);
     place.video = video.get();
@@ -287,9 +276,10 @@ Result<void> check_output(const RenderOptions& o, const Output& output) {
   const std::string extension = output.is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
                                                               : *extension_of(o.output);
-  if (o.passes && extension != "exr" && (*o.passes == "all" || o.passes->find(',') != std::string::npos))
-    return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr", *o.passes);
-  if (o.bits != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
+  if (extension != "exr" && (o.request.passes.size() > 1 || o.writes_only("all")))
+    return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr",
+                       o.text_of("passes"));
+  if (o.bits() != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
   return {};
 }
@@ -303,7 +293,6 @@ Result<Order> order_of(const RenderOptions& o) {
   auto lines = line_file_of(o, output->turns ? output->frames : 0);
   if (!lines) return lines.error();
   order.lines = std::move(*lines);
-  if (o.bits != 8 && o.bits != 16) return usage_error("--bits cannot be {}: it takes 8 or 16", o.bits);
   auto recipe = make_recipe(o.request, kMostBandPixels);
   if (!recipe) return recipe.error();
   order.asked = order.recipe = std::move(*recipe);
@@ -321,7 +310,7 @@ Result<Order> order_of(const RenderOptions& o) {
   }
   keep_passes_alone(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
   if (output->is_video)
-    if (auto fine = check_video(o.output, video_settings(o, *output)); !fine) return fine.error();
+    if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);
   if (!import_with) return import_with.error();
   order.import_with = *import_with;
@@ -346,7 +335,7 @@ Result<BandSizes> planned_bands(const RenderOptions& o, const Order& order, std:
     return usage_error("{} of {} x {} pixels takes more than --memory {}: {}", what, o.request.width, o.request.height,
                        o.memory, advice);
   };
-  if (o.passes && *o.passes == "all") return too_large("--passes all", "name the passes, or allow more");
+  if (o.writes_only("all")) return too_large("--passes all", "name the passes, or allow more");
   if (order.output.turns) return too_large("--turntable", "allow more, or draw smaller pictures");
   return bands;
 }
@@ -374,7 +363,6 @@ Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& lin
 Result<void> render(const RenderOptions& given) {
   RenderOptions o = given;
   choose_line_look(o);
-  if (o.passes) o.request.passes = split(*o.passes);
   StageTimes times;
   auto order = order_of(o);
   if (!order) return order.error();
@@ -427,21 +415,23 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->required()
       ->group(output);
   command->add_option("--svg", options->svg, "write the look's lines as curves, too, to this .svg file")->group(output);
-  command
-      ->add_option("--passes", options->passes,
-                   "planes to write instead of the picture: all, or names such as depth,normal,ao")
+  add_one(*command, *options, "passes", output);
+  add_number(*command, "--turntable", options->turntable, {1, 100000, true},
+             "frames of one turn of the model, written as turn_0000.png and so on, or as a video", "one picture")
       ->group(output);
-  command
-      ->add_option("--turntable", options->turntable,
-                   "frames of one turn of the model, written as turn_0000.png and so on, or as a video [one picture]")
+  add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "of a video: frames per second")
       ->group(output);
-  command->add_option("--frame-rate", options->frame_rate, "of a video: frames per second [30]")->group(output);
-  command->add_option("--bits", options->bits, "bits per channel of a PNG: 8 or 16 [8]")->group(output);
+  add_one(*command, *options, "bits", output);
   command->add_flag("--half", options->half, "half floats in an EXR, where they suffice")->group(output);
-  command
-      ->add_option("--memory", options->memory,
-                   "draw in bands what would take more memory at once, about, such as 6G or 500M [6G]")
-      ->group(output);
+  CLI::Option* memory = command->add_option(
+      "--memory", options->memory,
+      fmt::format("draw in bands what would take more memory at once, about, such as 6G or 500M [{}]",
+                  options->memory));
+  memory->group(output);
+  add_check(*memory, [](const std::string& text) -> Result<void> {
+    const auto bytes = parse_memory(text);
+    return bytes ? Result<void>() : bytes.error();
+  });
   command->add_flag("--json", options->json, "print the time of each stage as JSON")->group(output);
   add_device_options(*command, *options, kRender);
   command->callback([options, &run] { run = with_options(options, render); });

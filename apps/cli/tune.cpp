@@ -103,10 +103,10 @@ void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
   std::tie(options->request.width, options->request.height) = std::pair(960, 540);
   add_model_options(*command, *options, kTune);
   const auto search = "Search";
-  command
-      ->add_option("--time", options->budget_ms, "milliseconds that occlusion may take, with its filter [as it does]")
+  add_number(*command, "--time", options->budget_ms, kBudgetMs, "milliseconds that occlusion may take, with its filter",
+             "as it does")
       ->group(search);
-  command->add_option("--trials", options->trials, "settings that are tried, at most [100]")->group(search);
+  add_number(*command, "--trials", options->trials, kTrials, "settings that are tried, at most")->group(search);
   add_one(*command, *options, "width", search, "", "960,540");
   add_one(*command, *options, "look", search, "recipe whose technique, filter and settings it begins with");
   add_one(*command, *options, "occlusion", search);

@@ -4,11 +4,16 @@
 #include <string>
 #include <vector>
 
+#include "core/numbers.h"
+#include "reference/trace.h"
 #include "renderer/models.h"
 #include "renderer/recipe.h"
 
 namespace umbrage {
 
+inline constexpr Interval kCameras{1, 100, true}, kSamples{2, kMostSamples, true}, kRuns{1, 1000, true};
+
+/// Numbers lie in the intervals above.
 struct MeasureSettings {
   std::vector<std::string> models;  ///< as for load_scene
   ImportSettings import;

@@ -81,12 +81,10 @@ void clamp_to_shown(Image& image) {
 }
 
 Result<void> check_pictures(const std::vector<std::string>& models, int cameras, int samples, int runs) {
-  constexpr int kMostCameras = 100, kMostRuns = 1000;
-  if (cameras < 1 || cameras > kMostCameras)
-    return usage_error("--cameras cannot be {}: it takes 1 to {}", cameras, kMostCameras);
-  if (runs < 1 || runs > kMostRuns) return usage_error("--runs cannot be {}: it takes 1 to {}", runs, kMostRuns);
-  if (samples < 2 || samples > kMostSamples || samples % 2 != 0)
-    return usage_error("--samples cannot be {}: it takes an even number from 2 to {}", samples, kMostSamples);
+  if (!kCameras.has(cameras)) return usage_error("--cameras cannot be '{}': it takes {}", cameras, kCameras.words());
+  if (!kRuns.has(runs)) return usage_error("--runs cannot be '{}': it takes {}", runs, kRuns.words());
+  if (!kSamples.has(samples) || samples % 2 != 0)
+    return usage_error("--samples cannot be '{}': it takes {}, and an even one", samples, kSamples.words());
   for (const std::string& model : models)
     if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is named twice", model);
   return {};

@@ -278,15 +278,13 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
 }  // namespace
 
 Result<void> check_tune(const TuneSettings& settings) {
-  constexpr int kMostTrials = 10000;
-  constexpr double kMostMs = 1e6;
   if (settings.models.empty()) return usage_error("name a model to tune for");
   if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
     return fine;
-  if (settings.trials < 2 || settings.trials > kMostTrials)
-    return usage_error("--trials cannot be {}: it takes 2 to {}", settings.trials, kMostTrials);
-  if (!(settings.budget_ms >= 0.0 && settings.budget_ms <= kMostMs))
-    return usage_error("--time cannot be {:g}: it takes 0 to {:g}", settings.budget_ms, kMostMs);
+  if (!kTrials.has(settings.trials))
+    return usage_error("--trials cannot be '{}': it takes {}", settings.trials, kTrials.words());
+  if (!kBudgetMs.has(settings.budget_ms))
+    return usage_error("--time cannot be '{:g}': it takes {}", settings.budget_ms, kBudgetMs.words());
   const auto recipe = recipe_of(settings);
   if (!recipe) return recipe.error();
   if (const auto technique = technique_of(*recipe); !technique) return technique.error();
