@@ -18,17 +18,23 @@ inline std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-/// The numbers from `min` to `max`, both included, or the whole ones among them.
+enum class NumberKind { kReal, kWhole, kEven };
+
+/// The numbers of a kind from `min` to `max`, both included.
 struct Interval {
   double min = 0.0, max = 0.0;
-  bool whole = false;
+  NumberKind kind = NumberKind::kReal;
 
-  bool has(double value) const { return value >= min && value <= max && (!whole || value == std::floor(value)); }
+  bool has(double value) const {
+    const double step = kind == NumberKind::kEven ? 2.0 : 1.0;
+    return value >= min && value <= max && (kind == NumberKind::kReal || std::fmod(value, step) == 0.0);
+  }
 
   /// "a whole number from 1 to 16"
   std::string words() const {
-    return whole ? fmt::format("a whole number from {} to {}", long(min), long(max))
-                 : fmt::format("a number from {:g} to {:g}", min, max);
+    if (kind == NumberKind::kReal) return fmt::format("a number from {:g} to {:g}", min, max);
+    return fmt::format("{} number from {} to {}", kind == NumberKind::kEven ? "an even" : "a whole", long(min),
+                       long(max));
   }
 };
 

@@ -207,7 +207,7 @@ Result<void> check_together(const RenderRequest& r) {
 Interval interval_of(const Option& option) {
   const bool whole = std::holds_alternative<FieldOf<int>>(option.where) ||
                      std::holds_alternative<FieldOf<std::optional<int>>>(option.where);
-  return {.min = option.min, .max = option.max, .whole = whole};
+  return {.min = option.min, .max = option.max, .kind = whole ? NumberKind::kWhole : NumberKind::kReal};
 }
 
 Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request) {

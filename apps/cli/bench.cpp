@@ -245,7 +245,7 @@ void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
   add_one(*command, *options, "occlusion_scale", "",
           "full, or half or quarter: techniques and filters alone, at that share of the resolution", "full");
   add_sizes(*command, options->sizes, "1024,1024");
-  add_number(*command, "--runs", options->runs, {1, 10000, true}, "runs behind each time");
+  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kWhole}, "runs behind each time");
   command->add_flag("--json", options->json, "print JSON");
   add_device_options(*command, *options, kBench);
   command->callback([options, &run] { run = with_options(options, bench); });

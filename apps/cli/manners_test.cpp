@@ -329,6 +329,7 @@ TEST_F(Manners, WrongValuesOfTheConfigurationAreSaidWithTheirLine) {
   refused(render, "memory = much", "--memory cannot be 'much'");
   refused(render, "half = perhaps", "--half cannot be 'perhaps': it takes true or false");
   refused("compare tri.obj", "cameras = 0", "--cameras cannot be '0': it takes a whole number from 1 to 100");
+  refused("compare tri.obj", "samples = 3", "--samples cannot be '3': it takes an even number from 2 to 4096");
   refused("bench", "resolution = 0x0", "--resolution cannot be '0x0'");
   // What the command line says in its place, or is for another command, is not looked at.
   write("wrong", "layers = 17\n[bench]\nruns = 0\n");

@@ -19,12 +19,13 @@ namespace {
 std::string help_with(std::string_view help, const Interval& takes, std::string_view initial) {
   constexpr double kTold = 2000.0;
   std::string text(help);
-  if (takes.whole && takes.max < kTold) text += fmt::format(", {} to {}", long(takes.min), long(takes.max));
+  if (takes.kind != NumberKind::kReal && takes.max < kTold)
+    text += fmt::format(", {} to {}", long(takes.min), long(takes.max));
   return initial.empty() ? text : fmt::format("{} [{}]", text, initial);
 }
 
 /// As help shows it.
-std::string type_of(const Interval& takes) { return takes.whole ? "INT" : "FLOAT"; }
+std::string type_of(const Interval& takes) { return takes.kind == NumberKind::kReal ? "FLOAT" : "INT"; }
 
 template <class Number>
 CLI::Option* add_any_number(CLI::App& command, const std::string& name, Number& value, const Interval& takes,

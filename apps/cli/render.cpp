@@ -416,7 +416,7 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(output);
   command->add_option("--svg", options->svg, "write the look's lines as curves, too, to this .svg file")->group(output);
   add_one(*command, *options, "passes", output);
-  add_number(*command, "--turntable", options->turntable, {1, 100000, true},
+  add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kWhole},
              "frames of one turn of the model, written as turn_0000.png and so on, or as a video", "one picture")
       ->group(output);
   add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "of a video: frames per second")

@@ -11,7 +11,8 @@
 
 namespace umbrage {
 
-inline constexpr Interval kCameras{1, 100, true}, kSamples{2, kMostSamples, true}, kRuns{1, 1000, true};
+inline constexpr Interval kCameras{1, 100, NumberKind::kWhole}, kSamples{2, kMostSamples, NumberKind::kEven},
+    kRuns{1, 1000, NumberKind::kWhole};
 
 /// Numbers lie in the intervals above.
 struct MeasureSettings {

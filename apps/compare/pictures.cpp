@@ -83,8 +83,7 @@ void clamp_to_shown(Image& image) {
 Result<void> check_pictures(const std::vector<std::string>& models, int cameras, int samples, int runs) {
   if (!kCameras.has(cameras)) return usage_error("--cameras cannot be '{}': it takes {}", cameras, kCameras.words());
   if (!kRuns.has(runs)) return usage_error("--runs cannot be '{}': it takes {}", runs, kRuns.words());
-  if (!kSamples.has(samples) || samples % 2 != 0)
-    return usage_error("--samples cannot be '{}': it takes {}, and an even one", samples, kSamples.words());
+  if (!kSamples.has(samples)) return usage_error("--samples cannot be '{}': it takes {}", samples, kSamples.words());
   for (const std::string& model : models)
     if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is named twice", model);
   return {};

@@ -8,7 +8,7 @@
 
 namespace umbrage {
 
-inline constexpr Interval kTrials{2, 10000, true}, kBudgetMs{0, 1e6};
+inline constexpr Interval kTrials{2, 10000, NumberKind::kWhole}, kBudgetMs{0, 1e6};
 
 /// `draw` holds size, framing, look, technique, radius, and the settings to begin with. The filter is that of the look.
 /// The radius is that of the technique, if it has one, and else the reference's.

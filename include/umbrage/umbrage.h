@@ -3,8 +3,8 @@
 // This header needs nothing but the standard library, C++17 or later. docs/library.md is its guide.
 //
 // Words: a *look* is a recipe for a finished picture (`umbrage list looks`), an *effect* is one technique of it
-// (`umbrage list effects`), a *pass* is what one of them leaves for each pixel, such as `depth` or `ao`. Options bear
-// the names of the command line's, and messages name those.
+// (`umbrage list effects`), a *pass* is what one of them leaves for each pixel, such as `depth` or `ao`. Messages
+// name fields in backquotes, such as `camera.zoom`, and quote the names of files and what else was written in '...'.
 //
 // Space: world space is the model's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
 // the positive distance along the view axis, infinity where there is nothing; normals are unit vectors in view space,
