@@ -23,6 +23,7 @@ struct Rows {
 
   int count() const { return end - begin; }
   bool contains(const Rows& other) const { return begin <= other.begin && other.end <= end; }
+  bool operator==(const Rows&) const = default;
 };
 
 /// Planes of the whole picture, gathered from its bands.
@@ -47,6 +48,8 @@ struct Band {
   Rows rows;       ///< of the whole picture, its guard band included; the first is a multiple of 4
   int margin = 0;  ///< rows above and below besides, as far as there are any
   std::shared_ptr<WholePlanes> wholes;
+
+  bool operator==(const Band&) const = default;
 };
 
 /// The rows that such a frame holds, of a picture of that height. The first is a multiple of 4.

@@ -18,6 +18,8 @@ struct Camera {
 
   /// World position of the eye.
   glm::vec3 eye() const;
+
+  bool operator==(const Camera&) const = default;
 };
 
 /// A camera at `eye` that looks at `target`. `up` may be parallel to the view; another axis is taken then.

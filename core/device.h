@@ -47,6 +47,8 @@ struct CaptureSettings {
   /// normals and shadows always are.
   std::optional<std::vector<std::string>> planes = {};
   std::optional<Band> band = {};  ///< draw this band of the picture alone, on devices that can
+
+  bool operator==(const CaptureSettings&) const = default;
 };
 
 /// How many layers such a capture has. Errors: kUsage where they are too many.
@@ -79,6 +81,9 @@ class Device {
                                 const ProgressMonitor& monitor = {}) = 0;
   /// A frame from planes on the host.
   virtual Result<Frame> upload(const GBuffer& gbuffer) = 0;
+  /// A frame that starts with the planes of another one, of a whole picture, and shares their memory. What is run on it
+  /// leaves the other one as it is. Nothing may be run on the other one while it lives.
+  virtual Frame branch(const Frame& frame) = 0;
   /// Adds planes from the host to a frame, in place of those of the same names. They are of the frame's whole size, its
   /// guard band included; of a band's, those rows that it holds: held_rows.
   virtual Result<void> add(const Image& planes, Frame& frame) = 0;
@@ -103,9 +108,11 @@ class Device {
   /// Names of all planes that a frame has: those that were captured, added or made, and then those of one value that a
   /// pass asked for.
   virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;
-  /// The planes of these names, in this order, without the guard band; all of them if `names` is empty. Errors: kUsage
-  /// for one that is missing. Of a band its own rows, of which missing_rows says whether they are all there.
+  /// The planes of these names, in this order, without the guard band. Errors: kUsage for one that is missing. Of a
+  /// band its own rows, of which missing_rows says whether they are all there.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
+  /// All planes that a frame has.
+  Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
   /// By how many rows a band's margin is too small for its own rows of these planes to be right; 0: they are.
   virtual int missing_rows(const Frame&, const std::vector<std::string>& /*names*/) const { return 0; }
 };

@@ -24,6 +24,8 @@ struct Light {
   float angle_deg = 0.0f;     ///< (directional) what its disc spans in the sky; 0: a point, with hard shadows
   float radius = 0.0f;        ///< (point) of the ball that shines, scene units; 0: a point, with hard shadows
   bool casts_shadow = false;  ///< its shadow is captured if it is one of the first kMostShadows lights
+
+  bool operator==(const Light&) const = default;
 };
 
 /// How ambient light depends on the normal of the surface that it falls on: in each colour it differs from its mean by
@@ -35,6 +37,7 @@ struct AmbientShape {
   bool even() const;
   /// What is added to the mean where the normal is `n`, a unit vector.
   glm::vec3 at(glm::vec3 n) const;
+  bool operator==(const AmbientShape&) const = default;
 };
 
 /// The same light in other axes.
@@ -49,6 +52,8 @@ struct Lighting {
   glm::vec3 ambient{0.3f};    ///< radiance from everywhere, the mean over all normals
   AmbientShape ambient_shape;
   float usual_light = 1.0f;  ///< luminance of white that is turned to the light: pictures are exposed for it
+
+  bool operator==(const Lighting&) const = default;
 };
 
 }  // namespace umbrage

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "core/check.h"
 #include "reference/reference.h"
 #include "renderer/average.h"
 
@@ -24,9 +25,9 @@ std::function<bool(double)> own_thread_only(const ProgressMonitor& monitor) {
 /// What a device's share of one step is of the whole drawing.
 class DrawProgress {
  public:
-  /// A frame has a step for its capture and one for each effect; others that come between are part of the next one's.
-  DrawProgress(const ProgressMonitor& monitor, std::size_t effects, int frames)
-      : monitor_(monitor), steps_(1 + double(effects)), frames_(frames) {}
+  /// A frame has so many steps; what comes between is part of the next one.
+  DrawProgress(const ProgressMonitor& monitor, std::size_t steps, int frames)
+      : monitor_(monitor), steps_(double(steps)), frames_(frames) {}
 
   /// Of each step.
   ProgressMonitor of_step() {
@@ -66,22 +67,16 @@ LookRun timed_look_run(const Recipe& recipe, StageTimes& times, DrawProgress& pr
   return run;
 }
 
-}  // namespace
+std::size_t effect_count(const Plan& plan) { return steps_of(look_run(plan.recipe)).size(); }
 
-Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
-  if (!plan.recipe.hdri.shown()) return {};
-  const int height = frame.info.height;
-  const Rows rows = plan.capture.band ? held_rows(*plan.capture.band, height) : Rows{0, height};
-  return device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame.info, rows), frame);
-}
+/// The frame of a sample, for which a plan has begun, before any effect has run.
+using FrameOfSample = std::function<Result<Frame>(const Plan& plan, const Camera& camera)>;
 
-Result<Drawn> draw(Device& device, const Scene& scene, const Plan& planned, StageTimes& times,
-                   const ProgressMonitor& monitor, std::optional<float> stops) {
-  const KeptPlanes kept(device.pool());
-  Plan plan = planned;  // each frame has noise of its own
-  DrawProgress progress(monitor, steps_of(look_run(plan.recipe)).size(), plan.recipe.frames);
+Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& planned, const FrameOfSample& frame_of,
+                           DrawProgress& progress, StageTimes& times, std::optional<float> stops) {
+  Plan plan = planned;  // each sample has noise of its own
   const ProgressMonitor of_step = progress.of_step();
-  TracedScenePtr hierarchy;  // of the reference, for all frames
+  TracedScenePtr hierarchy;  // of the reference, for all samples
   LookRun run = timed_look_run(plan.recipe, times, progress);
   run.stops = stops;
   run.run_handed_in = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
@@ -97,10 +92,8 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& planned, Stag
   // The last frame stays.
   for (int k = plan.recipe.frames - 1;; --k) {
     const Camera camera = begin_frame(plan, k);
-    auto frame = device.capture(camera, plan.capture, of_step);
+    auto frame = frame_of(plan, camera);
     if (!frame) return frame.error();
-    times.done("capture");
-    progress.step_done();
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
     if (plan.recipe.hdri.shown()) times.done("sky");
     const auto done = run_look(run, device, *frame);
@@ -120,6 +113,61 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& planned, Stag
     if (auto ended = progress.end(); !ended) return ended.error();
     return Drawn{std::move(*frame), run.stops};
   }
+}
+
+}  // namespace
+
+Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
+  if (!plan.recipe.hdri.shown()) return {};
+  const int height = frame.info.height;
+  const Rows rows = plan.capture.band ? held_rows(*plan.capture.band, height) : Rows{0, height};
+  return device.add(sky_planes(plan.recipe.hdri, plan.up, plan.sky_gain, frame.info, rows), frame);
+}
+
+Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
+                   const ProgressMonitor& monitor, std::optional<float> stops) {
+  const KeptPlanes kept(device.pool());
+  DrawProgress progress(monitor, 1 + effect_count(plan), plan.recipe.frames);
+  const ProgressMonitor of_step = progress.of_step();
+  const auto captured = [&](const Plan& sample, const Camera& camera) {
+    auto frame = device.capture(camera, sample.capture, of_step);
+    times.done("capture");
+    progress.step_done();
+    return frame;
+  };
+  return draw_samples(device, scene, plan, captured, progress, times, stops);
+}
+
+Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
+  const KeptPlanes kept(device.pool());
+  Plan plan = planned;
+  DrawProgress progress(monitor, 1, plan.recipe.frames);
+  const ProgressMonitor of_step = progress.of_step();
+  Captures captures;
+  for (int k = 0; k < plan.recipe.frames; ++k) {
+    auto frame = device.capture(begin_frame(plan, k), plan.capture, of_step);
+    if (!frame) return frame.error();
+    captures.push_back(std::move(*frame));
+    times.done("capture");
+    progress.frame_done();
+  }
+  if (auto ended = progress.end(); !ended) return ended.error();
+  return captures;
+}
+
+bool same_captures(const Plan& a, const Plan& b) {
+  return a.camera == b.camera && a.capture == b.capture && a.recipe.frames == b.recipe.frames;
+}
+
+Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
+                            StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops) {
+  check_equal(captures.size(), std::size_t(plan.recipe.frames), "captures of a picture");
+  const KeptPlanes kept(device.pool());
+  DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.recipe.frames);
+  const auto kept_frame = [&](const Plan& sample, const Camera&) {
+    return Result<Frame>(device.branch(captures[std::size_t(sample.capture.sample)]));
+  };
+  return draw_samples(device, scene, plan, kept_frame, progress, times, stops);
 }
 
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times) {
@@ -165,7 +213,7 @@ Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& asked,
     if (!radius) return radius.error();
     apply_radius(*radius, gbuffer.info, recipe);
   }
-  DrawProgress progress(monitor, recipe.look->effects.size(), 1);
+  DrawProgress progress(monitor, 1 + recipe.look->effects.size(), 1);
   auto frame = uploaded(device, gbuffer, recipe.settings);
   if (!frame) return frame;
   progress.step_done();

@@ -17,6 +17,15 @@ struct Drawn {
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
+/// What a plan's camera sees before any effect has run: of each sample a frame.
+using Captures = std::vector<Frame>;
+Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor = {});
+/// Whether captures of the one plan serve the other: then they differ in effects alone.
+bool same_captures(const Plan& a, const Plan& b);
+/// Draws from captures, which stay as they are. The picture is that of `draw`, to the bit.
+Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
+                            StageTimes& times, const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
+
 /// Plans and draws a furnished scene.
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times);
 

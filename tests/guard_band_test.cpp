@@ -94,7 +94,7 @@ TEST(GuardBand, IsCutOff) {
   EXPECT_EQ(frame.info.width, 78);
   EXPECT_EQ(frame.info.height, 58);
   EXPECT_EQ(frame.info.inner_width(), 60);
-  const Image image = *stage.device->download(frame, {});
+  const Image image = *stage.device->download_all(frame);
   EXPECT_EQ(image.width, 60);
   EXPECT_EQ(image.height, 40);
   for (const Plane& plane : image.planes) {
@@ -111,8 +111,8 @@ TEST(GuardBand, PixelsInsideAreThoseWithoutIt) {
       const CaptureSettings plain{.width = 121, .height = 83, .layers = 2};
       CaptureSettings guarded = plain;
       guarded.guard = guard;
-      const Image a = *stage.device->download(stage.capture(camera, plain), {});
-      const Image b = *stage.device->download(stage.capture(camera, guarded), {});
+      const Image a = *stage.device->download_all(stage.capture(camera, plain));
+      const Image b = *stage.device->download_all(stage.capture(camera, guarded));
       ASSERT_EQ(a.names, b.names);
       for (std::size_t p = 0; p < a.planes.size(); ++p) {
         const std::string& name = a.names[p];
@@ -200,7 +200,7 @@ TEST(GuardBand, NeutralPlanesAreCutOffToo) {
   Image made(26, 16);
   made.add("ao") = Plane(26, 16, 0.5f);
   ASSERT_TRUE(stage.device->add(made, frame));
-  const Image all = *stage.device->download(frame, {});
+  const Image all = *stage.device->download_all(frame);
   EXPECT_EQ(std::count(all.names.begin(), all.names.end(), "ao"), 1);
   EXPECT_EQ(all.plane("ao").at(0, 0), 0.5f);
 }
@@ -209,10 +209,10 @@ TEST(GuardBand, ThreadsDoNotMatter) {
   Stage stage;
   const Camera camera = stage.camera(61, 47);
   const CaptureSettings settings{.width = 61, .height = 47, .layers = 2, .guard = 10};
-  const Image all = *stage.device->download(stage.capture(camera, settings), {});
+  const Image all = *stage.device->download_all(stage.capture(camera, settings));
   stage.device = make_cpu_device({.threads = 1});
   ASSERT_TRUE(stage.device->prepare(stage.scene));
-  const Image one = *stage.device->download(stage.capture(camera, settings), {});
+  const Image one = *stage.device->download_all(stage.capture(camera, settings));
   for (std::size_t p = 0; p < all.planes.size(); ++p)
     EXPECT_EQ(test::difference(all.planes[p], one.planes[p], 0.0).most, 0.0) << all.names[p];
 }

@@ -41,7 +41,7 @@ std::vector<std::string> planes_with(const Effect& technique, const CaptureSetti
                *device, *frame);
   EXPECT_TRUE(done);
   EXPECT_EQ(stages, (std::vector<std::string>{"lighting", "reader", "composite", "output"}));
-  return device->download(*frame, {})->names;
+  return device->download_all(*frame)->names;
 }
 
 bool holds(const std::vector<std::string>& names, std::string_view name) {

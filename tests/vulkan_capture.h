@@ -36,7 +36,7 @@ inline Image captured(Device& device, const Scene& scene, const Camera& camera, 
   auto frame = device.capture(camera, settings);
   EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
   frame->info.guard = 0;  // all of it
-  return *device.download(*frame, {});
+  return *device.download_all(*frame);
 }
 
 /// Whether surfaces meet at a pixel of a layer: objects, depths or normals of neighbours are far apart.

@@ -99,6 +99,13 @@ class CpuDevice final : public Device {
     return frame;
   }
 
+  Frame branch(const Frame& frame) override {
+    if (cpu_planes(frame).band) fail_check("a band has no branches");
+    auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
+    planes->kept = std::static_pointer_cast<const CpuPlanes>(frame.storage);
+    return {frame.info, std::move(planes)};
+  }
+
   Result<void> add(const Image& planes, Frame& frame) override {
     for (std::size_t p = 0; p < planes.planes.size(); ++p) {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
@@ -140,7 +147,7 @@ class CpuDevice final : public Device {
     for (const std::string& name : names)
       for (int layer = 0; layer < kMostLayers; ++layer) {
         const std::string of_layer = layer_plane(layer, name);
-        const Plane* in = cpu_planes(frame).image.find(of_layer);
+        const Plane* in = find_made(from_planes, of_layer);
         if (!in) continue;
         Plane& out = planes->image.add(of_layer);
         int first = 0;  // row of `in` that the first of `out` is
@@ -172,7 +179,7 @@ class CpuDevice final : public Device {
     for (const std::string& name : names) {
       const Plane* in = find_plane(cpu_planes(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
-      Plane& out = cpu_planes(full).image.add(reduced_plane(name));
+      Plane& out = writable(whole, reduced_plane(name));
       if (const Held* held = find_held(cpu_planes(small), name); held && whole.band) {
         // A pass reads it where the rows are that it stands for.
         const Rows valid{held->valid.begin * factor,
@@ -194,9 +201,12 @@ class CpuDevice final : public Device {
 
   std::vector<std::string> plane_names(const Frame& frame) const override {
     const CpuPlanes& planes = cpu_planes(frame);
-    std::vector<std::string> names = planes.image.names;
+    std::vector<std::string> names;
+    if (planes.kept) names = planes.kept->image.names;
+    for (const std::string& name : planes.image.names)
+      if (!planes.kept || !find_made(*planes.kept, name)) names.push_back(name);
     for (const std::string& name : planes.neutral)
-      if (!planes.image.find(name)) names.push_back(name);
+      if (!find_made(planes, name)) names.push_back(name);
     return names;
   }
 
@@ -206,10 +216,9 @@ class CpuDevice final : public Device {
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
     const CpuPlanes& planes = cpu_planes(frame);
-    const std::vector<std::string> wanted = names.empty() ? plane_names(frame) : names;
-    if (planes.band) return download_band(frame, wanted);
+    if (planes.band) return download_band(frame, names);
     Image out(frame.info.inner_width(), frame.info.inner_height());
-    for (const std::string& name : wanted) {
+    for (const std::string& name : names) {
       const Plane* plane = find_plane(planes, name);
       if (!plane) return usage_error("the picture has no plane '{}'", name);
       out.names.push_back(name);
@@ -273,7 +282,7 @@ class CpuDevice final : public Device {
     }
     if (pass.host) return run_host(run, planes, monitor);
     for (std::string_view output : pass.outputs)
-      if (run.is_there(output)) planes.image.add(run.plane(output));
+      if (run.is_there(output)) writable(planes, run.plane(output));
     if (band.rows.count() <= 0) return Progression();
     // A kernel stores to its outputs alone, which are nobody else's.
     for (std::string_view name : pass.inputs)
@@ -282,7 +291,7 @@ class CpuDevice final : public Device {
       kernel_planes.push_back({name, run.is_there(name) ? row_zero_of(run, planes, band, run.plane(name)) : nullptr});
     const int stride = planes.image.plane(run.plane(pass.outputs[0])).stride;
     const bool all = run.pixels == PixelSet::kAll;
-    const Plane* ao = all ? nullptr : planes.image.find(run.plane("ao"));
+    const Plane* ao = all ? nullptr : find_made(planes, run.plane("ao"));
     if (!all && !ao) return missing_plane(run, "ao");
     KernelFrame kernel_frame{frame_constants(info, stride, run.round, run.pixels), run.constants.data(), kernel_planes,
                              ao ? row_zero_of(run, planes, band, run.plane("ao")) : nullptr};

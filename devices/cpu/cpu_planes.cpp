@@ -17,8 +17,21 @@ int missing_margin(const CpuPlanes& planes, const Rows& valid, int reduced) {
 
 }  // namespace
 
+const Plane* find_made(const CpuPlanes& planes, std::string_view name) {
+  const Plane* own = planes.image.find(name);
+  return own || !planes.kept ? own : find_made(*planes.kept, name);
+}
+
+Plane& writable(CpuPlanes& planes, const std::string& name) {
+  if (Plane* own = planes.image.find(name)) return *own;
+  const Plane* kept = find_made(planes, name);
+  Plane& own = planes.image.add(name);
+  if (kept) own = *kept;
+  return own;
+}
+
 const Plane* find_plane(const CpuPlanes& planes, std::string_view name) {
-  if (const Plane* made = planes.image.find(name)) return made;
+  if (const Plane* made = find_made(planes, name)) return made;
   const bool neutral = std::find(planes.neutral.begin(), planes.neutral.end(), name) != planes.neutral.end();
   return neutral ? &planes.constants.at(*neutral_value(name)) : nullptr;
 }

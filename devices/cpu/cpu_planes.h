@@ -34,6 +34,7 @@ struct CpuPlanes {
   std::vector<std::string> neutral;  ///< names that have been asked for, in that order; `image` may have got one since
   std::map<float, Plane> constants;
   std::map<std::string, std::pair<int, int>> placed;  ///< by name, size of the reduced picture that lies there
+  std::shared_ptr<const CpuPlanes> kept;              ///< of the frame that this is a branch of, or null
   std::shared_ptr<CpuPlanes> last_reduced;            ///< what was made of this last at reduced resolution
   // Of a band:
   std::optional<Band> band;
@@ -43,6 +44,12 @@ struct CpuPlanes {
 };
 
 inline CpuPlanes& cpu_planes(const Frame& frame) { return *static_cast<CpuPlanes*>(frame.storage.get()); }
+
+/// The plane of that name that was captured, added or made, here or in what this is a branch of; or null.
+const Plane* find_made(const CpuPlanes& planes, std::string_view name);
+
+/// The frame's own plane of that name. It starts as what this is a branch of has, else uninitialised.
+Plane& writable(CpuPlanes& planes, const std::string& name);
 
 /// The plane of that name, made or neutral, or null.
 const Plane* find_plane(const CpuPlanes& planes, std::string_view name);

@@ -48,7 +48,7 @@ TEST(Capture, ADeviceTakesOneSceneAfterTheOther) {
   const auto device = make_cpu_device();
   const auto draw = [&](const Scene& scene) {
     EXPECT_TRUE(device->prepare(scene));
-    return *device->download(*device->capture(camera, {64, 64, true}), {});
+    return *device->download_all(*device->capture(camera, {64, 64, true}));
   };
   const Image a = draw(first), b = draw(second), again = draw(first), twice = draw(first);
   expect_equal(a, capture(first, camera, 64, 64).planes, "first");
@@ -64,7 +64,7 @@ TEST(Capture, FramesOfOneDeviceAreApart) {
   ASSERT_TRUE(device->prepare(scene));
   const auto small = device->capture(from_above(10.0f), {20, 10, true});
   const auto large = device->capture(from_above(5.0f), {40, 30, true});
-  EXPECT_EQ(device->download(*small, {})->width, 20);
+  EXPECT_EQ(device->download_all(*small)->width, 20);
   EXPECT_EQ(device->download(*large, {"depth"})->height, 30);
   EXPECT_EQ(small->info.width, 20);
 }
@@ -93,7 +93,7 @@ TEST(Device, UploadsAndDownloadsTheSamePlanes) {
   g.layers[1].plane("depth").at(5, 6) = 99.0f;
   const auto frame = device->upload(g);
   ASSERT_TRUE(frame);
-  const Image image = *device->download(*frame, {});
+  const Image image = *device->download_all(*frame);
   EXPECT_EQ(image.planes.size(), 2 * g.layers[0].planes.size());
   for (std::size_t p = 0; p < g.layers[0].planes.size(); ++p)
     EXPECT_EQ(test::difference(image.plane(g.layers[0].names[p]), g.layers[0].planes[p], 0.0).most, 0.0);

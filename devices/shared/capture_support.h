@@ -94,7 +94,7 @@ inline Picture capture_with(const CaptureSettings& settings, const Scene& scene,
     EXPECT_LE(d.anywhere, d.pixels / 200 + settings.width) << test::name_of(how);
     for (const auto& [plane, count] : d.inside) EXPECT_LE(count, d.pixels / 500) << test::name_of(how) << ' ' << plane;
   }
-  return {frame->info, *device->download(*frame, {})};
+  return {frame->info, *device->download_all(*frame)};
 }
 
 inline Picture capture(const Scene& scene, const Camera& camera, int width, int height, const CpuSettings& cpu = {}) {

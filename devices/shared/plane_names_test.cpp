@@ -14,13 +14,13 @@ std::vector<std::string> names_on(Device& device) {
     g.layers[0].add(name);
   auto frame = device.upload(g);
   EXPECT_TRUE(frame);
-  EXPECT_EQ(device.plane_names(*frame), device.download(*frame, {})->names);
+  EXPECT_EQ(device.plane_names(*frame), device.download_all(*frame)->names);
   // It makes colour, and asks for lines and a sky that nobody made.
   const Effect& output = *find_effect("output");
   const ParameterBytes params = initial_parameters(output.parameters, output.params_size);
   EXPECT_TRUE(device.run(output, params, *frame));
   std::vector<std::string> names = device.plane_names(*frame);
-  EXPECT_EQ(names, device.download(*frame, {})->names);
+  EXPECT_EQ(names, device.download_all(*frame)->names);
   return names;
 }
 

@@ -25,9 +25,21 @@ std::size_t PlaneStore::staged_at_once(const DevicePlanes& planes) const {
 }
 
 Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::string& name) {
-  if (const auto found = planes.made.find(name); found != planes.made.end()) return found->second;
+  const auto found = planes.made.find(name);
+  const bool is_there = found != planes.made.end();
+  if (is_there && !planes.kept.contains(name)) return found->second;
   auto plane = memory_->plane(planes.bytes);
   if (!plane) return plane;
+  if (is_there) {
+    const auto buffer = commands_->buffer();
+    if (!buffer) return buffer.error();
+    commands_->barrier();
+    const VkBufferCopy region{found->second->offset, (*plane)->offset, planes.bytes};
+    gpu_->vk.CmdCopyBuffer(*buffer, found->second->buffer, (*plane)->buffer, 1, &region);
+    found->second = *plane;
+    planes.kept.erase(name);
+    return plane;
+  }
   planes.names.push_back(name);
   planes.made.emplace(name, *plane);
   return plane;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,7 +22,8 @@ struct DevicePlanes {
   VkDeviceSize bytes = 0;
   std::vector<std::string> names;  // made, in that order
   std::map<std::string, DevicePlanePtr, std::less<>> made;
-  std::vector<std::string> neutral;  // asked for, in that order; `made` may have got one since
+  std::set<std::string, std::less<>> kept;  // of these, of the frame that this is a branch of
+  std::vector<std::string> neutral;         // asked for, in that order; `made` may have got one since
   std::map<float, DevicePlanePtr> constants;
 
   bool is_neutral(std::string_view name) const {
@@ -49,7 +51,7 @@ class PlaneStore {
  public:
   PlaneStore(const Gpu& gpu, Memory& memory, Commands& commands) : gpu_(&gpu), memory_(&memory), commands_(&commands) {}
 
-  /// The frame's plane of that name, made where there is none.
+  /// The frame's own plane of that name, made where there is none. It starts as what this is a branch of has.
   Result<DevicePlanePtr> writable(DevicePlanes& planes, const std::string& name);
 
   /// Copies planes of the host into a frame.

@@ -379,7 +379,7 @@ TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
   const auto capture = [&] { return gpu->capture(frame_scene(*scene, {}, 256, 256), {.width = 256, .height = 256}); };
   const auto frame = capture();
   ASSERT_TRUE(frame);
-  const auto before = gpu->download(*frame, {});  // and room on the host for what is uploaded
+  const auto before = gpu->download_all(*frame);  // and room on the host for what is uploaded
   ASSERT_TRUE(before);
   const std::uint64_t held = vulkan_memory(*gpu).device_bytes;
   test::faulty().faults.memory_left = 0;

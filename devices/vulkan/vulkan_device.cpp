@@ -75,7 +75,7 @@ class VulkanDevice final : public Device {
     if (!drawn) return drawn;
     Frame whole = *drawn;
     whole.info.guard = 0;  // all of it
-    const auto planes = capture_->download(whole, {});
+    const auto planes = capture_->download_all(whole);
     if (!planes) return planes.error();
     Frame frame{drawn->info, empty_planes(drawn->info)};
     if (auto done = add(*planes, frame); !done) return done.error();
@@ -90,6 +90,12 @@ class VulkanDevice final : public Device {
         planes.push_back({layer_plane(int(layer), gbuffer.layers[layer].names[p]), &gbuffer.layers[layer].planes[p]});
     if (auto done = store_->copy_to(planes, frame.info, planes_of(frame)); !done) return done.error();
     return frame;
+  }
+
+  Frame branch(const Frame& frame) override {
+    auto planes = std::make_shared<DevicePlanes>(planes_of(frame));
+    planes->kept.insert(planes->names.begin(), planes->names.end());
+    return {frame.info, std::move(planes)};
   }
 
   Result<void> add(const Image& image, Frame& frame) override {
@@ -211,7 +217,7 @@ class VulkanDevice final : public Device {
   }
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
-    return store_->copied(planes_of(frame), names.empty() ? plane_names(frame) : names, frame.info, frame.info.guard);
+    return store_->copied(planes_of(frame), names, frame.info, frame.info.guard);
   }
 
  private:

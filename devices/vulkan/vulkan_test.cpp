@@ -65,7 +65,7 @@ TEST(Vulkan, HoldsWhatItIsGiven) {
     gbuffer.info.guard = width > 20 ? 7 : 0;
     const auto on_gpu = gpu->upload(gbuffer), on_cpu = cpu->upload(gbuffer);
     ASSERT_TRUE(on_gpu && on_cpu);
-    const auto a = gpu->download(*on_gpu, {}), b = cpu->download(*on_cpu, {});
+    const auto a = gpu->download_all(*on_gpu), b = cpu->download_all(*on_cpu);
     ASSERT_TRUE(a && b);
     expect_equal(*a, *b);
     const auto some = gpu->download(*on_gpu, {"layer1.depth", "albedo.g"});
@@ -112,8 +112,8 @@ TEST(Vulkan, ReducesAndPlacesAsTheCpuDoes) {
         ASSERT_FALSE(placed);
         EXPECT_NE(placed.error().message.find("'nowhere'"), std::string::npos);
         ASSERT_TRUE(device->place(*small, {"depth"}, *full));
-        small_images[k] = *device->download(*small, {});
-        full_images[k++] = *device->download(*full, {});
+        small_images[k] = *device->download_all(*small);
+        full_images[k++] = *device->download_all(*full);
       }
       expect_equal(small_images[0], small_images[1]);
       expect_equal(full_images[0], full_images[1]);
@@ -136,7 +136,7 @@ TEST(Vulkan, MissingPlanesAreNeutralOrNamed) {
     ASSERT_TRUE(frame);
     ASSERT_TRUE(run(*device, "lighting", *frame));
     ASSERT_TRUE(run(*device, "composite", *frame));
-    images[k++] = *device->download(*frame, {});
+    images[k++] = *device->download_all(*frame);
     const auto missing = device->download(*frame, {"depth", "no_such"});
     ASSERT_FALSE(missing);
     EXPECT_EQ(missing.error().kind, ErrorKind::kUsage);
@@ -220,7 +220,7 @@ TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
       device->take_pass_times();
       const auto frame = draw(*device, *scene, settings, times);
       ASSERT_TRUE(frame) << frame.error().message;
-      images[k++] = *device->download(*frame, {});
+      images[k++] = *device->download_all(*frame);
     }
     expect_equal(images[0], images[1]);
     // Bands of a pass are one pass to those who ask for times.
@@ -430,7 +430,7 @@ TEST(Vulkan, TooLittleMemoryIsAnError) {
     faulty().faults.memory_left = left;
     auto frame = gpu->upload(large);
     const auto done = frame ? run(*gpu, "hemisphere", *frame) : frame.error();
-    const auto image = done ? gpu->download(*frame, {}) : done.error();
+    const auto image = done ? gpu->download_all(*frame) : done.error();
     ASSERT_FALSE(image) << left;
     EXPECT_EQ(image.error().kind, ErrorKind::kDevice);
     EXPECT_NE(image.error().message.find("memory"), std::string::npos);

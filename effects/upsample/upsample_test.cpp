@@ -70,7 +70,7 @@ TEST(Reduced, PixelsKeepTheirPlaces) {
           EXPECT_EQ(info.reduced, factor);
           EXPECT_FLOAT_EQ(info.share_width() * float(factor), float(g.info.inner_width()));
           EXPECT_FLOAT_EQ(info.share_height() * float(factor), float(g.info.inner_height()));
-          const Image planes = *device->download(*small, {});
+          const Image planes = *device->download_all(*small);
           ASSERT_EQ(planes.names, (std::vector<std::string>{"depth", "layer1.depth"}));
           ASSERT_EQ(planes.width, info.width);
           ASSERT_EQ(planes.height, info.height);

@@ -1,0 +1,120 @@
+// Captures are kept while effects change: each picture is the one that a new drawing gives.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "devices/cpu/cpu_device.h"
+#include "renderer/draw.h"
+#include "renderer/models.h"
+#include "support.h"
+#include "vulkan_support.h"
+
+namespace umbrage {
+namespace {
+
+struct Case {
+  std::string look;
+  std::vector<std::string> settings;
+  int frames = 1;
+  std::string scale = {};
+};
+
+/// A scene with a ground, whose depth a look hides, and one device that is ready to draw it.
+class Stage {
+ public:
+  explicit Stage(Device& device) : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
+    furnish(scene_, recipe_of({"studio", {}}));
+    EXPECT_TRUE(device.prepare(scene_));
+  }
+
+  Plan plan_of(const Case& wanted) const { return *make_plan(recipe_of(wanted), scene_, device_.threads()); }
+
+  Image drawn(const Plan& plan) { return downloaded(draw(device_, scene_, plan, times_)); }
+  Image drawn(const Plan& plan, const Captures& captures) {
+    return downloaded(draw_captured(device_, scene_, plan, captures, times_));
+  }
+  Captures captured(const Plan& plan) { return *capture(device_, plan, times_); }
+
+ private:
+  static Recipe recipe_of(const Case& wanted) {
+    RenderRequest request{.look = wanted.look, .settings = wanted.settings, .width = 60, .height = 45};
+    request.occlusion_scale = wanted.scale;
+    Recipe recipe = *make_recipe(request);
+    recipe.frames = wanted.frames;
+    return recipe;
+  }
+
+  Image downloaded(const Result<Drawn>& drawn) {
+    EXPECT_TRUE(drawn) << drawn.error().message;
+    return *device_.download_all(drawn->frame);
+  }
+
+  Device& device_;
+  Scene scene_;
+  StageTimes times_;
+};
+
+void expect_same(const Image& a, const Image& b) {
+  ASSERT_EQ(a.width, b.width);
+  for (const std::string& name : a.names) {
+    ASSERT_NE(b.find(name), nullptr) << name;
+    const Plane &p = a.plane(name), &q = b.plane(name);
+    for (int y = 0; y < a.height; ++y)
+      ASSERT_EQ(std::memcmp(p.row(y), q.row(y), std::size_t(a.width) * sizeof(float)), 0) << name << " row " << y;
+  }
+  EXPECT_EQ(a.names.size(), b.names.size());
+}
+
+void expect_captures_serve(Device& device, const std::string& look, int frames, const std::string& scale) {
+  SCOPED_TRACE(look + " " + std::to_string(frames) + " " + scale);
+  Stage stage(device);
+  const std::vector<Case> cases = {{look, {}, frames, scale},
+                                   {look, {"output.exposure=1", "bitmask.thickness=0.3"}, frames, scale},
+                                   {look, {"outline.opacity=0.5", "composite.damping=0.3"}, frames, scale},
+                                   {look, {}, frames, scale}};
+  const Captures captures = stage.captured(stage.plan_of(cases[0]));
+  const Image before = *device.download_all(captures[0]);
+  std::vector<Image> pictures;
+  for (const Case& wanted : cases) {
+    const Plan plan = stage.plan_of(wanted);
+    if (!same_captures(plan, stage.plan_of(cases[0]))) continue;
+    pictures.push_back(stage.drawn(plan, captures));
+    expect_same(stage.drawn(plan), pictures.back());
+  }
+  ASSERT_GE(pictures.size(), 3u);
+  EXPECT_NE(pictures[0].plane("color.r").at(30, 22), pictures[1].plane("color.r").at(30, 22));
+  expect_same(before, *device.download_all(captures[0]));
+}
+
+TEST(Captures, ServeOtherEffectsOnTheCpu) {
+  const auto device = make_cpu_device();
+  for (const char* look : {"studio", "bleeding", "cartoon", "lit"}) expect_captures_serve(*device, look, 1, "full");
+  expect_captures_serve(*device, "studio", 3, "full");
+  expect_captures_serve(*device, "studio", 1, "half");
+}
+
+TEST(Captures, ServeOtherEffectsOnVulkan) {
+  Device* device = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(device);
+  const test::NoMessages no_messages;
+  expect_captures_serve(*device, "studio", 1, "half");
+  expect_captures_serve(*device, "cartoon", 2, "full");
+}
+
+TEST(Captures, DoNotServeOtherCamerasOrLayers) {
+  const auto device = make_cpu_device();
+  Stage stage(*device);
+  const Plan plan = stage.plan_of({"studio", {}});
+  EXPECT_TRUE(same_captures(plan, stage.plan_of({"studio", {"output.exposure=1"}})));
+  EXPECT_FALSE(same_captures(plan, stage.plan_of({"studio", {}, 4})));
+  EXPECT_FALSE(same_captures(plan, stage.plan_of({"bleeding", {}})));
+  Plan moved = plan;
+  moved.camera.left -= 0.1f;
+  EXPECT_FALSE(same_captures(plan, moved));
+  Plan lit = plan;
+  lit.lighting().ambient.x += 0.1f;
+  EXPECT_FALSE(same_captures(plan, lit));
+}
+
+}  // namespace
+}  // namespace umbrage
