@@ -5,6 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/result.h"
+#include "core/suggest.h"
+
 namespace umbrage {
 
 /// Where the entries of a list are. The list must last as long as the result is used.
@@ -21,6 +24,18 @@ const Entry* find_named(std::span<const Entry* const> entries, std::string_view 
   for (const Entry* entry : entries)
     if (entry->name == name) return entry;
   return nullptr;
+}
+
+/// The same, for a name that somebody wrote. `kind` says what the entries are, such as "effect". Errors: kUsage, with a
+/// suggestion.
+template <class Entry>
+Result<const Entry*> require_named(std::string_view kind, std::span<const Entry* const> entries,
+                                   std::string_view name) {
+  if (const Entry* entry = find_named(entries, name)) return entry;
+  std::vector<std::string_view> names;
+  names.reserve(entries.size());
+  for (const Entry* each : entries) names.push_back(each->name);
+  return usage_error("there is no {} '{}'{}", kind, name, suggestion(name, names));
 }
 
 }  // namespace umbrage

@@ -1,7 +1,6 @@
 // Shows how far a slow picture is, and gives up after some seconds: progress MODEL SECONDS
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 
 #include "umbrage/umbrage.h"
 

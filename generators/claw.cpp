@@ -1,7 +1,6 @@
 // scene:claw - an armoured creature that reaches for the viewer: a claw far in front of the body, a mouth to look into,
 // plates that overlap, spines against the sky. It stands for figures 4 and 5 of the unsharp masking paper, where a
 // claw's edge lies before the far plane and before a distant body; the creature is our own. It faces +z.
-#include <array>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 

@@ -315,10 +315,12 @@ Mesh vase(std::span<const vec2> side, const Detail& d) {
   return lathe(join({{{0.0f, 0.0f}}, outer, inner, {{0.0f, inner.back().y}}}), d(40, 10));
 }
 
-void add_tables(Scene& scene, const Materials& m, const Detail& d) {
-  // Dining table by the window, with three chairs.
-  const vec3 at(-1.75f, 0.0f, 1.22f);
-  constexpr float kHigh = 0.75f, kRadius = 0.60f;
+/// Where the dining table stands, and how high it is.
+constexpr vec3 kDining(-1.75f, 0.0f, 1.22f);
+constexpr float kDiningHigh = 0.75f;
+
+Mesh dining_table(const Detail& d) {
+  constexpr float kHigh = kDiningHigh, kRadius = 0.60f;
   Mesh table = lathe(join({{{0.0f, kHigh - 0.035f}, {kRadius - 0.02f, kHigh - 0.035f}},
                            arc({kRadius - 0.012f, kHigh - 0.015f}, 0.015f, -80.0f, 90.0f, d(5, 2)),
                            {{0.0f, kHigh}}}),
@@ -336,9 +338,14 @@ void add_tables(Scene& scene, const Materials& m, const Detail& d) {
     append(foot, moved(sphere(0.022f, d(12, 6), d(8, 4)), {0, 0.021f, 0.40f}));
     append(table, turned_y(std::move(foot), 45.0f + 90.0f * float(i)));
   }
-  const int table_id = add_mesh(scene, "dining table", stand(std::move(table), at), m.oak);
+  return table;
+}
+
+/// The table by the window, with three chairs; returns the table's object.
+int add_dining_table(Scene& scene, const Materials& m, const Detail& d) {
+  const int table_id = add_mesh(scene, "dining table", stand(dining_table(d), kDining), m.oak);
   const auto seat = [&](float turn, float away) {
-    const vec3 place = at + vec3(away * std::sin(glm::radians(turn)), 0.0f, away * std::cos(glm::radians(turn)));
+    const vec3 place = kDining + vec3(away * std::sin(glm::radians(turn)), 0.0f, away * std::cos(glm::radians(turn)));
     Seating s = chair(d);
     scale_uvs(s.cloth, vec2(6.0f));
     const int id = add_mesh(scene, "chair", stand(std::move(s.wood), place, turn + 180.0f), m.walnut);
@@ -347,11 +354,13 @@ void add_tables(Scene& scene, const Materials& m, const Detail& d) {
   seat(68.0f, 0.78f);
   seat(185.0f, 0.72f);
   seat(-62.0f, 0.70f);
+  return table_id;
+}
 
-  // On it: a vase of tulips, a cup and a plate.
+void add_vase(Scene& scene, const Materials& m, const Detail& d) {
   const Points2 jug = {{0.045f, 0.0f}, {0.075f, 0.05f},  {0.085f, 0.10f},
                        {0.06f, 0.17f}, {0.038f, 0.215f}, {0.048f, 0.25f}};
-  const vec3 vase_at = at + vec3(-0.06f, kHigh, -0.05f);
+  const vec3 vase_at = kDining + vec3(-0.06f, kDiningHigh, -0.05f);
   const int vase_id = add_mesh(scene, "vase", moved(vase(jug, d), vase_at), m.ceramic);
   Mesh stems, petals[2];
   noise::Random random{noise::hash(21u)};
@@ -364,20 +373,26 @@ void add_tables(Scene& scene, const Materials& m, const Detail& d) {
   add_mesh(scene, "tulip stems", std::move(stems), m.stem, vase_id);
   add_mesh(scene, "yellow tulips", std::move(petals[0]), m.petal_a, vase_id);
   add_mesh(scene, "red tulips", std::move(petals[1]), m.petal_b, vase_id);
+}
+
+void add_cup_and_plate(Scene& scene, const Materials& m, const Detail& d, int table_id) {
+  const vec3 plate_at = kDining + vec3(0.33f, kDiningHigh, 0.05f);
+  const vec3 cup_at = kDining + vec3(0.33f, kDiningHigh + 0.011f, 0.05f);
   Mesh china;
   const Points2 plate = {{0.055f, 0.0f},   {0.075f, 0.006f}, {0.125f, 0.020f},
                          {0.127f, 0.024f}, {0.075f, 0.012f}, {0.0f, 0.010f}};
-  append(china, moved(lathe(plate, d(36, 10)), at + vec3(0.33f, kHigh, 0.05f)));
+  append(china, moved(lathe(plate, d(36, 10)), plate_at));
   const Points2 cup = {{0.022f, 0.0f},   {0.026f, 0.004f}, {0.036f, 0.03f}, {0.042f, 0.07f},
                        {0.040f, 0.072f}, {0.033f, 0.03f},  {0.0f, 0.012f}};
-  append(china,
-         moved(lathe(join({{{0.0f, 0.0f}}, smooth(cup, d(3, 1))}), d(28, 8)), at + vec3(0.33f, kHigh + 0.011f, 0.05f)));
+  append(china, moved(lathe(join({{{0.0f, 0.0f}}, smooth(cup, d(3, 1))}), d(28, 8)), cup_at));
   const Points3 handle_bones = {{0.036f, 0.055f, 0}, {0.062f, 0.058f, 0}, {0.060f, 0.028f, 0}, {0.034f, 0.022f, 0}};
   const Points3 handle = smooth(handle_bones, d(4, 2));
-  append(china, moved(turned_y(tube(handle, 0.0045f, d(8, 4)), 40.0f), at + vec3(0.33f, kHigh + 0.011f, 0.05f)));
+  append(china, moved(turned_y(tube(handle, 0.0045f, d(8, 4)), 40.0f), cup_at));
   add_mesh(scene, "cup and plate", std::move(china), m.porcelain, table_id);
+}
 
-  // Low table before the sofa on the rug.
+/// The low table before the sofa on the rug, with a bowl of oranges.
+void add_low_table(Scene& scene, const Materials& m, const Detail& d) {
   const vec3 low(-0.35f, 0.0f, -0.78f);
   constexpr float kLow = 0.40f;
   constexpr vec2 kHalf(0.58f, 0.31f);
@@ -601,7 +616,10 @@ Scene build(const Materials& m, const Detail& d) {
   add_curtains(scene, m, d);
   add_rug(scene, m, d);
   add_seating(scene, m, d);
-  add_tables(scene, m, d);
+  const int table_id = add_dining_table(scene, m, d);
+  add_vase(scene, m, d);
+  add_cup_and_plate(scene, m, d, table_id);
+  add_low_table(scene, m, d);
   add_shelf(scene, m, d);
   add_picture(scene, "painting", {0.60f, 0.40f}, {-0.85f, 1.62f, -kRoom.z + 0.004f}, m.canvas, m.gilt, d);
   add_picture(scene, "small painting", {0.20f, 0.25f}, {0.35f, 1.62f, -kRoom.z + 0.004f}, m.print, m.walnut, d);

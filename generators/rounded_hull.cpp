@@ -143,6 +143,36 @@ dvec3 on_arc(const std::vector<Plane>& planes, int from, int to, int step, int s
   return glm::normalize(std::sin((1.0 - t) * angle) * a + std::sin(t * angle) * b);
 }
 
+/// The rounding of a corner: rings from the arcs between neighbouring planes' normals to the middle.
+void add_corner(const std::vector<Plane>& planes, const Corner& corner, int segments, Builder& builder) {
+  const int rings = std::max(1, (segments + 1) / 2);
+  const int count = int(corner.planes.size());
+  std::vector<dvec3> rim;
+  for (int i = 0; i < count; ++i)
+    for (int s = 0; s < segments; ++s)
+      rim.push_back(on_arc(planes, corner.planes[i], corner.planes[(i + 1) % count], s, segments));
+  dvec3 middle(0.0);
+  for (const dvec3& normal : rim) middle += normal;
+  middle = glm::normalize(middle);
+  const std::uint32_t first = std::uint32_t(builder.mesh.positions.size()), around = std::uint32_t(rim.size());
+  for (int r = 0; r < rings; ++r)
+    for (const dvec3& normal : rim) {
+      const double t = double(r) / double(rings);
+      builder.add(corner.position, r == 0 ? normal : glm::normalize(glm::mix(normal, middle, t)));
+    }
+  const std::uint32_t tip = builder.add(corner.position, middle);
+  for (int r = 0; r < rings; ++r)
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const std::uint32_t j = (i + 1) % around, outer = first + std::uint32_t(r) * around, inner = outer + around;
+      if (r + 1 == rings) {
+        builder.triangle(outer + i, outer + j, tip);
+      } else {
+        builder.triangle(outer + i, outer + j, inner + j);
+        builder.triangle(outer + i, inner + j, inner + i);
+      }
+    }
+}
+
 }  // namespace
 
 Mesh rounded_hull(std::span<const vec3> points, float bevel, int segments) {
@@ -195,35 +225,7 @@ Mesh rounded_hull(std::span<const vec3> points, float bevel, int segments) {
 
   if (segments == 0) return std::move(builder.mesh);
 
-  // Corners: rings from the arcs between neighbouring planes' normals to the middle.
-  const int rings = std::max(1, (segments + 1) / 2);
-  for (const Corner& corner : corners) {
-    const int count = int(corner.planes.size());
-    std::vector<dvec3> rim;
-    for (int i = 0; i < count; ++i)
-      for (int s = 0; s < segments; ++s)
-        rim.push_back(on_arc(planes, corner.planes[i], corner.planes[(i + 1) % count], s, segments));
-    dvec3 middle(0.0);
-    for (const dvec3& normal : rim) middle += normal;
-    middle = glm::normalize(middle);
-    const std::uint32_t first = std::uint32_t(builder.mesh.positions.size()), around = std::uint32_t(rim.size());
-    for (int r = 0; r < rings; ++r)
-      for (const dvec3& normal : rim) {
-        const double t = double(r) / double(rings);
-        builder.add(corner.position, r == 0 ? normal : glm::normalize(glm::mix(normal, middle, t)));
-      }
-    const std::uint32_t tip = builder.add(corner.position, middle);
-    for (int r = 0; r < rings; ++r)
-      for (std::uint32_t i = 0; i < around; ++i) {
-        const std::uint32_t j = (i + 1) % around, outer = first + std::uint32_t(r) * around, inner = outer + around;
-        if (r + 1 == rings) {
-          builder.triangle(outer + i, outer + j, tip);
-        } else {
-          builder.triangle(outer + i, outer + j, inner + j);
-          builder.triangle(outer + i, inner + j, inner + i);
-        }
-      }
-  }
+  for (const Corner& corner : corners) add_corner(planes, corner, segments, builder);
   return std::move(builder.mesh);
 }
 

@@ -66,6 +66,17 @@ struct Workshop {
   Mesh hull(std::initializer_list<vec3> points, float bevel = 0.02f) const {
     return rounded_hull(points, bevel, steps(2.0f));
   }
+  /// A block from a floor to a roof of another size.
+  struct Face {
+    float half_width, rear, front;  ///< metres along x and z
+  };
+  Mesh tapered(vec3 at, Face floor, float height, Face roof, float bevel = 0.02f) const {
+    return hull({at + vec3(-floor.half_width, 0, floor.rear), at + vec3(floor.half_width, 0, floor.rear),
+                 at + vec3(-floor.half_width, 0, floor.front), at + vec3(floor.half_width, 0, floor.front),
+                 at + vec3(-roof.half_width, height, roof.rear), at + vec3(roof.half_width, height, roof.rear),
+                 at + vec3(-roof.half_width, height, roof.front), at + vec3(roof.half_width, height, roof.front)},
+                bevel);
+  }
   /// The hull of points and their mirror images.
   Mesh even_hull(std::initializer_list<vec3> half, float bevel = 0.02f) const {
     std::vector<vec3> points(half);
@@ -431,12 +442,7 @@ void add_drivers_hatch(Workshop& w) {
   w.add("driver's hatch", std::move(hatch), w.paint.armour);
   for (const float side : {-1.0f, 1.0f}) {
     const vec3 at = driver + vec3(side * 0.13f, 0.02f, 0.27f);
-    w.add("periscope",
-          w.hull({at + vec3(-0.08f, 0, -0.05f), at + vec3(0.08f, 0, -0.05f), at + vec3(-0.08f, 0, 0.06f),
-                  at + vec3(0.08f, 0, 0.06f), at + vec3(-0.07f, 0.09f, -0.05f), at + vec3(0.07f, 0.09f, -0.05f),
-                  at + vec3(-0.07f, 0.09f, 0.02f), at + vec3(0.07f, 0.09f, 0.02f)},
-                 0.010f),
-          w.paint.dark);
+    w.add("periscope", w.tapered(at, {0.08f, -0.05f, 0.06f}, 0.09f, {0.07f, -0.05f, 0.02f}, 0.010f), w.paint.dark);
   }
 }
 
@@ -734,14 +740,15 @@ void add_stowage(Workshop& w) {
 
 // ------------------------------------------------------------------------------------------------------------ turret
 
-void add_gun(Workshop& w) {
-  // Built along +z from the trunnion, then raised.
-  const vec3 trunnion(0.0f, 2.10f, 1.0f);
-  const auto raised = [&](Mesh mesh) { return shapes::moved(shapes::turned_x(std::move(mesh), -5.0f), trunnion); };
-  const int slices = w.detail(30.0f, 10);
-  const auto lathe = [&](const shapes::Points2& profile) {
-    return raised(w.between(shapes::lathe(profile, slices), vec3(0.0f), {0, 0, 1}));
-  };
+/// The gun's parts are built along +z from the trunnion, then raised.
+Mesh raised(Mesh mesh) { return shapes::moved(shapes::turned_x(std::move(mesh), -5.0f), {0.0f, 2.10f, 1.0f}); }
+
+/// A part of the gun that is round: radii at distances from the trunnion.
+Mesh raised_lathe(const Workshop& w, const shapes::Points2& profile) {
+  return raised(w.between(shapes::lathe(profile, w.detail(30.0f, 10)), vec3(0.0f), {0, 0, 1}));
+}
+
+void add_mantlet(Workshop& w) {
   w.add("mantlet",
         raised(w.even_hull({{0.46f, -0.24f, -0.15f},
                             {0.46f, 0.24f, -0.15f},
@@ -751,57 +758,41 @@ void add_gun(Workshop& w) {
                             {0.30f, 0.20f, 0.46f}},
                            0.05f)),
         w.paint.plate);
-  Mesh collar = lathe({{0.0f, 0.40f},
-                       {0.23f, 0.40f},
-                       {0.23f, 0.40f},
-                       {0.235f, 0.42f},
-                       {0.235f, 0.56f},
-                       {0.22f, 0.58f},
-                       {0.22f, 0.58f},
-                       {0.17f, 0.60f},
-                       {0.0f, 0.60f}});
+  const shapes::Points2 rim = {{0.0f, 0.40f},  {0.23f, 0.40f}, {0.23f, 0.40f}, {0.235f, 0.42f}, {0.235f, 0.56f},
+                               {0.22f, 0.58f}, {0.22f, 0.58f}, {0.17f, 0.60f}, {0.0f, 0.60f}};
+  Mesh collar = raised_lathe(w, rim);
   for (int i = 0; i < 10; ++i) {
     const float a = 2.0f * kPi * float(i) / 10.0f;
     shapes::append(collar, raised(w.bolt({0.195f * std::cos(a), 0.195f * std::sin(a), 0.588f}, {0, 0, 1}, 0.017f)));
   }
   w.add("collar", std::move(collar), w.paint.armour);
-  w.add("barrel",
-        lathe({{0.145f, 0.5f},
-               {0.14f, 1.45f},
-               {0.14f, 1.45f},
-               {0.15f, 1.47f},
-               {0.15f, 1.53f},
-               {0.14f, 1.55f},
-               {0.14f, 1.55f},
-               {0.12f, 1.60f},
-               {0.12f, 1.60f},
-               {0.105f, 3.55f},
-               {0.105f, 3.55f}}),
-        w.paint.armour);
+}
+
+void add_barrel(Workshop& w) {
+  const shapes::Points2 barrel = {{0.145f, 0.5f}, {0.14f, 1.45f},  {0.14f, 1.45f}, {0.15f, 1.47f},
+                                  {0.15f, 1.53f}, {0.14f, 1.55f},  {0.14f, 1.55f}, {0.12f, 1.60f},
+                                  {0.12f, 1.60f}, {0.105f, 3.55f}, {0.105f, 3.55f}};
+  w.add("barrel", raised_lathe(w, barrel), w.paint.armour);
   // The fume extractor, a swelling at two thirds.
-  w.add("fume extractor",
-        lathe({{0.11f, 2.06f},
-               {0.15f, 2.11f},
-               {0.165f, 2.15f},
-               {0.165f, 2.15f},
-               {0.165f, 2.62f},
-               {0.165f, 2.62f},
-               {0.15f, 2.66f},
-               {0.11f, 2.72f}}),
-        w.paint.plate);
-  // Muzzle brake: three discs on a bored core, two chambers open to the sides.
+  const shapes::Points2 extractor = {{0.11f, 2.06f},  {0.15f, 2.11f},  {0.165f, 2.15f}, {0.165f, 2.15f},
+                                     {0.165f, 2.62f}, {0.165f, 2.62f}, {0.15f, 2.66f},  {0.11f, 2.72f}};
+  w.add("fume extractor", raised_lathe(w, extractor), w.paint.plate);
+}
+
+void add_muzzle(Workshop& w) {
+  // The brake: three discs on a bored core, two chambers open to the sides.
   Mesh brake;
   const auto disc = [&](float z0, float z1, float radius) {
-    shapes::append(brake, lathe({{0.060f, z0},
-                                 {radius - 0.02f, z0},
-                                 {radius - 0.02f, z0},
-                                 {radius, z0 + 0.02f},
-                                 {radius, z1 - 0.02f},
-                                 {radius - 0.02f, z1},
-                                 {radius - 0.02f, z1},
-                                 {0.060f, z1},
-                                 {0.060f, z1},
-                                 {0.060f, z0}}));
+    shapes::append(brake, raised_lathe(w, {{0.060f, z0},
+                                           {radius - 0.02f, z0},
+                                           {radius - 0.02f, z0},
+                                           {radius, z0 + 0.02f},
+                                           {radius, z1 - 0.02f},
+                                           {radius - 0.02f, z1},
+                                           {radius - 0.02f, z1},
+                                           {0.060f, z1},
+                                           {0.060f, z1},
+                                           {0.060f, z0}}));
   };
   disc(3.48f, 3.62f, 0.155f);
   disc(3.78f, 3.86f, 0.185f);
@@ -819,19 +810,16 @@ void add_gun(Workshop& w) {
                                           0.015f)));
   w.add("muzzle brake", std::move(brake), w.paint.dark);
   // The bore, seen from the front, ends deep inside.
-  w.add("bore",
-        lathe({{0.0f, 3.40f},
-               {0.058f, 3.40f},
-               {0.058f, 3.40f},
-               {0.062f, 3.60f},
-               {0.062f, 3.60f},
-               {0.052f, 3.60f},
-               {0.052f, 3.60f},
-               {0.05f, 3.42f},
-               {0.05f, 3.42f},
-               {0.0f, 3.42f}}),
-        w.paint.rubber);
-  // A smaller gun and a searchlight beside it.
+  const shapes::Points2 bore = {{0.0f, 3.40f},   {0.058f, 3.40f}, {0.058f, 3.40f}, {0.062f, 3.60f}, {0.062f, 3.60f},
+                                {0.052f, 3.60f}, {0.052f, 3.60f}, {0.05f, 3.42f},  {0.05f, 3.42f},  {0.0f, 3.42f}};
+  w.add("bore", raised_lathe(w, bore), w.paint.rubber);
+}
+
+void add_gun(Workshop& w) {
+  add_mantlet(w);
+  add_barrel(w);
+  add_muzzle(w);
+  // A smaller gun beside it.
   Mesh second = raised(w.drum({0.33f, 0.02f, 0.3f}, {0.33f, 0.02f, 0.52f}, 0.065f));
   shapes::append(second, raised(w.drum({0.33f, 0.02f, 0.4f}, {0.33f, 0.02f, 0.95f}, 0.028f, 0.006f, 14.0f)));
   w.add("coaxial gun", std::move(second), w.paint.dark);
@@ -945,12 +933,7 @@ void add_smoke_dischargers(Workshop& w) {
 /// The sight in front of the cupola.
 void add_sight(Workshop& w) {
   const vec3 sight(0.50f, kRoof - 0.02f, 0.18f);
-  w.add("sight",
-        w.hull({sight + vec3(-0.13f, 0, -0.16f), sight + vec3(0.13f, 0, -0.16f), sight + vec3(-0.13f, 0, 0.16f),
-                sight + vec3(0.13f, 0, 0.16f), sight + vec3(-0.11f, 0.21f, -0.12f), sight + vec3(0.11f, 0.21f, -0.12f),
-                sight + vec3(-0.11f, 0.21f, 0.15f), sight + vec3(0.11f, 0.21f, 0.15f)},
-               0.02f),
-        w.paint.plate);
+  w.add("sight", w.tapered(sight, {0.13f, -0.16f, 0.16f}, 0.21f, {0.11f, -0.12f, 0.15f}), w.paint.plate);
   w.add("sight glass", w.block(sight + vec3(-0.08f, 0.08f, 0.14f), sight + vec3(0.08f, 0.17f, 0.165f), 0.008f),
         w.paint.glass);
 }

@@ -15,7 +15,6 @@
 #include <assimp/LogStream.hpp>
 #include <cctype>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <exception>
 #include <glm/geometric.hpp>

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <glm/geometric.hpp>
-#include <optional>
 #include <thread>
 
 #include "importer/import_here.h"

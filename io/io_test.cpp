@@ -19,7 +19,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -653,11 +652,15 @@ void expect_at(const Imath::V3f& point, float x, float y, float bound) {
   EXPECT_NEAR(point.y, y, bound);
 }
 
+/// The header of a picture that is written with this camera.
+Imf::Header header_with_camera(const std::filesystem::path& path, const Camera& camera) {
+  EXPECT_TRUE(write_image(path, random_image(8, 4, {"ao"}), {.camera = &camera}));
+  return Imf::InputFile(path.c_str()).header();
+}
+
 TEST_F(ExrFile, PerspectiveCameraAttributes) {
-  const Camera camera = sideways(Projection::kPerspective);
-  ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
-  const Imf::InputFile file((*this / "x.exr").c_str());
-  const Imath::M44f to_camera = Imf::worldToCamera(file.header()), to_ndc = Imf::worldToNDC(file.header());
+  const Imf::Header header = header_with_camera(*this / "x.exr", sideways(Projection::kPerspective));
+  const Imath::M44f to_camera = Imf::worldToCamera(header), to_ndc = Imf::worldToNDC(header);
   // 4 before the eye, 2 to the right, 1 up: at distance 1 that is (0.5, 0.25) in a window of 4 by 2.
   const Imath::V3f point(6, 1, -2);
   const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
@@ -671,15 +674,13 @@ TEST_F(ExrFile, PerspectiveCameraAttributes) {
   const Imath::V3f other = Imath::V3f(8, -1, -6) * to_ndc;
   expect_at(other, 1, 1, 1e-6f);
   EXPECT_GT(std::abs(to_ndc.determinant()), 1e-3f);
-  EXPECT_EQ(file.header().screenWindowWidth(), 4.0f);
-  EXPECT_EQ(file.header().screenWindowCenter(), Imath::V2f(1.0f, 0.5f));
+  EXPECT_EQ(header.screenWindowWidth(), 4.0f);
+  EXPECT_EQ(header.screenWindowCenter(), Imath::V2f(1.0f, 0.5f));
 }
 
 TEST_F(ExrFile, OrthographicCameraAttributes) {
-  const Camera camera = sideways(Projection::kOrthographic);
-  ASSERT_TRUE(write_image(*this / "x.exr", random_image(8, 4, {"ao"}), {.camera = &camera}));
-  const Imf::InputFile file((*this / "x.exr").c_str());
-  const Imath::M44f to_camera = Imf::worldToCamera(file.header()), to_ndc = Imf::worldToNDC(file.header());
+  const Imf::Header header = header_with_camera(*this / "x.exr", sideways(Projection::kOrthographic));
+  const Imath::M44f to_camera = Imf::worldToCamera(header), to_ndc = Imf::worldToNDC(header);
   const Imath::V3f point(6, 1, -2);
   const Imath::V3f seen = point * to_camera, ndc = point * to_ndc;
   EXPECT_NEAR(seen.z, 4, 1e-5f);

@@ -1,7 +1,6 @@
 // PFM, float maps: a text header ("PF" colour or "Pf" grey, width, height, scale), then rows of floats, the bottom one
 // first. A negative scale says little-endian. Its magnitude is not applied: writers put anything there, and readers
 // that care for depth want the numbers as stored. Based on Debevec's description (HDR Shop).
-#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cmath>

@@ -15,12 +15,10 @@
 #include <png.h>
 #include <zlib.h>
 
-#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstdint>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
 
 #include "io/format.h"

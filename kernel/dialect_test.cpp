@@ -89,6 +89,37 @@ namespace {
 
 HWY_EXPORT(RunDialect);
 
+/// Expects what pixels that run together, from the first on, tell each other.
+void expect_lanes_together(const DialectInput& in, const DialectResults& out, std::size_t first,
+                           const std::string& target) {
+  std::vector<float> odd, sums[3];
+  std::vector<unsigned> odd_bits;
+  for (int lane = 0; lane < out.lanes; ++lane) {
+    const std::size_t i = first + std::size_t(lane);
+    sums[0].push_back(in.reals[i] * 5.0f);
+    sums[1].push_back(in.reals[i] * 7.0f);
+    sums[2].push_back(in.reals[i]);
+    if (in.bits[i] % 2 == 0) continue;
+    odd.push_back(in.reals[i]);
+    odd_bits.push_back(in.bits[i]);
+  }
+  for (int lane = 0; lane < out.lanes; ++lane) {
+    const std::size_t i = first + std::size_t(lane);
+    const unsigned other = in.bits[i] >> 9 & unsigned(out.lanes - 1);
+    ASSERT_EQ(out.this_lane[i], lane) << target;
+    ASSERT_EQ(out.how_many[i], int(odd.size())) << target;
+    ASSERT_EQ(out.of_lane[i], in.reals[first + other]) << target;
+    for (int channel = 0; channel < 3; ++channel) sums[channel][other] += in.reals[i] * float(channel + 1);
+  }
+  for (std::size_t k = 0; k < odd.size(); ++k) {
+    ASSERT_EQ(out.packed[first + k], odd[k]) << target;
+    ASSERT_EQ(out.packed_bits[first + k], odd_bits[k]) << target;
+  }
+  for (int channel = 0; channel < 3; ++channel)
+    for (std::size_t k = 0; k < sums[channel].size(); ++k)
+      ASSERT_EQ(out.added[channel][first + k], sums[channel][k]) << target;
+}
+
 TEST(Dialect, LanesMeanWhatScalarMeans) {
   DialectInput in;
   unsigned random = 12345u;
@@ -140,34 +171,8 @@ TEST(Dialect, LanesMeanWhatScalarMeans) {
       ASSERT_EQ(out.less[i], bits < 0x80000001u ? 1 : 0) << target;
       ASSERT_EQ(out.bits_of[i], scalar::bits_of(real)) << target;
     }
-    for (std::size_t first = 0; first < n; first += std::size_t(out.lanes)) {
-      std::vector<float> odd, sums[3];
-      std::vector<unsigned> odd_bits;
-      for (int lane = 0; lane < out.lanes; ++lane) {
-        const std::size_t i = first + std::size_t(lane);
-        sums[0].push_back(in.reals[i] * 5.0f);
-        sums[1].push_back(in.reals[i] * 7.0f);
-        sums[2].push_back(in.reals[i]);
-        if (in.bits[i] % 2 == 0) continue;
-        odd.push_back(in.reals[i]);
-        odd_bits.push_back(in.bits[i]);
-      }
-      for (int lane = 0; lane < out.lanes; ++lane) {
-        const std::size_t i = first + std::size_t(lane);
-        const unsigned other = in.bits[i] >> 9 & unsigned(out.lanes - 1);
-        ASSERT_EQ(out.this_lane[i], lane) << target;
-        ASSERT_EQ(out.how_many[i], int(odd.size())) << target;
-        ASSERT_EQ(out.of_lane[i], in.reals[first + other]) << target;
-        for (int channel = 0; channel < 3; ++channel) sums[channel][other] += in.reals[i] * float(channel + 1);
-      }
-      for (std::size_t k = 0; k < odd.size(); ++k) {
-        ASSERT_EQ(out.packed[first + k], odd[k]) << target;
-        ASSERT_EQ(out.packed_bits[first + k], odd_bits[k]) << target;
-      }
-      for (int channel = 0; channel < 3; ++channel)
-        for (std::size_t k = 0; k < sums[channel].size(); ++k)
-          ASSERT_EQ(out.added[channel][first + k], sums[channel][k]) << target;
-    }
+    for (std::size_t first = 0; first < n; first += std::size_t(out.lanes))
+      expect_lanes_together(in, out, first, std::string(target));
   }
   choose_isa("");
 }

@@ -59,7 +59,8 @@ layout(constant_id = 0) const int bound_planes = 0;
 layout(set = 1, binding = 0, scalar) restrict readonly buffer bound_block { float at[]; }
 bound[kBoundPlanes];
 
-// The plane NAME becomes name_plane; `n` tells apart those that one line declares.
+// The plane NAME becomes name_plane; `n` tells apart those that one line declares. Two texts of a kernel may not
+// declare planes on lines of the same number.
 #define PLANE(type, name, n)                                         \
   layout(constant_id = __LINE__ * 32 + n) const int name##_slot = 0; \
   type name##_plane() { return type(planes[name##_slot]); }

@@ -35,8 +35,8 @@ FN Real steepness(Vec3 normal, Vec3 there) {
   return max(abs(facing), depth * 1e-6f);
 }
 
-// How far the point `there`, at a distance `off` from a plane, may be off it, times its steepness: `near`, and what wrong
-// normals explain of the way between the plane's point and `there`.
+// How far the point `there`, at a distance `off` from a plane, may be off it, times its steepness: `near`, and what
+// wrong normals explain of the way between the plane's point and `there`.
 FN Real allowed_distance(Real off, Real near, Real steep, Vec3 normal, Vec3 way, Vec3 there) {
   // Along the line of sight to `there` the plane lies off / facing behind it; both are multiplied by its depth, to
   // spare a division.

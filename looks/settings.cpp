@@ -18,21 +18,15 @@ Result<Setting> parse_setting(std::string_view assignment, std::span<const Effec
     return usage_error("'{}' is not a setting: write effect.parameter=value, such as unsharp.kernel=40", assignment);
   const std::string_view owner = assignment.substr(0, dot);
   const std::string_view name = assignment.substr(dot + 1, equals - dot - 1);
-  const auto all = all_effects(handed_in);
-  const Effect* effect = find_named<Effect>(all, owner);
-  if (!effect) {
-    std::vector<std::string_view> names;
-    names.reserve(all.size());
-    for (const Effect* each : all) names.push_back(each->name);
-    return usage_error("there is no effect '{}'{}", owner, suggestion(owner, names));
-  }
-  const Parameter* row = find_parameter(*effect, name);
+  const auto effect = require_named<Effect>("effect", all_effects(handed_in), owner);
+  if (!effect) return effect.error();
+  const Parameter* row = find_parameter(**effect, name);
   if (!row) {
     std::vector<std::string_view> names;
-    for (const Parameter& each : effect->parameters) names.push_back(each.name);
+    for (const Parameter& each : (*effect)->parameters) names.push_back(each.name);
     return usage_error("{} has no parameter '{}'{}", owner, name, suggestion(name, names));
   }
-  return Setting{effect, row, assignment.substr(equals + 1)};
+  return Setting{*effect, row, assignment.substr(equals + 1)};
 }
 
 Result<void> apply_setting(EffectSettings& settings, std::string_view assignment,

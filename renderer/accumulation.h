@@ -4,7 +4,6 @@
 #include <glm/vec2.hpp>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "core/device.h"
 

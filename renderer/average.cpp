@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "effects/effects.h"
-#include "effects/outline/outline.h"
 #include "effects/output/output.h"
 #include "renderer/average.h"
 

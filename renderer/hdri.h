@@ -1,7 +1,6 @@
 // An image around a scene: lights it, and lies behind it.
 #pragma once
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +9,6 @@
 #include "core/progress.h"
 #include "core/result.h"
 #include "scene/environment.h"
-#include "scene/scene.h"
 
 namespace umbrage {
 

@@ -6,11 +6,9 @@
 #include <numbers>
 #include <random>
 
-#include "importer/limits.h"
 #include "run_program.h"
 #include "scene/environment.h"
 #include "scene/readers/import_apart.h"
-#include "scene/readers/texture_file.h"
 #include "umbrage/umbrage.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION

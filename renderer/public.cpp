@@ -1,7 +1,6 @@
 // The public interface: requests, recipes, plans and pictures in plain types.
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <optional>
 #include <utility>
@@ -16,7 +15,6 @@
 #include "renderer/callers_progress.h"
 #include "renderer/devices.h"
 #include "renderer/draw.h"
-#include "renderer/lines.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
 #include "renderer/strokes.h"

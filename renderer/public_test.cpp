@@ -145,55 +145,69 @@ TEST(Public, TakesTheCommandLinesOptions) {
   EXPECT_LT(least, 1e-6f);
 }
 
+/// A rendered picture, and the request that shades its depth and normals again.
+struct Rendered {
+  umbrage::Picture picture;
+  umbrage::ShadeRequest again;
+};
+
+Rendered rendered_solids(bool orthographic) {
+  Rendered r;
+  const auto outcome = umbrage::render({.model = kSolids,
+                                        .look = "ao",
+                                        .occlusion = "bitmask",
+                                        .settings = {"bitmask.radius=0.7"},
+                                        .width = 64,
+                                        .height = 48,
+                                        .device = "cpu",
+                                        .camera = {.position = {{0, 1, 8}},
+                                                   .focal_point = {{0, 1, 0}},
+                                                   .view_angle_deg = 40.0f,
+                                                   .orthographic = orthographic},
+                                        .passes = {"depth", "normal", "ao"}},
+                                       r.picture);
+  EXPECT_EQ(outcome.code, 0) << outcome.message;
+  umbrage::ShadeRequest& request = r.again;
+  request.width = 64;
+  request.height = 48;
+  // As orthographic_camera has it: as high as what is seen at the focal point.
+  request.top = std::tan(20.0f * 3.14159265f / 180.0f) * (orthographic ? 8.0f : 1.0f);
+  request.bottom = -request.top;
+  request.right = request.top * float(request.width) / float(request.height);
+  request.left = -request.right;
+  request.orthographic = orthographic;
+  request.effects = {"bitmask"};
+  request.settings = {"bitmask.radius=0.7"};
+  request.device = "cpu";
+  return r;
+}
+
+/// Expects of the request with these arrays the occlusion that was rendered.
+void expect_same_occlusion(const Rendered& r, const umbrage::ShadeRequest& request, const std::vector<float>& depths,
+                           const umbrage::PixelArray& normals, double tolerance) {
+  umbrage::ShadeRequest with = request;
+  with.arrays = {{.name = "depth", .values = depths.data()}, normals};
+  umbrage::Picture shaded;
+  const auto done = umbrage::shade(with, shaded);
+  ASSERT_EQ(done.code, 0) << done.message;
+  EXPECT_TRUE(shaded.rgba.empty());
+  ASSERT_EQ(shaded.passes.size(), 1u);
+  const auto &ao = pass(r.picture, "ao", 1), &again = pass(shaded, "ao", 1);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < ao.size(); ++k) sum += std::fabs(again[k] - ao[k]);
+  EXPECT_LE(sum / double(ao.size()), tolerance) << request.orthographic << int(request.depth_kind);
+}
+
 // What was rendered, handed back as arrays in all the ways in which arrays may lie in memory, is shaded as it was.
 TEST(Public, ShadesArraysAsItShadesModels) {
-  const int width = 64, height = 48;
-  const std::size_t pixels = std::size_t(width) * height;
   for (const bool orthographic : {false, true}) {
-    umbrage::Picture rendered;
-    const auto outcome = umbrage::render({.model = kSolids,
-                                          .look = "ao",
-                                          .occlusion = "bitmask",
-                                          .settings = {"bitmask.radius=0.7"},
-                                          .width = width,
-                                          .height = height,
-                                          .device = "cpu",
-                                          .camera = {.position = {{0, 1, 8}},
-                                                     .focal_point = {{0, 1, 0}},
-                                                     .view_angle_deg = 40.0f,
-                                                     .orthographic = orthographic},
-                                          .passes = {"depth", "normal", "ao"}},
-                                         rendered);
-    ASSERT_EQ(outcome.code, 0) << outcome.message;
-    const auto &depth = pass(rendered, "depth", 1), &normal = pass(rendered, "normal", 3),
-               &ao = pass(rendered, "ao", 1);
-    umbrage::ShadeRequest request;
-    request.width = width;
-    request.height = height;
-    // As orthographic_camera has it: as high as what is seen at the focal point.
-    request.top = std::tan(20.0f * 3.14159265f / 180.0f) * (orthographic ? 8.0f : 1.0f);
-    request.bottom = -request.top;
-    request.right = request.top * float(width) / float(height);
-    request.left = -request.right;
-    request.orthographic = orthographic;
-    request.effects = {"bitmask"};
-    request.settings = {"bitmask.radius=0.7"};
-    request.device = "cpu";
-    const auto equals = [&](const std::vector<float>& depths, const umbrage::PixelArray& normals, double tolerance) {
-      request.arrays = {{.name = "depth", .values = depths.data()}, normals};
-      umbrage::Picture shaded;
-      const auto done = umbrage::shade(request, shaded);
-      ASSERT_EQ(done.code, 0) << done.message;
-      EXPECT_TRUE(shaded.rgba.empty());
-      ASSERT_EQ(shaded.passes.size(), 1u);
-      double sum = 0.0;
-      const auto& again = pass(shaded, "ao", 1);
-      for (std::size_t k = 0; k < pixels; ++k) sum += std::fabs(again[k] - ao[k]);
-      EXPECT_LE(sum / double(pixels), tolerance) << orthographic << int(request.depth_kind);
-    };
+    const Rendered r = rendered_solids(orthographic);
+    const auto &depth = pass(r.picture, "depth", 1), &normal = pass(r.picture, "normal", 3);
     const umbrage::PixelArray packed = {.name = "normal", .values = normal.data()};
-    equals(depth, packed, 1e-7);
+    expect_same_occlusion(r, r.again, depth, packed, 1e-7);
     // Planes one after the other, bottom up, in world space with -z up, not of length 1.
+    const int width = r.again.width, height = r.again.height;
+    const std::size_t pixels = depth.size();
     std::vector<float> planes(3 * pixels);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
@@ -203,21 +217,29 @@ TEST(Public, ShadesArraysAsItShadesModels) {
         planes[pixels + at] = 3.0f * n[2];
         planes[2 * pixels + at] = -3.0f * n[1];
       }
-    request.view_from_normal = {1, 0, 0, 0, 0, -1, 0, 1, 0};
-    equals(depth,
-           {.name = "normal",
-            .values = planes.data() + pixels - width,
-            .row_stride = -width,
-            .channel_stride = std::ptrdiff_t(pixels)},
-           1e-5);
-    request.view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    // Other kinds of depth.
+    umbrage::ShadeRequest turned = r.again;
+    turned.view_from_normal = {1, 0, 0, 0, 0, -1, 0, 1, 0};
+    const umbrage::PixelArray apart = {.name = "normal",
+                                       .values = planes.data() + pixels - width,
+                                       .row_stride = -width,
+                                       .channel_stride = std::ptrdiff_t(pixels)};
+    expect_same_occlusion(r, turned, depth, apart, 1e-5);
+  }
+}
+
+TEST(Public, ShadesDepthsOfAllKinds) {
+  for (const bool orthographic : {false, true}) {
+    const Rendered r = rendered_solids(orthographic);
+    const auto& depth = pass(r.picture, "depth", 1);
+    const umbrage::PixelArray normals = {.name = "normal", .values = pass(r.picture, "normal", 3).data()};
+    umbrage::ShadeRequest request = r.again;
     request.near_plane = 0.5f;
     for (const float far_plane : {50.0f, std::numeric_limits<float>::infinity()}) {
       if (orthographic && std::isinf(far_plane)) continue;
       request.far_plane = far_plane;
-      std::vector<float> window(pixels), reversed(pixels), ray(pixels);
-      for (std::size_t k = 0; k < pixels; ++k) {
+      const int width = request.width, height = request.height;
+      std::vector<float> window(depth.size()), reversed(depth.size()), ray(depth.size());
+      for (std::size_t k = 0; k < depth.size(); ++k) {
         const double d = depth[k], n = 0.5, f = far_plane;
         double z = (d - n) / (f - n);
         if (!orthographic) z = std::isinf(far_plane) ? 1.0 - n / d : f * (d - n) / (d * (f - n));
@@ -228,12 +250,12 @@ TEST(Public, ShadesArraysAsItShadesModels) {
         const double y = request.top + (request.bottom - request.top) * (double(k / width) + 0.5) / height;
         ray[k] = std::isinf(depth[k]) ? -1.0f : float(orthographic ? d : d * std::sqrt(1.0 + x * x + y * y));
       }
-      request.depth_kind = umbrage::DepthKind::kWindow;
-      equals(window, packed, 2e-3);
-      request.depth_kind = umbrage::DepthKind::kReversed;
-      equals(reversed, packed, 2e-3);
-      request.depth_kind = umbrage::DepthKind::kRay;
-      equals(ray, packed, 2e-3);
+      for (const auto& [kind, values] : {std::pair{umbrage::DepthKind::kWindow, &window},
+                                         {umbrage::DepthKind::kReversed, &reversed},
+                                         {umbrage::DepthKind::kRay, &ray}}) {
+        request.depth_kind = kind;
+        expect_same_occlusion(r, request, *values, normals, 2e-3);
+      }
     }
   }
 }

@@ -1,11 +1,10 @@
 // The public interface for a caller's own Vulkan device.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/guarded.h"
-#include "core/suggest.h"
+#include "core/registry.h"
 #include "devices/vulkan/gpu.h"
 #include "devices/vulkan/vulkan_device.h"
 #include "effects/effects.h"
@@ -76,18 +75,11 @@ Result<void> check(const VulkanGBuffer& g) {
   return {};
 }
 
-Result<const Effect*> effect_of(const std::string& name) {
-  if (const Effect* effect = find_effect(name)) return effect;
-  std::vector<std::string_view> names;
-  for (const Effect* effect : effects()) names.push_back(effect->name);
-  return usage_error("there is no effect '{}'{}", name, suggestion(name, names));
-}
-
 Result<void> shade_images(Device& device, const VulkanGBuffer& g, const VulkanShadeRequest& request) {
   if (auto fine = check(g); !fine) return fine;
   std::vector<const Effect*> wanted;
   for (const std::string& name : request.effects) {
-    const auto effect = effect_of(name);
+    const auto effect = require_named("effect", effects(), name);
     if (!effect) return effect.error();
     wanted.push_back(*effect);
   }

@@ -89,12 +89,9 @@ Result<void> apply_request(const RenderRequest& request, Recipe& recipe) {
 
 /// The look and the technique. Errors: kUsage.
 Result<void> find_names(const RenderRequest& request, Recipe& recipe) {
-  recipe.look = find_look(request.look);
-  if (!recipe.look) {
-    std::vector<std::string_view> names;
-    for (const Look* look : looks()) names.push_back(look->name);
-    return usage_error("there is no look '{}'{}", request.look, suggestion(request.look, names));
-  }
+  const auto look = require_named("look", looks(), request.look);
+  if (!look) return look.error();
+  recipe.look = *look;
   recipe.occlusion = request.occlusion.empty() ? std::string(recipe.look->occlusion) : request.occlusion;
   const auto techniques = occlusion_names(handed_in());
   if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
@@ -125,35 +122,28 @@ Result<void> choose_scale(const RenderRequest& request, const Quality* quality, 
 
 /// What a request for shading says of its picture.
 RenderRequest picture_request(const ShadeRequest& request) {
-  RenderRequest picture;
-  picture.look = request.look;
-  picture.occlusion = request.occlusion;
-  picture.occlusion_radius = request.occlusion_radius;
-  picture.occlusion_scale = request.occlusion_scale;
-  picture.quality = request.quality;
-  picture.settings = request.settings;
-  picture.background = request.background;
-  picture.transparent = request.transparent;
-  picture.width = request.width;
-  picture.height = request.height;
-  picture.threads = request.threads;
-  picture.device = request.device;
-  picture.anti_aliasing = 1;  // the camera that would be moved is another's
-  return picture;
+  return {.look = request.look,
+          .occlusion = request.occlusion,
+          .settings = request.settings,
+          .width = request.width,
+          .height = request.height,
+          .threads = request.threads,
+          .device = request.device,
+          .quality = request.quality,
+          .anti_aliasing = 1,  // the camera that would be moved is another's
+          .occlusion_radius = request.occlusion_radius,
+          .occlusion_scale = request.occlusion_scale,
+          .background = request.background,
+          .transparent = request.transparent};
 }
 
 /// The effects of these names as a look. Errors: kUsage.
 Result<Look> look_of(const std::vector<std::string>& names) {
   Look look{.name = "effects"};
   for (const std::string& name : names) {
-    const Effect* effect = find_effect(name);
-    if (effect) {
-      look.effects.push_back(effect->name);
-      continue;
-    }
-    std::vector<std::string_view> all;
-    for (const Effect* each : effects()) all.push_back(each->name);
-    return usage_error("there is no effect '{}'{}", name, suggestion(name, all));
+    const auto effect = require_named("effect", effects(), name);
+    if (!effect) return effect.error();
+    look.effects.push_back((*effect)->name);
   }
   return look;
 }

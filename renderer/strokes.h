@@ -1,7 +1,6 @@
 // Lines of a picture, as the public interface hands them out.
 #pragma once
 #include <filesystem>
-#include <string>
 
 #include "renderer/recipe.h"
 #include "umbrage/umbrage.h"

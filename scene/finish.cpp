@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>

@@ -6,8 +6,8 @@
 
 namespace umbrage {
 
-/// Whether a scene has no ground of its own: seen from straight above, along Scene::up, it is neither flat and wide as a
-/// landscape, nor stands on a slab that fills most of its plan. The floor of a house lies under its roof and is none.
+/// Whether a scene has no ground of its own: seen from straight above, along Scene::up, it is neither flat and wide as
+/// a landscape, nor stands on a slab that fills most of its plan. The floor of a house lies under its roof and is none.
 bool lacks_ground(const Scene& scene);
 
 /// Adds a white matte disc under the scene, far wider than it, of an object of its own (Scene::ground_object). Bounds

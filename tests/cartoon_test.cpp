@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "devices/cpu/cpu_device.h"
-#include "effects/effects.h"
 #include "generators/builtin.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include "devices/cpu/cpu_device.h"
-#include "effects/effects.h"
 #include "generators/builtin.h"
 #include "renderer/devices.h"
 #include "renderer/draw.h"

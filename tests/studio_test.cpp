@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <limits>
@@ -232,33 +231,42 @@ double open_light(double at, double disc_deg) {
   return 1.0 - (std::acos(cut) - cut * std::sqrt(1.0 - cut * cut)) / std::acos(-1.0);
 }
 
+/// The mean of the shadows of so many pictures, each with so many rays a pixel.
+Plane mean_shadow(Device& device, const Camera& camera, int rays, int frames) {
+  Plane mean(kSide, kSide, 0.0f);
+  for (int sample = 0; sample < frames; ++sample) {
+    const auto frame =
+        device.capture(camera, {.width = kSide, .height = kSide, .shadows = 1, .shadow_rays = rays, .sample = sample});
+    const auto image = device.download(*frame, {"shadow"});
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) mean.at(x, y) += image->planes[0].at(x, y) / float(frames);
+  }
+  return mean;
+}
+
 TEST(SoftShadows, APenumbraIsAsWideAsTheLightIsLarge) {
   const auto device = make_cpu_device();
   const Scene scene = sheet_over_floor(kDiscDeg);
   ASSERT_TRUE(device->prepare(scene));
   // From below the sheet's height, along it: the floor right of its edge is seen whole.
   const Camera camera = orthographic_camera({0, 5, 0}, {0, 0, 0}, {0, 0, -1}, 2.0f, 1.0f);
+  const auto seen = device->capture(camera, {.width = kSide, .height = kSide});
+  ASSERT_TRUE(seen);
+  const Image depth = *device->download(*seen, {"depth"});
+  for (int y = 0; y < kSide; ++y)
+    for (int x = kSide / 2 + 1; x < kSide; ++x) ASSERT_NEAR(depth.planes[0].at(x, y), 5.0, 1e-3);
   struct Case {
     int rays, frames;
     double error;
   };
   for (const auto& [rays, frames, error] : {Case{0, 1, 0.0}, Case{1, 1, 0.1}, Case{1, 4, 0.03}, Case{64, 1, 0.015}}) {
-    std::vector<double> mean(kSide, 0.0);
-    for (int sample = 0; sample < frames; ++sample) {
-      const auto frame = device->capture(
-          camera, {.width = kSide, .height = kSide, .shadows = 1, .shadow_rays = rays, .sample = sample});
-      ASSERT_TRUE(frame);
-      const Image image = *device->download(*frame, {"shadow", "depth"});
-      for (int y = 0; y < kSide; ++y)
-        for (int x = kSide / 2 + 1; x < kSide; ++x) {
-          ASSERT_NEAR(image.planes[1].at(x, y), 5.0, 1e-3);
-          mean[x] += image.planes[0].at(x, y) / (kSide * frames);
-        }
-    }
+    const Plane shadow = mean_shadow(*device, camera, rays, frames);
     for (int x = kSide / 2 + 1; x < kSide; ++x) {
+      double mean = 0.0;
+      for (int y = 0; y < kSide; ++y) mean += shadow.at(x, y) / kSide;
       const double at = (x + 0.5) / (0.5 * kSide) - 1.0;  // from the sheet's edge
       const double open = open_light(at, kDiscDeg);
-      EXPECT_NEAR(mean[x], rays == 0 ? 1.0 : open, error) << rays << ' ' << frames << ' ' << at;
+      EXPECT_NEAR(mean, rays == 0 ? 1.0 : open, error) << rays << ' ' << frames << ' ' << at;
     }
   }
 }
@@ -275,15 +283,7 @@ TEST(SoftShadows, ALongPenumbraHasNoStreaks) {
   };
   // Without the second filter the shadow is off by 0.028 and 0.064 in one picture, 0.016 and 0.043 in four.
   for (const auto& [frames, rms, most] : {Case{1, 0.025, 0.04}, Case{4, 0.0105, 0.02}}) {
-    Plane mean(kSide, kSide, 0.0f);
-    for (int sample = 0; sample < frames; ++sample) {
-      const auto frame =
-          device->capture(camera, {.width = kSide, .height = kSide, .shadows = 1, .shadow_rays = 1, .sample = sample});
-      ASSERT_TRUE(frame);
-      const Image image = *device->download(*frame, {"shadow"});
-      for (int y = 0; y < kSide; ++y)
-        for (int x = 0; x < kSide; ++x) mean.at(x, y) += image.planes[0].at(x, y) / float(frames);
-    }
+    const Plane mean = mean_shadow(*device, camera, 1, frames);
     double squares = 0.0, worst = 0.0;
     int count = 0;
     // Away from the sheet, whose edge ends the filter, and from the picture's sides.
@@ -423,26 +423,30 @@ TEST(Studio, ABoxHasAShadowAndTheRestIsBackground) {
   }
 }
 
+/// A plane of the picture that a request draws of a scene.
+Plane drawn(Scene scene, const RenderRequest& request, const std::string& plane) {
+  const auto device = make_cpu_device();
+  EXPECT_TRUE(device->prepare(scene));
+  StageTimes times;
+  const auto frame = draw(*device, scene, request, times);
+  EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
+  return device->download(*frame, {plane})->planes[0];
+}
+
 TEST(Frames, FramesAverageTheNoiseOfATechnique) {
   // Against the mean of many: four frames of few samples are nearer than one.
   const Scene scene = *make_builtin_scene("scene:solids?detail=7000");
   for (const std::string technique : {"bitmask", "hemisphere", "reference"}) {
     const auto occlusion = [&](int frames, const std::string& setting) {
-      Scene own = scene;
-      auto device = make_cpu_device();
-      EXPECT_TRUE(device->prepare(own));
-      RenderRequest draw_with;
-      draw_with.look = "ao";
-      draw_with.width = 64;
-      draw_with.height = 48;
-      draw_with.occlusion = technique;
-      draw_with.anti_aliasing = frames;
-      draw_with.passes = {"ao"};
-      draw_with.settings = {setting};
-      StageTimes times;
-      const auto frame = draw(*device, own, draw_with, times);
-      EXPECT_TRUE(frame) << (frame ? "" : frame.error().message);
-      return device->download(*frame, {"ao"})->planes[0];
+      return drawn(scene,
+                   {.look = "ao",
+                    .occlusion = technique,
+                    .settings = {setting},
+                    .width = 64,
+                    .height = 48,
+                    .anti_aliasing = frames,
+                    .passes = {"ao"}},
+                   "ao");
     };
     const std::string few = technique == "bitmask" ? "bitmask.slices=1" : technique + ".samples=4";
     const std::string many = technique == "bitmask" ? "bitmask.slices=16" : technique + ".samples=256";
@@ -460,20 +464,10 @@ TEST(Frames, FramesAverageTheNoiseOfATechnique) {
 
 TEST(Frames, AGuardBandIsCutOffAveragedPictures) {
   const auto picture = [](float guard_percent) {
-    Scene scene = *make_builtin_scene("scene:solids?detail=7000");
-    auto device = make_cpu_device();
-    EXPECT_TRUE(device->prepare(scene));
-    RenderRequest draw_with;
-    draw_with.look = "ao";
-    draw_with.width = 66;
-    draw_with.height = 50;
-    draw_with.occlusion = "none";
-    draw_with.anti_aliasing = 4;
-    draw_with.guard_band = guard_percent;
-    StageTimes times;
-    const auto frame = draw(*device, scene, draw_with, times);
-    EXPECT_TRUE(frame);
-    return device->download(*frame, {"color.g"})->planes[0];
+    return drawn(
+        *make_builtin_scene("scene:solids?detail=7000"),
+        {.look = "ao", .occlusion = "none", .width = 66, .height = 50, .anti_aliasing = 4, .guard_band = guard_percent},
+        "color.g");
   };
   const Plane without = picture(0.0f), with = picture(10.0f);
   ASSERT_EQ(with.width, 66);

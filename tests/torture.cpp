@@ -14,7 +14,6 @@
 #include <filesystem>
 #include <map>
 #include <string>
-#include <vector>
 
 #include "io/image_file.h"
 #include "scene/readers/import.h"

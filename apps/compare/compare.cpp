@@ -356,12 +356,8 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
   for (std::size_t m = 0; m < settings.models.size(); ++m) {
     const std::string& model = settings.models[m];
     const double model_span = 1.0 / double(settings.models.size()), model_start = double(m) * model_span;
-    if (!settings.progress("reading " + model, model_start)) return interrupted();
-    auto scene = settings.load(model, settings.import);
+    auto scene = read_model(settings, model, model_start, result.warnings);
     if (!scene) return scene.error();
-    if (settings.draw.camera.index)
-      if (auto used = use_camera(*settings.draw.camera.index, *scene); !used) return used.error();
-    result.warnings.insert(result.warnings.end(), scene->warnings.begin(), scene->warnings.end());
     if (auto ready = device.prepare(*scene); !ready) return ready.error();
     const auto traced = trace_ready(*scene);
     if (!traced) return traced.error();

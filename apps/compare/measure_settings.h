@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/numbers.h"
-#include "reference/trace.h"
+#include "core/progress.h"
 #include "renderer/models.h"
 #include "renderer/recipe.h"
 
@@ -28,5 +28,18 @@ struct MeasureSettings {
   /// Told what is done now, and about the share of the whole that is done; false ends the work.
   std::function<bool(const std::string&, double)> progress = [](const std::string&, double) { return true; };
 };
+
+/// Reads a model, with the camera that `draw` names. `done` is the share of the whole that is done before. Errors: as
+/// `load`, and kInterrupted.
+inline Result<Scene> read_model(const MeasureSettings& settings, const std::string& model, double done,
+                                std::vector<std::string>& warnings) {
+  if (!settings.progress("reading " + model, done)) return interrupted();
+  auto scene = settings.load(model, settings.import);
+  if (!scene) return scene;
+  if (settings.draw.camera.index)
+    if (auto used = use_camera(*settings.draw.camera.index, *scene); !used) return used.error();
+  warnings.insert(warnings.end(), scene->warnings.begin(), scene->warnings.end());
+  return scene;
+}
 
 }  // namespace umbrage

@@ -1,7 +1,6 @@
 #include "apps/compare/pictures.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/check.h"
 #include "reference/reference.h"

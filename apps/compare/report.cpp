@@ -5,7 +5,6 @@
 
 #include "core/check.h"
 #include "core/srgb.h"
-#include "effects/effects.h"
 #include "io/image_file.h"
 
 namespace umbrage {

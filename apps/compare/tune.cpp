@@ -305,14 +305,9 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
                 .radius = radius_text(settings.draw, *recipe, *technique)};
 
   for (std::size_t m = 0; m < settings.models.size(); ++m) {
-    const std::string& model = settings.models[m];
-    if (!settings.progress("reading " + model, kTruthShare * double(m) / double(settings.models.size())))
-      return interrupted();
-    auto scene = settings.load(model, settings.import);
+    const double done = kTruthShare * double(m) / double(settings.models.size());
+    auto scene = read_model(settings, settings.models[m], done, result.warnings);
     if (!scene) return scene.error();
-    if (settings.draw.camera.index)
-      if (auto used = use_camera(*settings.draw.camera.index, *scene); !used) return used.error();
-    result.warnings.insert(result.warnings.end(), scene->warnings.begin(), scene->warnings.end());
     if (auto taken = take_pictures(search, m, *scene, result.radius); !taken) return taken.error();
   }
   Candidate start{recipe->settings, recipe->occlusion_every};

@@ -200,6 +200,7 @@ struct Tap {
   bool sends() const { return hidden && cos_emitter > 0.0f && cos_receiver > 0.0f; }
 };
 struct Gathered {
+  int x = 0, y = 0;
   vec3 position, normal;
   std::vector<Tap> taps;
 };
@@ -213,7 +214,7 @@ vec3 view_position(const Shot& shot, int x, int y) {
 
 Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
   const VectorPlanes normals(shot.image, "normal");
-  Gathered g{view_position(shot, x, y), normals.at(x, y), {}};
+  Gathered g{x, y, view_position(shot, x, y), normals.at(x, y), {}};
   const vec3 tangent = VectorPlanes(shot.image, "tangent").at(x, y), across = glm::cross(g.normal, tangent);
   for (int k = 0; k < c.samples; ++k) {
     const vec3 p = sample_point(c, k);
@@ -248,8 +249,8 @@ bool near_section(const Gathered& g, const Tap& tap, float radius) {
   return std::abs(glm::dot(tap.point - g.position, off_section(g))) < kNear * radius;
 }
 
-FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, const Gathered& g, int y) {
-  const int size = shot.info.width;
+FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, const Gathered& g) {
+  const int size = shot.info.width, y = g.y;
   Image image = blank_paper(size, size);
   const float line = thin(size), scale = 0.36f * float(size) / c.radius;
   const float across = -g.position.z;
@@ -339,6 +340,50 @@ FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
   return {"bleeding-6-angles.png", "6: angles of a real pair", "", std::move(image)};
 }
 
+/// The pixel that the section goes through: of the middle rows, the one that gets most light from what the section cuts
+/// across. Without taps where there is none.
+Gathered best_section(const Shot& folds, const HemisphereConstants& c) {
+  const int size = folds.info.width;
+  Gathered best;
+  float most = 0.0f;
+  for (int y = size / 4; y < size * 3 / 4; y += std::max(1, size / 64))
+    for (int x = 0; x < size; x += std::max(1, size / 128)) {
+      if (!folds.surface(x, y)) continue;
+      Gathered g = gather(folds, c, x, y);
+      if (!std::all_of(g.taps.begin(), g.taps.end(), [](const Tap& tap) { return tap.inside; })) continue;
+      const vec3 off = off_section(g);
+      float worth = 0.0f;
+      for (const Tap& tap : g.taps)
+        if (tap.sends() && near_section(g, tap, c.radius))
+          worth += tap.cos_emitter * (1.0f - std::abs(glm::dot(tap.facing, off)));
+      worth *= 1.0f - std::abs(glm::dot(g.normal, off));
+      if (worth <= most) continue;
+      most = worth;
+      best = std::move(g);
+    }
+  return best;
+}
+
+/// The tap that makes the clearest picture: both angles far from 0 and from 90 degrees.
+const Tap& clearest_pair(const Gathered& g) {
+  const auto clear = [](float cosine) { return cosine * std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); };
+  const auto worth = [&](const Tap& tap) {
+    return tap.sends() ? std::min(clear(tap.cos_emitter), clear(tap.cos_receiver)) : -1.0f;
+  };
+  return *std::max_element(g.taps.begin(), g.taps.end(),
+                           [&](const Tap& a, const Tap& b) { return worth(a) < worth(b); });
+}
+
+/// The share of the sample points that lie in some part of the sphere around the pixel.
+template <class Part>
+double share_of_points(const HemisphereConstants& c, const Part& part) {
+  int count = 0;
+  for (int k = 0; k < c.samples; ++k) count += part(sample_point(c, k));
+  return double(count) / c.samples;
+}
+bool is_above(vec3 p) { return p.z >= 0.0f && glm::length(p) <= 1.0f; }
+bool is_inner(vec3 p) { return glm::length(p) < 0.5f; }
+
 }  // namespace
 
 Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
@@ -355,8 +400,7 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
   many.look = studio.draw.look = "bleeding-paper";
   const auto raw = studio.shoot({"hemisphere.tangents=on", "hemisphere.samples=64", "box.size=1"}, "", planes);
   const auto blurred = studio.shoot({"hemisphere.samples=64"}, "", {planes.begin() + 6, planes.end()});
-  for (const auto* shot : {&raw, &blurred})
-    if (!*shot) return shot->error();
+  if (const auto error = error_of(raw, blurred)) return *error;
   const auto paper = tables_of(many, raw->info);
   if (!paper) return paper.error();
   // The section is one of a drape's folds, with a radius of their size and not too many sample points.
@@ -372,61 +416,28 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
   figure.pictures.push_back(points_diagram(*ours, size, "bleeding-2-points-ours.png", "2: points (our own)"));
   figure.pictures.push_back(pipeline_diagram(*raw, *blurred, figure.pictures[0].image));
 
-  // The section goes through the pixel of the middle rows that gets most light from what the section cuts across.
-  Gathered best;
-  int best_x = 0, best_y = 0;
-  float most = 0.0f;
-  for (int y = size / 4; y < size * 3 / 4; y += std::max(1, size / 64))
-    for (int x = 0; x < size; x += std::max(1, size / 128)) {
-      if (!folds->surface(x, y)) continue;
-      Gathered g = gather(*folds, *small, x, y);
-      if (!std::all_of(g.taps.begin(), g.taps.end(), [](const Tap& tap) { return tap.inside; })) continue;
-      const vec3 off = off_section(g);
-      float worth = 0.0f;
-      for (const Tap& tap : g.taps)
-        if (tap.sends() && near_section(g, tap, small->radius))
-          worth += tap.cos_emitter * (1.0f - std::abs(glm::dot(tap.facing, off)));
-      worth *= 1.0f - std::abs(glm::dot(g.normal, off));
-      if (worth <= most) continue;
-      most = worth;
-      best = std::move(g);
-      best_x = x, best_y = y;
-    }
+  const Gathered best = best_section(*folds, *small);
   if (best.taps.empty())
     return Error{ErrorKind::kInternal, "no pixel of the section's rows gets light from its neighbours"};
-  figure.pictures.push_back(section_diagram(*folds, *small, best, best_y));
-  const auto pair = std::max_element(best.taps.begin(), best.taps.end(), [](const Tap& a, const Tap& b) {
-    // The clearest picture: both angles far from 0 and from 90 degrees.
-    const auto clear = [](float cosine) { return cosine * std::sqrt(std::max(1.0f - cosine * cosine, 0.0f)); };
-    const auto worth = [&](const Tap& tap) {
-      return tap.sends() ? std::min(clear(tap.cos_emitter), clear(tap.cos_receiver)) : -1.0f;
-    };
-    return worth(a) < worth(b);
-  });
-  figure.pictures.push_back(angles_diagram(best, *pair, size));
+  figure.pictures.push_back(section_diagram(*folds, *small, best));
+  const Tap& pair = clearest_pair(best);
+  figure.pictures.push_back(angles_diagram(best, pair, size));
   for (FigurePicture& picture : figure.pictures)
     picture.command = fmt::format("umbrage figures --paper bleeding --size {}", size);
 
-  const auto share_of_points = [](const HemisphereConstants& c, const auto& test) {
-    int count = 0;
-    for (int k = 0; k < c.samples; ++k) count += test(sample_point(c, k));
-    return double(count) / c.samples;
-  };
-  const auto above = [](vec3 p) { return p.z >= 0.0f && glm::length(p) <= 1.0f; };
-  const auto inner = [](vec3 p) { return glm::length(p) < 0.5f; };
   const auto hidden = std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.hidden; });
-  const double drawn = 1.0 - double(hidden) / small->samples, made = folds->value("ao", best_x, best_y);
+  const double drawn = 1.0 - double(hidden) / small->samples, made = folds->value("ao", best.x, best.y);
   figure.numbers = {
-      {"2: share of the points not below the surface, within the radius (paper preset)", share_of_points(*paper, above),
-       1.0, 1.0},
-      {"2: the same (our own)", share_of_points(*ours, above), 1.0, 1.0},
-      {"2: share within half of the radius: points crowd to the centre (paper preset)", share_of_points(*paper, inner),
-       0.6, 1.0},
+      {"2: share of the points not below the surface, within the radius (paper preset)",
+       share_of_points(*paper, is_above), 1.0, 1.0},
+      {"2: the same (our own)", share_of_points(*ours, is_above), 1.0, 1.0},
+      {"2: share within half of the radius: points crowd to the centre (paper preset)",
+       share_of_points(*paper, is_inner), 0.6, 1.0},
       {"4: occlusion of the pixel as drawn, against the plane's", std::abs(drawn - made), 0.0, 1e-5},
       {"4: sample points that send light to the pixel",
        double(std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.sends(); })), 1.0,
        kAnything},
-      {"6: cosines of the pair, the smaller one", std::min(pair->cos_emitter, pair->cos_receiver), 1e-3, 1.0}};
+      {"6: cosines of the pair, the smaller one", std::min(pair.cos_emitter, pair.cos_receiver), 1e-3, 1.0}};
   return figure;
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <set>
 #include <tuple>
 
@@ -13,7 +12,6 @@
 #include "apps/figures/measure.h"
 #include "apps/figures/studio.h"
 #include "core/check.h"
-#include "effects/effects.h"
 
 namespace umbrage {
 namespace {
@@ -309,8 +307,7 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   std::vector<Figure> figures;
   auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
-  const Cloths cloths(studio->scene);
+  const Cloths cloths(*studio->scene);
   for (const Preset& preset : kPresets) {
     studio->draw.look = std::string(preset.look);
     progress(fmt::format("figures 1, 7 and 8, {}", preset.name));
@@ -349,7 +346,6 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
   std::vector<FigureTable> tables;
   auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   for (const Preset& preset : kPresets) {
     progress(fmt::format("table 1, {}", preset.name));
     // All settings by turns, so that what else the machine does hits them alike.
@@ -380,7 +376,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
         with.settings = each.settings;
         with.occlusion_scale = each.scale;
         StageTimes times;
-        const auto frame = umbrage::draw(device, studio->scene, with, times);
+        const auto frame = umbrage::draw(device, *studio->scene, with, times);
         if (!frame) return frame.error();
         if (run >= 0) each.ms.push_back(times.total());
       }

@@ -57,7 +57,7 @@ Parts parts_of(const Studio& studio, const Shot& shot) {
   constexpr float kFar = std::numeric_limits<float>::infinity();  // depth of the background
   constexpr float kWellBehind = 0.3f;                             // metres: a third of the character's width
   const Image& image = shot.image;
-  const float ground_id = float(mesh_named(studio.scene, "grass").object);  // the character's parts come before it
+  const float ground_id = float(mesh_named(*studio.scene, "grass").object);  // the character's parts come before it
   const Plane &depth = image.plane("depth"), &id = image.plane("object_id");
   Parts parts;
   parts.surface = mask_of(image, [&](int x, int y) { return depth.at(x, y) < kFar; });
@@ -331,13 +331,13 @@ Mask open_table(const Studio& studio, const Shot& shot, int margin) {
   // A share of the scene's radius, as look `cartoon` has it, and how much farther it reaches once it is smoothed;
   // metres.
   constexpr float kReach = 0.04f, kSmoothed = 1.25f, kFlat = 1e-3f;
-  const float reach = kReach * kSmoothed * studio.scene.radius();
-  const Mesh& table = mesh_named(studio.scene, "table");
+  const float reach = kReach * kSmoothed * studio.scene->radius();
+  const Mesh& table = mesh_named(*studio.scene, "table");
   struct Box {
     glm::vec3 low{1e30f}, high{-1e30f};
   };
   std::vector<Box> boxes;
-  for (const Mesh& mesh : studio.scene.meshes) {
+  for (const Mesh& mesh : studio.scene->meshes) {
     if (mesh.object == table.object) continue;
     Box& box = boxes.emplace_back();
     for (const glm::vec3& p : mesh.positions) box.low = glm::min(box.low, p), box.high = glm::max(box.high, p);
@@ -375,7 +375,6 @@ double colors(const Image& image, const Mask& mask) {
 Result<Figure> sample_figure(Device& device, int number, const std::string& name, int size) {
   auto studio = open_studio(device, "scene:" + name, std::string(kPaper.look), size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   Figure figure{fmt::format("B{}", number),
                 fmt::format("Appendix B, sample {}: scene:{} (paper preset, our own)", number, name),
                 {},
@@ -385,8 +384,7 @@ Result<Figure> sample_figure(Device& device, int number, const std::string& name
     const std::vector<std::string> planes = {"object_id", "ao", "shadow"};
     const auto without = studio->shoot({}, "none", planes);
     const auto with = studio->shoot({}, "", planes);
-    if (!without) return without.error();
-    if (!with) return with.error();
+    if (const auto error = error_of(without, with)) return *error;
     const std::string file = fmt::format("cartoon-b{}-{}", number, name);
     figure.pictures.push_back(
         without->picture(fmt::format("{}-without{}.png", file, preset.tag), fmt::format("without ({})", preset.name)));
@@ -411,7 +409,6 @@ Result<std::vector<Figure>> cartoon_figures(Device& device, int size,
   std::vector<Figure> figures;
   auto studio = open_studio(device, "scene:pink", std::string(kPaper.look), size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   for (const Preset& preset : kPresets) {
     progress(fmt::format("figures 1 to 6, {}", preset.name));
     auto made = pink_figures(*studio, preset);
@@ -439,21 +436,20 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
   std::vector<FigureTable> tables;
   auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   for (const Preset& preset : kPresets) {
     progress(fmt::format("time of every pass, {}", preset.name));
     use_single(*studio, preset);
     const auto recipe = make_recipe(studio->draw);
     if (!recipe) return recipe.error();
     StageTimes first;
-    auto frame = umbrage::draw(device, studio->scene, studio->draw, first);
+    auto frame = umbrage::draw(device, *studio->scene, studio->draw, first);
     if (!frame) return frame.error();
     FigureTable table{
         "passes" + std::string(preset.tag), fmt::format("Time of every pass ({}, {})", kScene, preset.name), {}};
     std::vector<double> captures;
     for (int i = 0; i < runs; ++i) {
       StageTimes times;
-      const auto again = umbrage::draw(device, studio->scene, studio->draw, times);
+      const auto again = umbrage::draw(device, *studio->scene, studio->draw, times);
       if (!again) return again.error();
       captures.push_back(times.stages.front().ms);
     }
@@ -476,16 +472,15 @@ Result<std::vector<FigureTable>> cartoon_tables(Device& device, int size, int ru
   for (const char* detail : {"1000", "58000", "1000000"}) {
     auto terrain = open_studio(device, fmt::format("scene:terrain?detail={}", detail), std::string(kPaper.look), size);
     if (!terrain) return terrain.error();
-    if (auto done = ready(*terrain); !done) return done.error();
     StageTimes first;
-    auto frame = umbrage::draw(device, terrain->scene, terrain->draw, first);
+    auto frame = umbrage::draw(device, *terrain->scene, terrain->draw, first);
     if (!frame) return frame.error();
     const auto recipe = make_recipe(terrain->draw);
     if (!recipe) return recipe.error();
     const auto ms =
         time_of(device, *find_effect(recipe->occlusion), params_of(recipe->settings, recipe->occlusion), *frame, runs);
     if (!ms) return ms.error();
-    triangles.rows.push_back({fmt::format("{} triangles", terrain->scene.triangle_count()), *ms});
+    triangles.rows.push_back({fmt::format("{} triangles", terrain->scene->triangle_count()), *ms});
   }
   tables.push_back(std::move(triangles));
   return tables;

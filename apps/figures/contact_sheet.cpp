@@ -1,6 +1,5 @@
 // All pictures of a paper on one sheet.
 #include <algorithm>
-#include <array>
 
 #include "apps/figures/drawing.h"
 #include "apps/figures/figures.h"

@@ -51,7 +51,7 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   auto recipe = make_recipe(with);
   if (!recipe) return recipe.error();
   recipe->framing = framing;
-  auto frame = umbrage::draw(device, scene, *recipe, times);
+  auto frame = umbrage::draw(device, *scene, *recipe, times);
   if (!frame) return frame.error();
   std::vector<std::string> names = {kChannels.begin(), kChannels.end()};
   names.push_back("depth");
@@ -74,15 +74,19 @@ Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::
   return Shot{std::move(*image), frame->info, std::move(command)};
 }
 
+Result<void> Studio::show(Scene other) {
+  scene = std::make_shared<const Scene>(std::move(other));
+  return device.prepare(*scene);
+}
+
 Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size) {
   auto scene = load_scene(model);
   if (!scene) return scene.error();
-  Studio studio{device, model, std::move(*scene), {}};
+  Studio studio{device, model, nullptr, {}};
   studio.draw.width = studio.draw.height = size;
   studio.draw.look = look;
+  if (auto done = studio.show(std::move(*scene)); !done) return done.error();
   return studio;
 }
-
-Result<void> ready(Studio& studio) { return studio.device.prepare(studio.scene); }
 
 }  // namespace umbrage

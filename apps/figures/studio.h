@@ -1,5 +1,7 @@
 // Draws one scene again and again with other settings, and knows the command line that draws the same.
 #pragma once
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +30,7 @@ struct Shot {
 struct Studio {
   Device& device;
   std::string model;
-  Scene scene;
+  std::shared_ptr<const Scene> scene;  ///< which the device looks at where it lies
   RenderRequest draw;
   Framing framing;
 
@@ -36,11 +38,21 @@ struct Studio {
   /// empty: the look's own.
   Result<Shot> shoot(const std::vector<std::string>& settings, const std::string& occlusion = "",
                      const std::vector<std::string>& planes = {});
+  /// Puts up another scene.
+  Result<void> show(Scene other);
 };
 
-Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size);
+/// The first error of some shots, if any of them failed.
+template <class... Shots>
+std::optional<Error> error_of(const Shots&... shots) {
+  std::optional<Error> first;
+  const auto look_at = [&](const auto& shot) {
+    if (!first && !shot) first = shot.error();
+  };
+  (look_at(shots), ...);
+  return first;
+}
 
-/// The device looks at the scene where it lies: a studio is ready once it has stopped moving.
-Result<void> ready(Studio& studio);
+Result<Studio> open_studio(Device& device, const std::string& model, const std::string& look, int size);
 
 }  // namespace umbrage

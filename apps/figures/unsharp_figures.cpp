@@ -1,9 +1,9 @@
 // Figures 1 to 6 and the claims of cost of [Chamberlin 2011].
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "apps/figures/figures.h"
+#include "apps/figures/measure.h"
 #include "apps/figures/studio.h"
 #include "effects/effects.h"
 
@@ -14,7 +14,7 @@ float gray(const Shot& shot, int x, int y) { return shot.value("color.g", x, y);
 
 /// Looks from one of the scene's suggested views.
 void look_from(Studio& studio, std::size_t view) {
-  const View& v = studio.scene.views.at(view);
+  const View& v = studio.scene->views.at(view);
   studio.framing.position = v.eye;
   studio.framing.focal_point = v.target;
   studio.framing.view_angle_deg = v.angle_deg;
@@ -53,11 +53,9 @@ std::string window(int k, int size) {
 Result<Figure> tank_figure(Device& device, int size) {
   auto studio = open_studio(device, "scene:tank", "unsharp", size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   const auto without = studio->shoot({}, "none");
   const auto with = studio->shoot({window(40, size), "unsharp.threshold=0.1"});
-  if (!without) return without.error();
-  if (!with) return with.error();
+  if (const auto error = error_of(without, with)) return *error;
   // Where tracks and hull meet the ground at the rear, up to half a metre high.
   const auto lower_rear = [&](int x, int y) {
     if (!with->surface(x, y)) return false;
@@ -75,15 +73,12 @@ Result<Figure> tank_figure(Device& device, int size) {
 Result<Figure> border_figure(Device& device, const std::string& bunny, int size) {
   auto studio = open_studio(device, bunny, "unsharp", size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   studio->framing.zoom = 3.6f;  // the flank reaches past the picture's sides
   const std::string kernel = window(40, size);
   const auto off = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=zero"});
   const auto on = studio->shoot({kernel, "unsharp.threshold=0", "unsharp.border=skip"});
   const auto none = studio->shoot({}, "none");
-  if (!off) return off.error();
-  if (!on) return on.error();
-  if (!none) return none.error();
+  if (const auto error = error_of(off, on, none)) return *error;
   const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
   // Below the back's silhouette, whose own white edge is figure 4's subject.
   const auto side = [&](const Shot& shot) {
@@ -104,16 +99,13 @@ Result<Figure> border_figure(Device& device, const std::string& bunny, int size)
 Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) {
   auto studio = open_studio(device, bunny, "unsharp", size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   // From the front, where the chin hangs over the chest.
   studio->framing.azimuth_deg = -55.0f;
   studio->framing.elevation_deg = -10.0f;
   const auto gouraud = studio->shoot({}, "none");
   const auto small = studio->shoot({window(15, size)});
   const auto large = studio->shoot({window(40, size)});
-  if (!gouraud) return gouraud.error();
-  if (!small) return small.error();
-  if (!large) return large.error();
+  if (const auto error = error_of(gouraud, small, large)) return *error;
   // The chest right under the chin, in shares of the picture.
   const auto under_chin = [&](int x, int y) {
     const double u = (x + 0.5) / size, v = (y + 0.5) / size;
@@ -132,16 +124,13 @@ Result<Figure> bunny_figure(Device& device, const std::string& bunny, int size) 
 Result<Figure> threshold_figure(Device& device, int size) {
   auto studio = open_studio(device, "scene:claw", "unsharp", size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   look_from(*studio, 0);
   // A light at the eye leaves silhouettes dark, so that white ones are the mask's doing.
   studio->draw.settings = {window(40, size), "lighting.rig=head"};
   const auto plain = studio->shoot({}, "none");
   const auto open = studio->shoot({"unsharp.threshold=0"});
   const auto checked = studio->shoot({"unsharp.threshold=0.1"});
-  if (!plain) return plain.error();
-  if (!open) return open.error();
-  if (!checked) return checked.error();
+  if (const auto error = error_of(plain, open, checked)) return *error;
   const int reach = std::max(1, int(std::lround(20 * size / kPaperSize)));  // k / 2
   constexpr float kClawInFront = 1.5f;                                      // world z; the body lies behind
   // A pixel of the claw whose window holds, besides the claw, background and nothing else.
@@ -185,22 +174,20 @@ Result<Figure> threshold_figure(Device& device, int size) {
 Result<Figure> claw_figure(Device& device, int size) {
   auto studio = open_studio(device, "scene:claw", "unsharp", size);
   if (!studio) return studio.error();
-  if (auto done = ready(*studio); !done) return done.error();
   look_from(*studio, 0);
   // The far plane lies so far back that claw and body are between 0.02 and 0.1 apart.
   studio->draw.settings = {window(40, size), "unsharp.near=2", "unsharp.far=212", "lighting.rig=head"};
   const auto plain = studio->shoot({}, "none");
   const auto wide = studio->shoot({"unsharp.threshold=0.1"});
   const auto narrow = studio->shoot({"unsharp.threshold=0.02"});
-  if (!plain) return plain.error();
-  if (!wide) return wide.error();
-  if (!narrow) return narrow.error();
+  if (const auto error = error_of(plain, wide, narrow)) return *error;
   constexpr float kClawInFront = 1.5f;  // world z; the chest lies behind
   Studio without_claw = *studio;
-  std::erase_if(without_claw.scene.meshes, [&](const Mesh& mesh) {
+  Scene rest = *studio->scene;
+  std::erase_if(rest.meshes, [&](const Mesh& mesh) {
     return std::all_of(mesh.positions.begin(), mesh.positions.end(), [&](glm::vec3 p) { return p.z > kClawInFront; });
   });
-  if (auto done = ready(without_claw); !done) return done.error();
+  if (auto done = without_claw.show(std::move(rest)); !done) return done.error();
   const auto alone = without_claw.shoot({"unsharp.threshold=0.02"});
   if (!alone) return alone.error();
   // The body along the claw's outline: pixels of the chest with the claw within a quarter of the window to their left.
@@ -220,11 +207,6 @@ Result<Figure> claw_figure(Device& device, int size) {
       {{"body along the claw's outline, darker with 0.1", lit - mean_gray(*wide, along_outline), 0.05, kAnything},
        {"body along the claw's outline, darker with 0.02 than without the claw",
         mean_gray(*alone, along_outline) - mean_gray(*narrow, along_outline), -0.005, 0.005}}};
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 }  // namespace
@@ -250,23 +232,14 @@ Result<std::vector<Figure>> unsharp_figures(Device& device, const std::string& b
 
 Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::string& bunny, int size, int runs,
                                                 const std::function<void(const std::string&)>& progress) {
-  const Effect& effect = *find_effect("unsharp");
-  const auto time_of = [&](Frame& frame, const std::string& kernel) -> Result<double> {
+  const auto time_with = [&](Frame& frame, const std::string& kernel) -> Result<double> {
     EffectSettings settings = look_settings(*find_look("unsharp"));
     if (auto done = apply_setting(settings, "unsharp.kernel=" + kernel); !done) return done.error();
-    std::vector<double> ms;
-    for (int i = 0; i < runs; ++i) {
-      StageTimes times;
-      if (auto done = device.run(effect, settings["unsharp"], frame); !done) return done.error();
-      times.done("run");
-      ms.push_back(times.total());
-    }
-    return median(ms);
+    return time_of(device, *find_effect("unsharp"), settings["unsharp"], frame, runs);
   };
-  const auto frame_of = [&](Studio& studio) -> Result<Frame> {
-    if (auto done = ready(studio); !done) return done.error();
+  const auto frame_of = [&](const Studio& studio) -> Result<Frame> {
     StageTimes times;
-    return umbrage::draw(device, studio.scene, studio.draw, times);
+    return umbrage::draw(device, *studio.scene, studio.draw, times);
   };
 
   progress("time against the window");
@@ -277,7 +250,7 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();
     for (const int k : {15, 40, 121}) {
-      const auto ms = time_of(*frame, std::to_string(k));
+      const auto ms = time_with(*frame, std::to_string(k));
       if (!ms) return ms.error();
       windows.rows.push_back({fmt::format("k = {}", k), *ms});
     }
@@ -289,9 +262,9 @@ Result<std::vector<FigureTable>> unsharp_tables(Device& device, const std::strin
     if (!studio) return studio.error();
     auto frame = frame_of(*studio);
     if (!frame) return frame.error();
-    const auto ms = time_of(*frame, "40");
+    const auto ms = time_with(*frame, "40");
     if (!ms) return ms.error();
-    triangles.rows.push_back({fmt::format("{} triangles", studio->scene.triangle_count()), *ms});
+    triangles.rows.push_back({fmt::format("{} triangles", studio->scene->triangle_count()), *ms});
   }
   return std::vector<FigureTable>{windows, triangles};
 }

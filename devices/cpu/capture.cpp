@@ -22,7 +22,6 @@
 #include "devices/shared/capture_info.h"
 #include "devices/shared/soften.h"
 #include "rays/camera_rays.h"
-#include "rays/extra_cameras.h"
 #include "rays/ray_packet.h"
 #include "rays/shadow_lights.h"
 #include "rays/traced_scene.h"

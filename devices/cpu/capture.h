@@ -1,6 +1,5 @@
 // Capture on the CPU: a Scene drawn into the planes of a G-buffer by Embree, sixteen rays at a time.
 #pragma once
-#include <functional>
 
 #include "core/device.h"
 #include "core/image.h"

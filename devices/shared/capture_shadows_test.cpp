@@ -32,6 +32,12 @@ ShadowErrors compare_shadow(const Picture& picture, const std::function<double(g
   return errors;
 }
 
+/// What is seen from above of a scene with one light.
+Picture lit_from_above(Scene scene, const Light& light, int size) {
+  scene.lights = {light};
+  return capture(scene, from_above(12.0f), size, size);
+}
+
 TEST(Capture, DirectionalLightThrowsTheSquaresShadow) {
   for (const bool orthographic : {true, false}) {
     Scene scene = square_over_ground();
@@ -57,10 +63,8 @@ TEST(Capture, DirectionalLightThrowsTheSquaresShadow) {
 }
 
 TEST(Capture, PointLightThrowsTheSquaresShadow) {
-  Scene scene = square_over_ground();
   const glm::vec3 lamp(1.0f, 0.6f, 4.5f);
-  scene.lights = {key_lamp(lamp)};
-  const Picture picture = capture(scene, from_above(12.0f), 200, 200);
+  const Picture picture = lit_from_above(square_over_ground(), key_lamp(lamp), 200);
   const auto inside = [&](glm::dvec3 p) {
     return inside_square(p + (glm::dvec3(lamp) - p) * ((2.0 - p.z) / (lamp.z - p.z)));
   };
@@ -153,9 +157,8 @@ TEST(Capture, EmissionIsTextured) {
 }
 
 TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
-  Scene scene = square_over_ground();
-  scene.lights = {key_lamp({3.0f, -0.2f, 1.0f})};  // lower than the square, which it would darken from x = 4.7 on
-  const Picture picture = capture(scene, from_above(12.0f), 64, 64);
+  const Light lamp = key_lamp({3.0f, -0.2f, 1.0f});  // lower than the square, which it would darken from x = 4.7 on
+  const Picture picture = lit_from_above(square_over_ground(), lamp, 64);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) {
       const float object = picture["object_id"].at(x, y);
@@ -262,10 +265,8 @@ TEST(Capture, MasksCutHoles) {
 }
 
 TEST(Capture, MasksCutHolesIntoShadows) {
-  Scene scene = holed_square_over_ground();
   const glm::vec3 towards(0.9f, 0.5f, 1.0f);
-  scene.lights = {key_light(towards)};
-  const Picture picture = capture(scene, from_above(12.0f), 256, 256);
+  const Picture picture = lit_from_above(holed_square_over_ground(), key_light(towards), 256);
   const auto inside = [&](glm::dvec3 p) {
     const double square = inside_square(p + glm::dvec3(towards) * ((2.0 - p.z) / towards.z));
     return std::min(square, 0.5 - square);

@@ -10,8 +10,7 @@
 
 #include "devices/cpu/cpu_device.h"
 #include "generators/builtin.h"
-#include "renderer/draw.h"
-#include "renderer/models.h"
+#include "scene/framing.h"
 #include "support.h"
 #include "vulkan_support.h"
 

@@ -150,7 +150,8 @@ vec3 pixel_texel(Surface s, int index, vec2 pixel) {
   vec3 gradient_u = gradient1 * t1.x + gradient2 * t2.x, gradient_v = gradient1 * t1.y + gradient2 * t2.y;
   return sample_filtered(index, t0 + t1 * s.u + t2 * s.v,
                          uv_change(s, pixel + vec2(1.0f, 0.0f), across, gradient_u, gradient_v),
-                         uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v)).rgb;
+                         uv_change(s, pixel + vec2(0.0f, 1.0f), across, gradient_u, gradient_v))
+      .rgb;
 }
 
 vec3 color_at(int vertex) {
@@ -197,11 +198,11 @@ float penumbra_pixels(Surface s, float depth, vec3 origin_step, vec3 direction, 
 // What casts a shadow's ray.
 struct Receiver {
   Surface s;
-  vec3 start;      // of the ray
+  vec3 start;  // of the ray
   float depth;
   vec3 direction;  // of the camera's ray
   int block;
-  bool measured;   // penumbrae of this layer are asked for
+  bool measured;  // penumbrae of this layer are asked for
 };
 
 // Whether a ray to a place on the light's disc arrives.
@@ -225,8 +226,9 @@ bool arrives(Receiver r, int light, bool soft, vec2 place) {
   if (hit.triangle < 0) return true;
   if (soft && r.measured) {
     float radius = C.light_size[light] * (point ? hit.t / max(1.0f - hit.t, 1e-6f) : hit.t);
-    narrow(r.block, vec2(penumbra_pixels(r.s, r.depth, three(C.origin_x), r.direction, three(C.direction_x), middle, radius),
-                         penumbra_pixels(r.s, r.depth, three(C.origin_y), r.direction, three(C.direction_y), middle, radius)));
+    narrow(r.block,
+           vec2(penumbra_pixels(r.s, r.depth, three(C.origin_x), r.direction, three(C.direction_x), middle, radius),
+                penumbra_pixels(r.s, r.depth, three(C.origin_y), r.direction, three(C.direction_y), middle, radius)));
   }
   return false;
 }
@@ -266,8 +268,8 @@ void put3(int slot, int place, vec3 v) {
   put(slot + 2, place, v.z);
 }
 
-void put_surface(int first, int place, bool there, float depth, vec3 normal, vec3 albedo, vec3 emission,
-                 float specular, CaptureMesh mesh) {
+void put_surface(int first, int place, bool there, float depth, vec3 normal, vec3 albedo, vec3 emission, float specular,
+                 CaptureMesh mesh) {
   put(first + kDepthSlot, place, there ? depth : kInfinity);
   mat3 to_view = transpose(mat3(C.to_view[0], C.to_view[1], C.to_view[2], C.to_view[3], C.to_view[4], C.to_view[5],
                                 C.to_view[6], C.to_view[7], C.to_view[8]));
@@ -316,7 +318,8 @@ void main() {
       s.geometric = -s.geometric;
       s.normal = -s.normal;
     }
-    if (inside) put_surface(first, place, there, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
+    if (inside)
+      put_surface(first, place, there, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
     vec3 start = there ? start_to_light(s) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
       int radii = kPenumbraSlot + 2 * C.light_index[light];

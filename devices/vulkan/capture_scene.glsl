@@ -1,5 +1,5 @@
-// What traces and what draws a scene (capture.comp, corner.vert, peel.frag) share: where it lies, its textures, and what
-// a pixel's ray meets of a triangle.
+// What traces and what draws a scene (capture.comp, corner.vert, peel.frag) share: where it lies, its textures, and
+// what a pixel's ray meets of a triangle.
 #ifndef UMBRAGE_DEVICES_VULKAN_CAPTURE_SCENE_GLSL
 #define UMBRAGE_DEVICES_VULKAN_CAPTURE_SCENE_GLSL
 #extension GL_EXT_scalar_block_layout : require

@@ -65,9 +65,9 @@ void main() {
     vec4 v = texel(k);
     if (C.role == kNormalRole) {
       vec3 n = C.format == kBytes4 || C.format == kBytes4Swapped ? v.xyz * 2.0f - 1.0f : v.xyz;
-      v.xyz = vec3(C.turn[0] * n.x + C.turn[1] * n.y + C.turn[2] * n.z,
-                   C.turn[3] * n.x + C.turn[4] * n.y + C.turn[5] * n.z,
-                   C.turn[6] * n.x + C.turn[7] * n.y + C.turn[8] * n.z);
+      v.x = C.turn[0] * n.x + C.turn[1] * n.y + C.turn[2] * n.z;
+      v.y = C.turn[3] * n.x + C.turn[4] * n.y + C.turn[5] * n.z;
+      v.z = C.turn[6] * n.x + C.turn[7] * n.y + C.turn[8] * n.z;
     } else if (C.role != kPlainRole) {
       v.x = view_depth(v.x, here);
     }

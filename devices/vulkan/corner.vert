@@ -3,7 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "devices/vulkan/capture_scene.glsl"
 
-layout(constant_id = 1) const bool kPoints = true;  // the scene has points: each triangle has six corners, as squares do
+// The scene has points: each triangle has six corners, as squares do.
+layout(constant_id = 1) const bool kPoints = true;
 layout(location = 0) flat out int triangle_index;
 invariant gl_Position;
 

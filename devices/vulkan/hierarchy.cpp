@@ -2,7 +2,6 @@
 
 #include <embree3/rtcore.h>
 
-#include <algorithm>
 #include <bit>
 #include <exception>
 #include <glm/common.hpp>

@@ -1,7 +1,6 @@
 // Hierarchy: a scene's triangles in a tree of boxes, as capture.comp walks it.
 #pragma once
 #include <array>
-#include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <vector>

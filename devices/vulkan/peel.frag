@@ -1,5 +1,5 @@
-// Which triangle or point a pixel sees first behind the layer before. Depth is that at which the pixel's ray meets the triangle,
-// not what hardware interpolates: of a triangle that reaches to the camera that has no precision left.
+// Which triangle or point a pixel sees first behind the layer before. Depth is that at which the pixel's ray meets the
+// triangle, not what hardware interpolates: of a triangle that reaches to the camera that has no precision left.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "devices/vulkan/capture_scene.glsl"

@@ -1,7 +1,6 @@
 #include "devices/vulkan/scene_capture.h"
 
 #include <bit>
-#include <map>
 #include <utility>
 
 #include "core/check.h"

@@ -3,7 +3,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <map>
 #include <tuple>
 
 #include "devices/vulkan/hierarchy.h"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 
 #include "devices/vulkan/slots.h"
 #include "effects/bitmask/bitmask.h"

@@ -6,10 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
-#include <vector>
 
 #include "generators/builtin.h"
 #include "io/image_file.h"

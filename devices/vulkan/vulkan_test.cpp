@@ -2,9 +2,7 @@
 #include "devices/vulkan/vulkan_device.h"
 
 #include <array>
-#include <cmath>
 #include <filesystem>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "devices/vulkan/commands.h"

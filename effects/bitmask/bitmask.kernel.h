@@ -4,12 +4,17 @@
 //
 // The text is included by several kernels. They define before it what they want: kLayers, that occluders are sought in
 // all depth layers, kLight, that what covers directions sends its light, kBent, that the mean open direction is stored;
-// depth_of, the depth of a layer behind the first, normal_of, sent_of, store_light and store_bent.
+// depth_of, the depth of a layer behind the first, normal_of, sent_of, store_light and store_bent. Texts beside this
+// one (bitmask_one_layer.kernel.h, ...) hold what several of them want alike.
 //
 // A tap reads one pixel, whose centre does not lie in the slice. Its height above the surface is taken as it is, and
 // its distance along the slice too; so a plane stays open at every tilt.
 //
 // Which pixel a tap falls into hangs on operations alone that round alike on every machine: no rsqrt there.
+IN_VECTOR(normal)
+IN_REAL(bitmask_mips)
+OUT_REAL(ao)
+
 #include "effects/bitmask/bitmask_measure.kernel.h"
 #include "effects/bitmask/bitmask_noise.kernel.h"
 
@@ -107,7 +112,7 @@ FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
   if (some(small)) depth = read_depth(place_of(column, row));
   if (some(!small)) {
     Real first_row = mad(scale, Real(float(-4 * C.mip_rows)), Real(float(2 * C.mip_rows)));
-    Real mip_depth = mip_of(place_of(column, row + max(first_row, Real(0.0f))));
+    Real mip_depth = read_bitmask_mips(place_of(column, row + max(first_row, Real(0.0f))));
     depth = select(small, depth, mip_depth);
   }
   return Tap(mad(column + 0.5f, size, Real(-0.5f)), mad(row + 0.5f, size, Real(-0.5f)), depth, inside);
@@ -328,15 +333,14 @@ FN Vec2 open_directions(Slice slice, Uint bits) {
 // Turns slices and finds what covers them.
 FN void gather(Int px, Int py) {
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
-  Real depth = near_depth(0, 0);
-  Bool surface = is_surface(depth);
+  Bool surface = is_surface(near_depth(0, 0));
   if (!some(surface)) {
     store_ao(Real(1.0f));
     if (kLight) store_light(none);
     if (kBent) store_bent(none);
     return;
   }
-  depth = select(surface, depth, Real(1.0f));
+  Real depth = select(surface, near_depth(0, 0), Real(1.0f));
   Vec3 position = view_position(px, py, depth);
   Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
   Vec3 eye = to_eye(sight);

@@ -1,20 +1,10 @@
 // Occlusion alone by occluders without an end in depth: of all that a side of a slice meets, what stands highest hides
 // all below it, so that directions are measured once a side. Based on [Jimenez et al. 2016], Algorithm 1, and its
 // equation 7; the arcs as in bitmask_measure.kernel.h.
-IN_REAL(depth)
-IN_VECTOR(normal)
-IN_REAL(bitmask_mips)
-OUT_REAL(ao)
+#include "effects/bitmask/bitmask_no_light.kernel.h"
+#include "effects/bitmask/bitmask_not_bent.kernel.h"
+#include "effects/bitmask/bitmask_one_layer.kernel.h"
 
-CONST bool kLayers = false;
-FN Real depth_of(int layer, Int place) { return Real(0.0f); }  // there is no other layer
-FN Real mip_of(Int place) { return read_bitmask_mips(place); }
-CONST bool kLight = false;
-FN Vec3 normal_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
-FN Vec3 sent_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
-FN void store_light(Vec3 light) {}
-CONST bool kBent = false;
-FN void store_bent(Vec3 bent) {}
 #include "effects/bitmask/bitmask.kernel.h"
 
 // The higher of `highest` and the cosine of what a tap shows.
@@ -34,13 +24,12 @@ FN Real open_above(Real c, Real nv, Real nt) {
 }
 
 FN void bitmask_horizon_pixel(Int px, Int py) {
-  Real depth = near_depth(0, 0);
-  Bool surface = is_surface(depth);
+  Bool surface = is_surface(near_depth(0, 0));
   if (!some(surface)) {
     store_ao(Real(1.0f));
     return;
   }
-  depth = select(surface, depth, Real(1.0f));
+  Real depth = select(surface, near_depth(0, 0), Real(1.0f));
   Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
   Vec3 eye = to_eye(sight);
   Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);

@@ -26,6 +26,9 @@ FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, floa
   return select(is_finite(turned) && near_inside(i, j), joint * Real(most), Real(0.0f));
 }
 
+// The most that the neighbour k steps away weighs, k from -2 to 2.
+FN float most_weight(int k) { return k == -1 || k == 1 ? C.near_weight : C.far_weight; }
+
 // Whether neither of the pixels (i, j) to the right and below, and to the left and above, joins this one of a surface.
 FN Bool is_alone(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   return weight_of(-i, -j, px, py, position, normal, 1.0f) + weight_of(i, j, px, py, position, normal, 1.0f) < kAlone;

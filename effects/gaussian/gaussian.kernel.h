@@ -18,8 +18,17 @@ FN Real belongs(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   return joint_of(surface_distance(position, normal, there, near_normal(i, j), kTolerancePx));
 }
 
-// The pixel's value and its two neighbours' joined.
-FN Real joined(Real before, Real here_ao, Real after, Real weight_before, Real weight_after) {
+// The pixel's value joined with those of its neighbours, `after` being (i, j) pixels right and down, `before` as far to
+// the other side.
+FN Real joined(int i, int j, Int px, Int py, Real before, Real here_ao, Real after) {
+  Real weight_before = Real(1.0f);
+  Real weight_after = Real(1.0f);
+  if (C.edges != 0) {
+    Vec3 position = view_position(px, py, near_depth(0, 0));
+    Vec3 normal = near_normal(0, 0);
+    weight_before = belongs(-i, -j, px, py, position, normal);
+    weight_after = belongs(i, j, px, py, position, normal);
+  }
   Real change = mad(weight_before, before - here_ao, weight_after * (after - here_ao));
   return mad(change, Real(C.side), here_ao);
 }

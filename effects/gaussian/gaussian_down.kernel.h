@@ -7,13 +7,5 @@ FN void gaussian_down_pixel(Int px, Int py) {
   Real before = clean_ao(near_gaussian_ao(0, -1));
   Real own = clean_ao(near_gaussian_ao(0, 0));
   Real after = clean_ao(near_gaussian_ao(0, 1));
-  Real weight_before = Real(1.0f);
-  Real weight_after = Real(1.0f);
-  if (C.edges != 0) {
-    Vec3 position = view_position(px, py, near_depth(0, 0));
-    Vec3 normal = near_normal(0, 0);
-    weight_before = belongs(0, -1, px, py, position, normal);
-    weight_after = belongs(0, 1, px, py, position, normal);
-  }
-  store_ao(joined(before, own, after, weight_before, weight_after));
+  store_ao(joined(0, 1, px, py, before, own, after));
 }

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
 
 #include "run_effect.h"

@@ -10,7 +10,6 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
-#include <random>
 
 #include "run_effect.h"
 #include "support.h"

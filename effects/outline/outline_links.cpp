@@ -1,6 +1,5 @@
 // What all steps of tracing share: chains' ends, and linking chains by them.
 #include <algorithm>
-#include <cmath>
 
 #include "effects/outline/outline_chains.h"
 

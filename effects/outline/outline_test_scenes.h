@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <glm/geometric.hpp>

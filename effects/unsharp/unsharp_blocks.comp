@@ -95,8 +95,8 @@ void blocks_pixel(int px, int py) {
     return;
   }
   centre = near_unsharp_depth(0, 0);
-  // The part of the window that lies in the picture: whole blocks of 16, right and below of them whole ones of 8, and so
-  // on.
+  // The part of the window that lies in the picture: whole blocks of 16, right and below of them whole ones of 8, and
+  // so on.
   int left = max(px + C.first_column, 0), right = min(px + C.last_column + 1, F.width);
   int top = max(py + C.first_row, 0), bottom = min(py + C.last_row + 1, F.height);
   int width = right - left, height = bottom - top;

@@ -1,5 +1,5 @@
-// `unsharp` with a threshold, on a GPU, first step: least, greatest and sum of the 4 x 4 samples right and down of each.
-// Blocks that reach past the picture hold anything; nobody reads them. Then comes unsharp_blocks8.comp.
+// `unsharp` with a threshold, on a GPU, first step: least, greatest and sum of the 4 x 4 samples right and down of
+// each. Blocks that reach past the picture hold anything; nobody reads them. Then comes unsharp_blocks8.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

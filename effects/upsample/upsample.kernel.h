@@ -5,6 +5,8 @@
 // read there, and that pixel itself takes its value as it is.
 IN_REAL(depth)
 IN_VECTOR(normal)
+IN_REAL(reduced_ao)
+OUT_REAL(ao)
 #include "kernel/surface.kernel.h"
 
 CONST float kOutside = 2e6f;  // misfit of what is not in the picture
@@ -84,4 +86,12 @@ FN Real wide_weight(int i, int j, Int px, Int py) {
   Real inverse = Real(1.0f) / (misfit * misfit);
   Real joint = max(joint_of(misfit), inverse * inverse * kLeastJoint);
   return select(misfit < kOutside, joint / max(mad(x, x, y * y), Real(kLeastSquare)), Real(0.0f));
+}
+
+// Occlusion of the block (i, j) to the right and below.
+FN Real small_ao(int i, int j) { return clean_ao(block_reduced_ao(C.factor, i, j)); }
+
+// What the nearest add to the own block's occlusion.
+FN Real change_of_ao(Vec3 shares, Real own) {
+  return (small_ao(1, 0) - own) * shares.x + (small_ao(0, 1) - own) * shares.y + (small_ao(1, 1) - own) * shares.z;
 }

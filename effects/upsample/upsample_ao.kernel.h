@@ -1,16 +1,11 @@
 // Occlusion from reduced to full resolution.
-IN_REAL(reduced_ao)
-OUT_REAL(ao)
 #include "effects/upsample/upsample.kernel.h"
-
-FN Real small_ao(int i, int j) { return clean_ao(block_reduced_ao(C.factor, i, j)); }
 
 // Sums of differences to the own block's value, so that what is equal stays equal to the bit.
 FN void upsample_ao_pixel(Int px, Int py) {
   Vec3 shares = shares_of(px, py);
   Real own = small_ao(0, 0);
-  Real change =
-      (small_ao(1, 0) - own) * shares.x + (small_ao(0, 1) - own) * shares.y + (small_ao(1, 1) - own) * shares.z;
+  Real change = change_of_ao(shares, own);
   Bool few = shares.x < 0.0f;
   if (some(few) && C.leave == 0) {
     Real sum = Real(0.0f);

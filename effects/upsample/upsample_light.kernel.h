@@ -1,19 +1,15 @@
 // Occlusion and the light that surfaces send each other, from reduced to full resolution.
-IN_REAL(reduced_ao)
 IN_COLOR(reduced_indirect)
-OUT_REAL(ao)
 OUT_COLOR(indirect)
 #include "effects/upsample/upsample.kernel.h"
 
-FN Real small_ao(int i, int j) { return clean_ao(block_reduced_ao(C.factor, i, j)); }
 FN Vec3 small_light(int i, int j) { return clean_light(block_reduced_indirect(C.factor, i, j)); }
 
 // Sums of differences to the own block's value, so that what is equal stays equal to the bit.
 FN void upsample_light_pixel(Int px, Int py) {
   Vec3 shares = shares_of(px, py);
   Real own = small_ao(0, 0);
-  Real change =
-      (small_ao(1, 0) - own) * shares.x + (small_ao(0, 1) - own) * shares.y + (small_ao(1, 1) - own) * shares.z;
+  Real change = change_of_ao(shares, own);
   Vec3 own_light = small_light(0, 0);
   Vec3 light_change = (small_light(1, 0) - own_light) * shares.x + (small_light(0, 1) - own_light) * shares.y +
                       (small_light(1, 1) - own_light) * shares.z;

@@ -6,7 +6,6 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <new>
 #include <vector>
 
 #include "core/srgb.h"

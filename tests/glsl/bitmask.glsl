@@ -62,8 +62,8 @@ void main() {
     float m = 16.0 / whole;
     float jitter = fract(noise.y + float(s) * 0.61803399);
     float middle = 16.0 + 0.01 + 0.98 * fract(noise.z + float(s) * 0.61803399);
-    Side sides[2] = Side[2](Side(1.0, middle + m * cn, -m * cn, -m * sn, -sn),
-                            Side(-1.0, middle - m * cn, m * cn, -m * sn, sn));
+    Side sides[2] =
+        Side[2](Side(1.0, middle + m * cn, -m * cn, -m * sn, -sn), Side(-1.0, middle - m * cn, m * cn, -m * sn, sn));
     uint bits = 0u;
     vec2 inside = vec2(0.0);
     for (int k = 0; k < C.steps; ++k) {

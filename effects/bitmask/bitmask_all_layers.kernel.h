@@ -1,0 +1,5 @@
+// For bitmask.kernel.h: occluders of all depth layers.
+IN_LAYERS_REAL(depth)
+
+CONST bool kLayers = true;
+FN Real depth_of(int layer, Int place) { return read_depth_of(layer, place); }

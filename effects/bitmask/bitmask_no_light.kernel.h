@@ -1,0 +1,5 @@
+// For bitmask.kernel.h: occluders that send no light.
+CONST bool kLight = false;
+FN Vec3 normal_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+FN Vec3 sent_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
+FN void store_light(Vec3 light) {}

@@ -1,0 +1,48 @@
+// One pass of the filter over occlusion and reflected light. Passes define before it what denoise_ao.kernel.h asks for,
+// and light_at, the light of a pixel; store_filtered takes what it finds.
+#include "effects/denoise/denoise.kernel.h"
+
+FN void filter_light(Int px, Int py) {
+  int step = 1 << F.round;
+  int to_right = kAlongRows ? 1 : 0;  // the way to the next pixel
+  int to_below = kAlongRows ? 0 : 1;
+  float occlusion = F.round < C.rounds ? C.occlusion : 0.0f;
+  float indirect = F.round < C.light_rounds ? C.indirect : 0.0f;
+  Real depth = near_depth(0, 0);
+  Bool surface = is_surface(depth);
+  Vec3 position = view_position(px, py, depth);
+  Vec3 normal = near_normal(0, 0);
+  Real own = ao_at(0, 0);
+  Real change = Real(0.0f);
+  Real joined = Real(0.0f);
+  Vec3 own_light = light_at(0, 0);
+  Vec3 light_change = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
+  for (int k = -2; k <= 2; ++k) {
+    if (k == 0) continue;
+    int right = k * step * to_right;
+    int down = k * step * to_below;
+    Real weight = weight_of(right, down, px, py, position, normal, most_weight(k));
+    change = mad(weight, ao_at(right, down) - own, change);
+    joined = joined + weight;
+    light_change = light_change + (light_at(right, down) - own_light) * weight;
+  }
+  Real ao = mad(change, Real(occlusion), own);
+  Vec3 light = own_light + light_change * Real(indirect);
+  Bool alone = surface && joined < kAlone;
+  if (F.round > 0 && some(alone)) {
+    alone = alone && is_alone(to_right, to_below, px, py, position, normal);
+    Bool has_before = beside(-to_right, -to_below);
+    Bool has_after = beside(to_right, to_below);
+    if (occlusion > 0.0f) {
+      Real before = ao_at(-to_right, -to_below);
+      Real after = ao_at(to_right, to_below);
+      ao = select(alone, ao_beside(ao, before, after, has_before, has_after), ao);
+    }
+    if (indirect > 0.0f) {
+      Vec3 before = light_at(-to_right, -to_below);
+      Vec3 after = light_at(to_right, to_below);
+      light = select(alone, light_beside(light, before, after, has_before, has_after), light);
+    }
+  }
+  store_filtered(ao, light);
+}
