@@ -6,6 +6,7 @@
 
 #include "core/numbers.h"
 #include "core/progress.h"
+#include "reference/trace.h"
 #include "renderer/models.h"
 #include "renderer/recipe.h"
 
