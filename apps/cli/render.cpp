@@ -249,11 +249,11 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
     stops = drawn->stops;
     if (frame_number == 0) {
       line.wipe();
-      if (const auto planes = device.download(frame, seen_planes(order.recipe))) {
-        Seen seen;
-        seen.add(planes->plane("depth"), planes->find("ao"));
-        print_hints(order.recipe, seen, scene);
-      }
+      const auto planes = device.download(frame, seen_planes(order.recipe));
+      if (!planes) return planes.error();
+      Seen seen;
+      seen.add(planes->plane("depth"), planes->find("ao"));
+      print_hints(order.recipe, seen, scene);
       place.first = frame.info;
     }
     if (output.turns && !video) place.file = output.names.of(frame_number);
