@@ -12,6 +12,7 @@ struct Faults {
   int submits = 0;                                       ///< counted
   VkResult submit = VK_SUCCESS;                          ///< what submissions return instead of being done
   VkResult wait = VK_SUCCESS;                            ///< what waiting for them returns instead
+  VkResult idle = VK_SUCCESS;                            ///< and what waiting for all of them does
   std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, of all allocations from now on
   bool reuses_memory = false;                            ///< what is freed can be allocated again
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: what they are
@@ -26,6 +27,7 @@ struct FaultyVulkan {
   PFN_vkGetInstanceProcAddr get = nullptr;
   PFN_vkQueueSubmit submit = nullptr;
   PFN_vkWaitForFences wait = nullptr;
+  PFN_vkDeviceWaitIdle idle = nullptr;
   PFN_vkAllocateMemory allocate = nullptr;
   PFN_vkFreeMemory free = nullptr;
   std::map<VkDeviceMemory, std::uint64_t> allocated;  ///< bytes
@@ -50,6 +52,10 @@ inline VKAPI_ATTR VkResult VKAPI_CALL faulty_wait(VkDevice device, std::uint32_t
                                                   VkBool32 all, std::uint64_t timeout) {
   const VkResult done = faulty().wait(device, count, fences, all, timeout);
   return faulty().faults.wait != VK_SUCCESS ? faulty().faults.wait : done;
+}
+inline VKAPI_ATTR VkResult VKAPI_CALL faulty_idle(VkDevice device) {
+  const VkResult done = faulty().idle(device);
+  return faulty().faults.idle != VK_SUCCESS ? faulty().faults.idle : done;
 }
 inline VKAPI_ATTR VkResult VKAPI_CALL faulty_allocate(VkDevice device, const VkMemoryAllocateInfo* info,
                                                       const VkAllocationCallbacks* how, VkDeviceMemory* memory) {
@@ -116,7 +122,8 @@ inline VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL faulty_get(VkInstance instance, 
   FaultyVulkan& f = faulty();
   for (const PFN_vkVoidFunction instead :
        {put_in("vkQueueSubmit", f.submit, faulty_submit), put_in("vkWaitForFences", f.wait, faulty_wait),
-        put_in("vkAllocateMemory", f.allocate, faulty_allocate), put_in("vkFreeMemory", f.free, faulty_free),
+        put_in("vkDeviceWaitIdle", f.idle, faulty_idle), put_in("vkAllocateMemory", f.allocate, faulty_allocate),
+        put_in("vkFreeMemory", f.free, faulty_free),
         put_in("vkGetPhysicalDeviceProperties", f.properties, faulty_properties),
         put_in("vkGetPhysicalDeviceProperties2", f.properties2, faulty_properties2),
         put_in("vkGetPhysicalDeviceFeatures2", f.features, faulty_features),

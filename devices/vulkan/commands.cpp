@@ -157,17 +157,16 @@ Result<void> Commands::wait_for_it() {
   const auto& vk = gpu_->vk;
   const VkResult waited =
       vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
-  if (waited != VK_SUCCESS) {
-    const Error error = failed(waited);
-    reset();
-    return error;
-  }
-  vk.ResetFences(gpu_->device, 1, &fence_);
   struct AtEnd {
     Commands& commands;
     ~AtEnd() { commands.reset(); }
   } const at_end{*this};  // also where reading the times throws: nobody signals the fence again
-  return read_times();
+  // Where the waiting failed the GPU may still work: only once it has ended may anything of that be used again.
+  const bool ended = waited == VK_SUCCESS || vk.DeviceWaitIdle(gpu_->device) == VK_SUCCESS;
+  const VkResult renewed = ended ? vk.ResetFences(gpu_->device, 1, &fence_) : waited;
+  if (renewed != VK_SUCCESS) lost_ = vulkan_error(renewed, "worked");
+  if (waited != VK_SUCCESS) return failed(waited);
+  return lost_ ? Result<void>(*lost_) : read_times();
 }
 
 Result<void> Commands::read_times() {
@@ -201,6 +200,7 @@ std::optional<double> Commands::ms_of_group(Kind kind) const {
 
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   check_less(bytes, kMostUniforms + 1, "bytes of constants");
+  if (lost_) return *lost_;
   if (handed_over_)
     if (auto done = wait_for_it(); !done) return done.error();
   if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMostPasses)

@@ -419,6 +419,36 @@ TEST(Vulkan, ALostDeviceIsAnError) {
   }
 }
 
+TEST(Vulkan, WorksOnAfterAWaitThatFailed) {
+  const auto gpu = faulty_device();
+  UMBRAGE_NEEDS_VULKAN(gpu);
+  const test::NoMessages no_messages;
+  const GBuffer gbuffer = test::bumpy_gbuffer(32, 32, 5);
+  for (int k = 0; k < 3; ++k) {
+    auto frame = gpu->upload(gbuffer);
+    ASSERT_TRUE(frame);
+    ASSERT_TRUE(run(*gpu, "lighting", *frame));
+    faulty().faults.wait = k < 2 ? VK_ERROR_OUT_OF_HOST_MEMORY : VK_SUCCESS;
+    const auto image = gpu->download(*frame, {"direct.r"});
+    faulty().faults.wait = VK_SUCCESS;
+    ASSERT_EQ(bool(image), k == 2);
+    if (!image) {
+      EXPECT_EQ(image.error().kind, ErrorKind::kDevice);
+    }
+  }
+  // Where nothing is known of what was handed over, the device is asked for nothing more.
+  faulty().faults.wait = faulty().faults.idle = VK_ERROR_OUT_OF_HOST_MEMORY;
+  auto frame = gpu->upload(gbuffer);
+  ASSERT_TRUE(frame);
+  ASSERT_FALSE(gpu->finish());
+  faulty().faults.wait = faulty().faults.idle = VK_SUCCESS;
+  const int before = faulty().faults.submits;
+  const auto again = gpu->download(*frame, {"depth"});
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().kind, ErrorKind::kDevice);
+  EXPECT_EQ(faulty().faults.submits, before);
+}
+
 TEST(Vulkan, TooLittleMemoryIsAnError) {
   const auto gpu = faulty_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
