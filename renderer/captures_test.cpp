@@ -19,11 +19,15 @@ struct Case {
   std::string scale = {};
 };
 
-/// A scene with a ground, whose depth a look hides, and one device that is ready to draw it.
+/// A scene as a look has it furnished, with a ground for one that hides its depth, and one device that is ready to draw
+/// it.
 class Stage {
  public:
-  explicit Stage(Device& device) : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
-    furnish(scene_, recipe_of({"studio", {}}));
+  Stage(Device& device, const std::string& look, Ground ground = Ground::kOn)
+      : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
+    Recipe recipe = recipe_of({look, {}});
+    recipe.ground = ground;
+    furnish(scene_, recipe);
     EXPECT_TRUE(device.prepare(scene_));
   }
 
@@ -67,7 +71,7 @@ void expect_same(const Image& a, const Image& b) {
 
 void expect_captures_serve(Device& device, const std::string& look, int frames, const std::string& scale) {
   SCOPED_TRACE(look + " " + std::to_string(frames) + " " + scale);
-  Stage stage(device);
+  Stage stage(device, look);
   const std::vector<Case> cases = {{look, {}, frames, scale},
                                    {look, {"output.exposure=1", "bitmask.thickness=0.3"}, frames, scale},
                                    {look, {"outline.opacity=0.5", "composite.damping=0.3"}, frames, scale},
@@ -103,7 +107,7 @@ TEST(Captures, ServeOtherEffectsOnVulkan) {
 
 TEST(Captures, DoNotServeOtherCamerasOrLayers) {
   const auto device = make_cpu_device();
-  Stage stage(*device);
+  Stage stage(*device, "studio");
   const Plan plan = stage.plan_of({"studio", {}});
   EXPECT_TRUE(same_captures(plan, stage.plan_of({"studio", {"output.exposure=1"}})));
   EXPECT_FALSE(same_captures(plan, stage.plan_of({"studio", {}, 4})));
@@ -118,3 +122,9 @@ TEST(Captures, DoNotServeOtherCamerasOrLayers) {
 
 }  // namespace
 }  // namespace umbrage
+  Plan bare = Stage(*device, "studio", Ground::kOff).plan_of({"studio", {}});
+  EXPECT_TRUE(plan.has_ground);
+  EXPECT_FALSE(bare.has_ground);
+  bare.camera = plan.camera;
+  bare.capture = plan.capture;
+  EXPECT_FALSE(same_captures(plan, bare));

@@ -156,7 +156,8 @@ Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times,
 }
 
 bool same_captures(const Plan& a, const Plan& b) {
-  return a.camera == b.camera && a.capture == b.capture && a.recipe.frames == b.recipe.frames;
+  return a.camera == b.camera && a.capture == b.capture && a.recipe.frames == b.recipe.frames &&
+         a.has_ground == b.has_ground;
 }
 
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,

@@ -147,7 +147,8 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   Plan plan{.recipe = recipe,
             .camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height),
             .capture = recipe.capture,
-            .up = scene.up};
+            .up = scene.up,
+            .has_ground = scene.ground_object >= 0};
   EffectSettings& settings = plan.recipe.settings;
   if (!plan.capture.lighting) {
     plan.capture.lighting = lighting_of(scene);

@@ -12,6 +12,7 @@ struct Plan {
   bool lit_from_camera = false;    ///< that was made for the camera, and goes around the scene with it
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< of the scene
   float sky_gain = 1.0f;           ///< on the image around the scene, where that is seen
+  bool has_ground = false;         ///< the scene was furnished with one
   ParameterBytes output;           ///< how the finished picture is made of averaged frames
   ParameterBytes lines;  ///< of `outline`, where that is drawn once, by frame 0, over averaged frames; or empty
   int first_noise = 0;   ///< of frame 0: see Effect::noise
