@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "devices/cpu/cpu_device.h"
+#include "faulty_vulkan.h"
 #include "renderer/draw.h"
 #include "renderer/models.h"
 #include "support.h"
@@ -105,6 +106,21 @@ TEST(Captures, ServeOtherEffectsOnVulkan) {
   expect_captures_serve(*device, "cartoon", 2, "full");
 }
 
+TEST(Captures, TellOfASubmissionThatFails) {
+  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  const auto device = test::new_vulkan_device({.get = test::faulty_get});
+  UMBRAGE_NEEDS_VULKAN(device);
+  Stage stage(*device, "studio");
+  StageTimes times;
+  const Plan plan = stage.plan_of({"studio", {}});
+  EXPECT_TRUE(capture(*device, plan, times));
+  test::faulty().faults.submit = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const auto captures = capture(*device, plan, times);
+  test::faulty().faults.submit = VK_SUCCESS;
+  ASSERT_FALSE(captures);
+  EXPECT_EQ(captures.error().kind, ErrorKind::kDevice);
+}
+
 TEST(Captures, DoNotServeOtherCamerasOrLayers) {
   const auto device = make_cpu_device();
   Stage stage(*device, "studio");
@@ -112,6 +128,12 @@ TEST(Captures, DoNotServeOtherCamerasOrLayers) {
   EXPECT_TRUE(same_captures(plan, stage.plan_of({"studio", {"output.exposure=1"}})));
   EXPECT_FALSE(same_captures(plan, stage.plan_of({"studio", {}, 4})));
   EXPECT_FALSE(same_captures(plan, stage.plan_of({"bleeding", {}})));
+  Plan bare = Stage(*device, "studio", Ground::kOff).plan_of({"studio", {}});
+  EXPECT_TRUE(plan.has_ground);
+  EXPECT_FALSE(bare.has_ground);
+  bare.camera = plan.camera;
+  bare.capture = plan.capture;
+  EXPECT_FALSE(same_captures(plan, bare));
   Plan moved = plan;
   moved.camera.left -= 0.1f;
   EXPECT_FALSE(same_captures(plan, moved));
@@ -122,9 +144,3 @@ TEST(Captures, DoNotServeOtherCamerasOrLayers) {
 
 }  // namespace
 }  // namespace umbrage
-  Plan bare = Stage(*device, "studio", Ground::kOff).plan_of({"studio", {}});
-  EXPECT_TRUE(plan.has_ground);
-  EXPECT_FALSE(bare.has_ground);
-  bare.camera = plan.camera;
-  bare.capture = plan.capture;
-  EXPECT_FALSE(same_captures(plan, bare));

@@ -151,6 +151,8 @@ Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times,
     times.done("capture");
     progress.frame_done();
   }
+  // Devices put off what they were asked for.
+  if (auto done = device.finish(); !done) return done.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return captures;
 }

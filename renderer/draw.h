@@ -17,7 +17,8 @@ struct Drawn {
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
-/// What a plan's camera sees before any effect has run: of each sample a frame.
+/// What a plan's camera sees before any effect has run: of each sample a frame. Once they are handed out the device has
+/// drawn them: what goes wrong with that is told here.
 using Captures = std::vector<Frame>;
 Result<Captures> capture(Device& device, const Plan& plan, StageTimes& times, const ProgressMonitor& monitor = {});
 /// Whether captures of the one plan serve the other: then they differ in effects alone.
