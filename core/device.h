@@ -82,7 +82,8 @@ class Device {
   /// A frame from planes on the host.
   virtual Result<Frame> upload(const GBuffer& gbuffer) = 0;
   /// A frame that starts with the planes of another one, of a whole picture, and shares their memory. What is run on it
-  /// leaves the other one as it is. Nothing may be run on the other one while it lives.
+  /// leaves the other one as it is. While it or a branch of it lives, nothing may be run on the other one, added to it
+  /// or placed there: that throws InternalError.
   virtual Frame branch(const Frame& frame) = 0;
   /// Adds planes from the host to a frame, in place of those of the same names. They are of the frame's whole size, its
   /// guard band included; of a band's, those rows that it holds: held_rows.

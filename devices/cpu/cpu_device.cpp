@@ -103,10 +103,12 @@ class CpuDevice final : public Device {
     if (cpu_planes(frame).band) fail_check("a band has no branches");
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
     planes->kept = std::static_pointer_cast<const CpuPlanes>(frame.storage);
+    planes->branches = planes->kept->branches.branch();
     return {frame.info, std::move(planes)};
   }
 
   Result<void> add(const Image& planes, Frame& frame) override {
+    cpu_planes(frame).branches.check_none();
     for (std::size_t p = 0; p < planes.planes.size(); ++p) {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
       CpuPlanes& all = cpu_planes(frame);
@@ -120,6 +122,7 @@ class CpuDevice final : public Device {
 
   Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
                           const ProgressMonitor& monitor) override {
+    cpu_planes(frame).branches.check_none();
     return run_passes(effect, params, frame, layer, pixels,
                       [&](const PassRun& pass) { return run_pass(pass, cpu_planes(frame), monitor); });
   }
@@ -176,6 +179,7 @@ class CpuDevice final : public Device {
     check_equal(small.info.width, reduced_side(full.info.width, factor), "width of a reduced frame");
     check_equal(small.info.height, reduced_side(full.info.height, factor), "height of a reduced frame");
     CpuPlanes& whole = cpu_planes(full);
+    whole.branches.check_none();
     for (const std::string& name : names) {
       const Plane* in = find_plane(cpu_planes(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
@@ -199,16 +203,7 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  std::vector<std::string> plane_names(const Frame& frame) const override {
-    const CpuPlanes& planes = cpu_planes(frame);
-    std::vector<std::string> names;
-    if (planes.kept) names = planes.kept->image.names;
-    for (const std::string& name : planes.image.names)
-      if (!planes.kept || !find_made(*planes.kept, name)) names.push_back(name);
-    for (const std::string& name : planes.neutral)
-      if (!find_made(planes, name)) names.push_back(name);
-    return names;
-  }
+  std::vector<std::string> plane_names(const Frame& frame) const override { return names_of(cpu_planes(frame)); }
 
   int missing_rows(const Frame& frame, const std::vector<std::string>& names) const override {
     return cpu_planes(frame).band ? missing_band_rows(frame, names) : 0;

@@ -1,6 +1,7 @@
 #include "devices/cpu/cpu_planes.h"
 
 #include <algorithm>
+#include <set>
 
 #include "core/check.h"
 #include "devices/shared/neutral.h"
@@ -33,7 +34,22 @@ Plane& writable(CpuPlanes& planes, const std::string& name) {
 const Plane* find_plane(const CpuPlanes& planes, std::string_view name) {
   if (const Plane* made = find_made(planes, name)) return made;
   const bool neutral = std::find(planes.neutral.begin(), planes.neutral.end(), name) != planes.neutral.end();
-  return neutral ? &planes.constants.at(*neutral_value(name)) : nullptr;
+  if (neutral) return &planes.constants.at(*neutral_value(name));
+  return planes.kept ? find_plane(*planes.kept, name) : nullptr;
+}
+
+std::vector<std::string> names_of(const CpuPlanes& planes) {
+  std::vector<const CpuPlanes*> line;  // from the one that is no branch on
+  for (const CpuPlanes* each = &planes; each; each = each->kept.get()) line.insert(line.begin(), each);
+  std::vector<std::string> names;
+  std::set<std::string_view> listed;
+  for (const CpuPlanes* each : line)
+    for (const std::string& name : each->image.names)
+      if (listed.insert(name).second) names.push_back(name);
+  for (const CpuPlanes* each : line)
+    for (const std::string& name : each->neutral)
+      if (listed.insert(name).second) names.push_back(name);
+  return names;
 }
 
 const Plane* find_whole(const CpuPlanes& planes, const PictureInfo& info, std::string_view name, int version) {

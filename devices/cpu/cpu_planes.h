@@ -15,6 +15,7 @@
 #include "core/band.h"
 #include "core/device.h"
 #include "core/image.h"
+#include "devices/shared/branches.h"
 #include "devices/shared/passes.h"
 
 namespace umbrage {
@@ -35,7 +36,8 @@ struct CpuPlanes {
   std::map<float, Plane> constants;
   std::map<std::string, std::pair<int, int>> placed;  ///< by name, size of the reduced picture that lies there
   std::shared_ptr<const CpuPlanes> kept;              ///< of the frame that this is a branch of, or null
-  std::shared_ptr<CpuPlanes> last_reduced;            ///< what was made of this last at reduced resolution
+  Branches branches;
+  std::shared_ptr<CpuPlanes> last_reduced;  ///< what was made of this last at reduced resolution
   // Of a band:
   std::optional<Band> band;
   Rows rows;                                      ///< those that are held
@@ -51,8 +53,11 @@ const Plane* find_made(const CpuPlanes& planes, std::string_view name);
 /// The frame's own plane of that name. It starts as what this is a branch of has, else uninitialised.
 Plane& writable(CpuPlanes& planes, const std::string& name);
 
-/// The plane of that name, made or neutral, or null.
+/// The plane of that name, made or neutral, here or in what this is a branch of; or null.
 const Plane* find_plane(const CpuPlanes& planes, std::string_view name);
+
+/// Names of all planes: those that were made, from what this is a branch of on, and then the neutral ones.
+std::vector<std::string> names_of(const CpuPlanes& planes);
 
 /// That version of a band's plane in the whole picture, or null.
 const Plane* find_whole(const CpuPlanes& planes, const PictureInfo& info, std::string_view name, int version);

@@ -1,4 +1,7 @@
 // The names of a frame's planes, without reading any of them back: the same on every device, those that download has.
+#include <algorithm>
+
+#include "core/check.h"
 #include "core/device.h"
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
@@ -22,6 +25,66 @@ std::vector<std::string> names_on(Device& device) {
   std::vector<std::string> names = device.plane_names(*frame);
   EXPECT_EQ(names, device.download_all(*frame)->names);
   return names;
+}
+
+/// All planes' names, which download has, too.
+std::vector<std::string> checked_names(Device& device, const Frame& frame) {
+  std::vector<std::string> names = device.plane_names(frame);
+  const auto image = device.download_all(frame);
+  EXPECT_TRUE(image) << image.error().message;
+  if (image) {
+    EXPECT_EQ(names, image->names);
+  }
+  return names;
+}
+
+Result<Progression> run(Device& device, const char* name, Frame& frame) {
+  const Effect& effect = *find_effect(name);
+  return device.run(effect, initial_parameters(effect.parameters, effect.params_size), frame);
+}
+
+/// Names of a branch, and of a branch of that. Each starts with what it is a branch of, planes of one value included.
+std::vector<std::vector<std::string>> names_of_branches(Device& device) {
+  auto frame = device.upload(test::bumpy_gbuffer(24, 16, 5));
+  EXPECT_TRUE(frame);
+  EXPECT_TRUE(run(device, "lighting", *frame));  // asks for shadows
+  std::vector<std::vector<std::string>> all = {checked_names(device, *frame)};
+  Frame branch = device.branch(*frame);
+  EXPECT_EQ(checked_names(device, branch), all.back());
+  Image made(24, 16);
+  made.add("added") = Plane(24, 16, 3.0f);
+  made.add("shadow1") = Plane(24, 16, 0.25f);  // of one value so far
+  EXPECT_TRUE(device.add(made, branch));
+  EXPECT_TRUE(run(device, "sphere", branch));
+  all.push_back(checked_names(device, branch));
+  Frame twig = device.branch(branch);
+  EXPECT_EQ(checked_names(device, twig), all.back());
+  EXPECT_TRUE(run(device, "gaussian", twig));
+  EXPECT_TRUE(run(device, "composite", twig));
+  all.push_back(checked_names(device, twig));
+  EXPECT_EQ(device.download(twig, {"added"})->plane("added").at(5, 5), 3.0f);
+  EXPECT_EQ(device.download(twig, {"shadow1"})->plane("shadow1").at(5, 5), 0.25f);
+  EXPECT_EQ(device.download(*frame, {"shadow1"})->plane("shadow1").at(5, 5), 1.0f);
+  // What others share is not written to, also where the branch between them is gone.
+  EXPECT_THROW(run(device, "lighting", branch), InternalError);
+  EXPECT_THROW(device.add(made, *frame), InternalError);
+  branch = {};
+  EXPECT_THROW(run(device, "lighting", *frame), InternalError);
+  EXPECT_EQ(checked_names(device, twig), all.back());
+  twig = {};
+  EXPECT_TRUE(run(device, "lighting", *frame));
+  EXPECT_EQ(checked_names(device, *frame), all.front());
+  return all;
+}
+
+TEST(PlaneNames, OfBranchesAreTheSameOnAllDevices) {
+  const auto cpu = make_cpu_device();
+  const auto names = names_of_branches(*cpu);
+  for (const char* name : {"depth", "direct.r", "added", "shadow1", "shadow2", "ao", "lit.r"})
+    EXPECT_EQ(std::count(names.back().begin(), names.back().end(), name), 1) << name;
+  Device* const gpu = test::vulkan_device();
+  UMBRAGE_NEEDS_VULKAN(gpu);
+  EXPECT_EQ(names_of_branches(*gpu), names);
 }
 
 TEST(PlaneNames, AreThoseThatDownloadHas) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/device.h"
+#include "devices/shared/branches.h"
 #include "devices/shared/neutral.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/memory.h"
@@ -23,7 +24,8 @@ struct DevicePlanes {
   std::vector<std::string> names;  // made, in that order
   std::map<std::string, DevicePlanePtr, std::less<>> made;
   std::set<std::string, std::less<>> kept;  // of these, of the frame that this is a branch of
-  std::vector<std::string> neutral;         // asked for, in that order; `made` may have got one since
+  Branches branches;
+  std::vector<std::string> neutral;  // asked for, in that order; `made` may have got one since
   std::map<float, DevicePlanePtr> constants;
 
   bool is_neutral(std::string_view name) const {

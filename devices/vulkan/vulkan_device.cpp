@@ -95,10 +95,12 @@ class VulkanDevice final : public Device {
   Frame branch(const Frame& frame) override {
     auto planes = std::make_shared<DevicePlanes>(planes_of(frame));
     planes->kept.insert(planes->names.begin(), planes->names.end());
+    planes->branches = planes_of(frame).branches.branch();
     return {frame.info, std::move(planes)};
   }
 
   Result<void> add(const Image& image, Frame& frame) override {
+    planes_of(frame).branches.check_none();
     std::vector<NamedPlane> planes;
     for (std::size_t p = 0; p < image.planes.size(); ++p) planes.push_back({image.names[p], &image.planes[p]});
     return store_->copy_to(planes, frame.info, planes_of(frame));
@@ -106,6 +108,7 @@ class VulkanDevice final : public Device {
 
   Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
                           const ProgressMonitor& monitor) override {
+    planes_of(frame).branches.check_none();
     return run_passes(effect, params, frame, layer, pixels, [&](const PassRun& pass) -> Result<Progression> {
       if (is_ended(monitor)) return interrupted();
       const auto done = run_pass(pass, planes_of(frame));
@@ -134,6 +137,7 @@ class VulkanDevice final : public Device {
     const int factor = small.info.reduced / full.info.reduced;
     check_equal(small.info.width, reduced_side(full.info.width, factor), "width of a reduced frame");
     check_equal(small.info.height, reduced_side(full.info.height, factor), "height of a reduced frame");
+    planes_of(full).branches.check_none();
     for (const std::string& name : names) {
       const DevicePlane* in = planes_of(small).find(name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
@@ -151,6 +155,7 @@ class VulkanDevice final : public Device {
     const auto format = texel_format(image.format);
     if (!format) return unknown_format(image);
     DevicePlanes& planes = planes_of(frame);
+    planes.branches.check_none();
     std::vector<VkDeviceAddress> table = {0};
     for (const std::string& name : names) {
       const auto plane = store_->writable(planes, name);

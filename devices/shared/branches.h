@@ -1,0 +1,27 @@
+// Branches of a frame: while one lives, or a branch of it, the frame's planes are more than its own.
+#pragma once
+#include <memory>
+
+#include "core/check.h"
+
+namespace umbrage {
+
+/// Part of what a frame stores. A branch has that of its frame's branch().
+class Branches {
+ public:
+  Branches() = default;
+  Branches branch() const { return Branches(own_); }
+  /// Throws InternalError where others share the planes that are to be written.
+  void check_none() const {
+    if (own_.use_count() > 1) fail_check("a frame is written while a branch of it lives");
+  }
+
+ private:
+  struct Link {
+    std::shared_ptr<const Link> of;  // held by whoever is a branch of it
+  };
+  explicit Branches(std::shared_ptr<const Link> of) : own_(std::make_shared<const Link>(Link{std::move(of)})) {}
+  std::shared_ptr<const Link> own_ = std::make_shared<const Link>();
+};
+
+}  // namespace umbrage
