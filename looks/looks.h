@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -52,6 +53,10 @@ struct LookRun {
 
 /// The effects that such a run takes, in their order, the technique in its place.
 std::vector<const Effect*> steps_of(const LookRun& run);
+
+/// The planes that such a run asks a frame for, of so many layers: what of these nobody made is there afterwards with
+/// one value everywhere, if there is one. Without those that are reduced first.
+std::set<std::string> planes_read(const LookRun& run, int layers);
 
 struct LookDone : Progression {
   float stops = 0.0f;  ///< that metering added to the exposure; 0 without

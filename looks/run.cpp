@@ -81,6 +81,27 @@ void keep_needed(const LookRun& run, Steps& steps) {
   steps = std::move(kept);
 }
 
+/// Whether a later step reads what this one makes on layers beyond the first.
+bool runs_on_layers(const LookRun& run, const Steps& steps, std::size_t step) {
+  return std::any_of(steps.begin() + long(step) + 1, steps.end(), [&](const Effect* later) {
+    return reads_on_layers(*later, params_of(run, *later), *steps[step]);
+  });
+}
+
+/// The step after those that run at reduced resolution from `step` on, or `step` itself where that does not.
+std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step) {
+  const bool of_others = find_named(run.handed_in, steps[step]->name) != nullptr;
+  if (steps[step]->name != run.occlusion || run.occlusion_every == 1 || of_others) return step;
+  ++step;
+  while (step < steps.size() && steps[step]->kind == EffectKind::kFilter) ++step;
+  return step;
+}
+
+/// Whether a technique computes, after its run at reduced resolution, what no pixel shows there.
+bool fills_missing(const LookRun& run, const Effect& technique) {
+  return run.occlusion_every == 2 && runs_for_missing(technique, params_of(run, technique));
+}
+
 /// Runs one step, on every layer where a later one reads what it makes there.
 Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
   const Effect& effect = *steps[step];
@@ -88,10 +109,7 @@ Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t
   if (find_named(run.handed_in, effect.name)) {
     if (auto done = run.run_handed_in(effect, params, frame); !done) return done.error();
   } else {
-    const bool on_layers = std::any_of(steps.begin() + long(step) + 1, steps.end(), [&](const Effect* later) {
-      return reads_on_layers(*later, params_of(run, *later), effect);
-    });
-    const int layers = on_layers ? 1 + int(frame.info.more_layers.size()) : 1;
+    const int layers = runs_on_layers(run, steps, step) ? 1 + int(frame.info.more_layers.size()) : 1;
     for (int layer = 0; layer < layers; ++layer) {
       const auto done = device.run(effect, params, frame, layer, PixelSet::kAll, run.monitor);
       if (!done || !done->finished) return done;
@@ -151,7 +169,7 @@ Result<Progression> run_reduced(const LookRun& run, const Steps& steps, std::siz
   if (planes.light) taken_back.insert(taken_back.end(), {"indirect.r", "indirect.g", "indirect.b"});
   if (auto done = device.place(*small, taken_back, frame); !done) return done.error();
   const Effect& technique = *steps[first];
-  const bool leave = run.occlusion_every == 2 && runs_for_missing(technique, params_of(run, technique));
+  const bool leave = fills_missing(run, technique);
   const Effect& filling = filling_effect();
   ParameterBytes params = params_of(run, filling);
   filling.set_reduction({run.occlusion_every, planes.light, leave}, params);
@@ -203,6 +221,27 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
   return steps;
 }
 
+std::set<std::string> planes_read(const LookRun& run, int layers) {
+  std::set<std::string> read;
+  const auto add = [&](const Effect& effect, int layer, bool Pass::*of_pass) {
+    for (const Pass& pass : effect.passes)
+      if (pass.*of_pass && runs(pass, params_of(run, effect)))
+        for (const std::string_view input : pass.inputs) read.insert(layer_plane(layer, input));
+  };
+  const Steps steps = steps_of(run);
+  for (std::size_t step = 0; step < steps.size(); ++step) {
+    const Effect& effect = *steps[step];
+    if (const std::size_t last = reduced_end(run, steps, step); last > step) {
+      if (fills_missing(run, effect)) add(effect, 0, &Pass::for_missing);
+      step = last - 1;
+    } else if (!find_named(run.handed_in, effect.name)) {
+      const int of_step = !effect.exposed_by && runs_on_layers(run, steps, step) ? layers : 1;
+      for (int layer = 0; layer < of_step; ++layer) add(effect, layer, &Pass::for_all);
+    }
+  }
+  return read;
+}
+
 Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
   LookDone all;
   const Steps steps = steps_of(run);
@@ -216,10 +255,10 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
       if (!done || !done->finished) return done;
       all.stops = done->stops;
     } else {
-      const bool reduced = effect.name == run.occlusion && run.occlusion_every > 1 && !of_others;
-      while (reduced && next < steps.size() && steps[next]->kind == EffectKind::kFilter) ++next;
+      const std::size_t last = reduced_end(run, steps, step);
+      if (last > step) next = last;
       const auto done =
-          reduced ? run_reduced(run, steps, step, next, device, frame) : run_step(run, steps, step, device, frame);
+          last > step ? run_reduced(run, steps, step, last, device, frame) : run_step(run, steps, step, device, frame);
       if (!done) return done.error();
       static_cast<Progression&>(all) = *done;
       if (!done->finished) return all;

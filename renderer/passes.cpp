@@ -1,5 +1,7 @@
 #include "renderer/passes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
@@ -165,6 +167,34 @@ Result<void> take_passes(const RenderRequest& request, Recipe& recipe) {
   }
   if (words.size() > 1 && std::find(words.begin(), words.end(), kAll) != words.end())
     return usage_error("`passes` all stands alone: it names every pass");
+  return {};
+}
+
+namespace {
+
+/// Why a capture lacks a pass.
+Error not_captured(const std::string& word, std::span<const std::string> captured) {
+  if (of_first_layer(word) == "emission")
+    return usage_error(
+        "there is no pass '{}' in this picture, where no material sends out light: leave it out of `passes`", word);
+  std::vector<std::string> shadows;
+  for (const std::string& plane : captured)
+    if (plane.starts_with("shadow")) shadows.push_back(layer_plane(layer_of_plane(word), plane));
+  return usage_error("there is no pass '{}' in this picture, whose lights cast fewer shadows: `passes` takes {}", word,
+                     fmt::join(shadows, ", "));
+}
+
+}  // namespace
+
+Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured) {
+  const auto can_be_lacking = [](std::string_view pass) { return pass == "emission" || pass.starts_with("shadow"); };
+  std::set<std::string> there;
+  const int layers = *layer_count(recipe.capture);
+  for (const std::string& plane : planes_read(look_run(recipe), layers)) there.insert(pass_of(plane));
+  for (int layer = 0; layer < layers; ++layer)
+    for (const std::string& plane : captured) there.insert(layer_plane(layer, pass_of(plane)));
+  for (const std::string& word : recipe.passes)
+    if (can_be_lacking(of_first_layer(word)) && !there.contains(word)) return not_captured(word, captured);
   return {};
 }
 

@@ -31,6 +31,10 @@ const std::vector<std::string>& known_planes();
 /// is every pass, and stands alone. Errors: kUsage.
 Result<void> take_passes(const RenderRequest& request, Recipe& recipe);
 
+/// Checks the passes of a recipe against the planes that a capture for it has of each layer: what only the scene tells
+/// of. Errors: kUsage.
+Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured);
+
 /// Leaves out of a recipe what neither its passes nor planes `besides` need, the picture itself with it.
 void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides = {});
 

@@ -15,6 +15,7 @@
 #include "rays/interior_lights.h"
 #include "reference/reference.h"
 #include "renderer/accumulation.h"
+#include "renderer/passes.h"
 #include "scene/ground.h"
 
 namespace umbrage {
@@ -161,6 +162,8 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
     plan.first_noise = whole_value(*noise, params_of(settings, recipe.occlusion));
+  const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
+  if (auto fine = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !fine) return fine.error();
   plan.output = params_of(settings, "output");
   if (!plan.averages()) return plan;
   // Light with alpha, so that edges mix with the background as light does, or for the eye.

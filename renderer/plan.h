@@ -1,5 +1,6 @@
 // Plan: how one scene is drawn by a recipe. Camera, lights and every effect's parameters are fixed, lengths are in
-// scene units, and all that can be wrong with a request has been told: drawing reads the plan alone.
+// scene units, the scene makes what passes want, and all that can be wrong with a request has been told: drawing reads
+// the plan alone.
 #pragma once
 #include "renderer/recipe.h"
 
@@ -11,8 +12,8 @@ struct Plan {
   CaptureSettings capture;         ///< with the lighting
   bool lit_from_camera = false;    ///< that was made for the camera, and goes around the scene with it
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< of the scene
-  float sky_gain = 1.0f;           ///< on the image around the scene, where that is seen
   bool has_ground = false;         ///< the scene was furnished with one
+  float sky_gain = 1.0f;           ///< on the image around the scene, where that is seen
   ParameterBytes output;           ///< how the finished picture is made of averaged frames
   ParameterBytes lines;  ///< of `outline`, where that is drawn once, by frame 0, over averaged frames; or empty
   int first_noise = 0;   ///< of frame 0: see Effect::noise

@@ -88,5 +88,48 @@ TEST(Wanted, OcclusionAloneNeedsNoLightOfAnother) {
   EXPECT_EQ(made.recipe.frames, 4) << "it is averaged";
 }
 
+// What the capture or a neutral plane will not give is told with the plan; what that lets through is found in the
+// picture.
+TEST(Wanted, PlansTellOfPassesThatNothingInTheSceneMakes) {
+  auto scene = load_scene("scene:solids?detail=2000");
+  const auto device = make_cpu_device();
+  int refused = 0, made = 0;
+  for (const char* look : {"studio", "bleeding", "lit"})
+    for (const char* scale : {"full", "half", "quarter"})
+      for (const Names& passes : std::vector<Names>{{"emission"},
+                                                    {"shadow1"},
+                                                    {"shadow4"},
+                                                    {"emission", "color"},
+                                                    {"shadow4", "color"},
+                                                    {"shadow4", "ao"},
+                                                    {"layer1.emission", "color"},
+                                                    {"layer1.shadow1", "depth"},
+                                                    {"layer1.shadow4", "indirect"}}) {
+        RenderRequest request{.look = look, .width = 24, .height = 18, .passes = passes};
+        request.layers = 2;
+        request.occlusion_scale = scale;
+        request.anti_aliasing = 1;
+        auto recipe = make_recipe(request);
+        if (!recipe) continue;  // the look has no such pass
+        keep_passes_alone(*recipe);
+        const auto plan = make_plan(*recipe, *scene, device->threads());
+        Recipe unchecked = *recipe;
+        unchecked.passes.clear();
+        unchecked.averaged.clear();
+        ASSERT_TRUE(device->prepare(*scene));
+        StageTimes times;
+        const auto frame = draw(*device, *scene, unchecked, times);
+        ASSERT_TRUE(frame) << frame.error().message;
+        const auto chosen = chosen_planes(passes, device->plane_names(*frame), frame->info);
+        EXPECT_EQ(bool(plan), bool(chosen)) << look << ' ' << scale << ' ' << passes[0] << ' ' << passes.back();
+        ++(plan ? made : refused);
+        if (plan) continue;
+        EXPECT_EQ(plan.error().kind, ErrorKind::kUsage);
+        EXPECT_NE(plan.error().message.find("`passes`"), std::string::npos) << plan.error().message;
+      }
+  EXPECT_GT(refused, 10);
+  EXPECT_GT(made, 10);
+}
+
 }  // namespace
 }  // namespace umbrage

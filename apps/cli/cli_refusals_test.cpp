@@ -167,6 +167,12 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--verbose=perhaps", {"--verbose", "'perhaps'"});
   bad_option("--passes all", {"--passes all", ".exr"});
   bad_option("--passes depth,normal", {"depth,normal", ".exr"});
+  // Only the model tells of these: all the same nothing is drawn.
+  const std::string none = "there is no pass ";
+  for (const char* way : {"", " --turntable 2", " --memory 1M", " --anti-aliasing 4"}) {
+    bad_option("--passes emission" + std::string(way), {none + "'emission'", "leave it out of --passes"});
+    bad_option("--passes shadow5" + std::string(way), {none + "'shadow5'", "--passes takes shadow"});
+  }
   for (const char* option : {"--camera-position", "--camera-focal-point"})
     for (const char* text : {"1,2", "1,2,3,4", "a,b,c", "nan,0,0", "inf,0,0", ",,", "1;2;3"})
       bad_option(fmt::format("{} {}", option, text), {option, fmt::format("'{}'", text), "three numbers"});
