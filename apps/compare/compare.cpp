@@ -230,7 +230,9 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
   const auto radius = radius_in_scene("`occlusion_radius`", *length, frame->info);
   if (!radius) return radius.error();
 
-  const ClassMap classes = classify(downloaded(run.device, *frame));
+  const auto shown = downloaded(run.device, *frame);
+  if (!shown) return shown.error();
+  const ClassMap classes = classify(*shown);
   const auto truths = trace_truths(run, traced, frame->info, *radius, classes, what);
   if (!truths) return truths.error();
   std::vector<ComparedView> views;

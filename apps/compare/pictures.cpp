@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/check.h"
 #include "reference/reference.h"
 
 namespace umbrage {
@@ -63,14 +62,10 @@ std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int ca
   return shots;
 }
 
-GBuffer downloaded(Device& device, const Frame& frame) {
-  GBuffer gbuffer;
-  gbuffer.info = inner_info(frame.info);
-  if (auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"}))
-    gbuffer.layers.push_back(std::move(*planes));
-  else
-    fail_check(planes.error().message);
-  return gbuffer;
+Result<GBuffer> downloaded(Device& device, const Frame& frame) {
+  auto planes = device.download(frame, {"depth", "normal.x", "normal.y", "normal.z"});
+  if (!planes) return planes.error();
+  return GBuffer{inner_info(frame.info), {std::move(*planes)}};
 }
 
 void clamp_to_shown(Image& image) {

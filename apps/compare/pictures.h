@@ -45,8 +45,8 @@ std::string reference_radius();
 /// At most so many of a scene; one where the user said where it is.
 std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int cameras);
 
-/// The planes that tell what a pixel shows, without the guard band.
-GBuffer downloaded(Device& device, const Frame& frame);
+/// The planes that tell what a pixel shows, without the guard band. Errors: those of the device.
+Result<GBuffer> downloaded(Device& device, const Frame& frame);
 
 /// Occlusion as it is seen: an unsharp mask also brightens, and its shade may exceed 1.
 void clamp_to_shown(Image& image);

@@ -241,7 +241,9 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
     const std::string what = fmt::format("{}, camera {}, truth", model, shot.name);
     const TraceControl control{search.device.threads(),
                                [&](double done) { return settings.progress(what, half_span * (halves + done)); }};
-    ClassMap classes = classify(downloaded(search.device, *frame));
+    const auto shown = downloaded(search.device, *frame);
+    if (!shown) return shown.error();
+    ClassMap classes = classify(*shown);
     auto truth = trace_truth(Quantity::kOcclusion, frame->info, classes, [&](std::uint32_t seed) {
       auto half = trace_occlusion(**traced, frame->info,
                                   {.samples = settings.samples / 2, .radius = *radius, .seed = seed}, control);
