@@ -5,8 +5,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "core/suggest.h"
+#include "renderer/options.h"
 
 namespace umbrage::cli {
 namespace {
@@ -22,12 +24,19 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(0, text.find_last_not_of(kBlank) + 1);
 }
 
-/// What stands behind `=`: without a comment, and without the quotation marks around it.
-std::string value_of(std::string_view text) {
+/// Whether what follows the end of something, less the blanks around it, says nothing.
+bool is_comment(std::string_view rest) { return rest.empty() || rest[0] == '#'; }
+
+/// What stands behind `=`: without a comment, and without the quotation marks around it. Errors: kUsage, still without
+/// the line.
+Result<std::string> value_of(std::string_view text) {
   text = trimmed(text);
   if (!text.empty() && (text[0] == '"' || text[0] == '\''))
-    if (const auto end = text.find(text[0], 1); end != std::string_view::npos)
-      return std::string(text.substr(1, end - 1));
+    if (const auto end = text.find(text[0], 1); end != std::string_view::npos) {
+      const std::string_view rest = trimmed(text.substr(end + 1));
+      if (is_comment(rest)) return std::string(text.substr(1, end - 1));
+      return usage_error("'{}' follows {}, where only a comment may stand", rest, text.substr(0, end + 1));
+    }
   return std::string(trimmed(text.substr(0, text.find(" #"))));
 }
 
@@ -105,6 +114,7 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
     return file_error("'{}' cannot be read as a configuration", file.string());
 
   std::vector<std::string> added;
+  std::map<std::string, std::string> heading_of;  // of what was added, by option
   std::string section, line;
   for (int number = 1; std::getline(stream, line); ++number) {
     const std::string_view text = trimmed(line);
@@ -113,19 +123,25 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
       return usage_error("'{}', line {}: {}", file.string(), number, what);
     };
     if (text[0] == '[') {
-      section = std::string(trimmed(text.substr(1, text.find(']') - 1)));
+      const std::size_t end = std::min(text.find(']'), text.size());
+      section = std::string(trimmed(text.substr(1, end - 1)));
       std::vector<std::string> names;
       for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; }))
         names.push_back(each->get_name());
-      if (text.back() != ']' || std::find(names.begin(), names.end(), section) == names.end())
+      if (end == text.size() || std::find(names.begin(), names.end(), section) == names.end())
         return wrong(fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
+      const std::string_view rest = trimmed(text.substr(end + 1));
+      if (!is_comment(rest))
+        return wrong(fmt::format("'{}' follows [{}], where only a comment may stand", rest, section));
       continue;
     }
     const std::size_t equals = text.find('=');
     std::string name(trimmed(text.substr(0, equals)));
     if (equals == std::string_view::npos || name.empty()) return wrong("it takes option = value");
     if (name.starts_with("--")) name.erase(0, 2);
-    const std::string value = value_of(text.substr(equals + 1));
+    const auto given = value_of(text.substr(equals + 1));
+    if (!given) return wrong(given.error().message);
+    const std::string& value = *given;
     if (value.empty()) return wrong(fmt::format("{} needs a value after its '='", name));
     // Known to this command, or at least to the one it is for.
     bool known = false;
@@ -143,12 +159,16 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
     if (!section.empty() && section != command->get_name()) continue;
     CLI::Option* option = command->get_option_no_throw("--" + name);
     if (!option) continue;
-    const bool several = name == "set";
+    const bool several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+    const bool adds_up = name == option_of("settings").option;  // everywhere, since each value is of another parameter
     const char* variable = option->get_envname().empty() ? nullptr : std::getenv(option->get_envname().c_str());
-    if ((is_given(*option, words) && !several) || (variable && *variable)) continue;
+    if ((is_given(*option, words) && !adds_up) || (variable && *variable)) continue;
     if (const auto fine = check_value(*option, value); !fine) return wrong(fine.error().message);
-    // A later line goes before an earlier one, except for options that add up.
-    if (!several) std::erase_if(added, [&](const std::string& word) { return word.starts_with("--" + name + "="); });
+    // A later line goes before an earlier one, unless both are values of one option under one heading.
+    const auto [earlier, first] = heading_of.emplace(name, section);
+    if (!first && !adds_up && !(several && earlier->second == section))
+      std::erase_if(added, [&](const std::string& word) { return word.starts_with("--" + name + "="); });
+    earlier->second = section;
     added.push_back("--" + name + "=" + value);
   }
   words.insert(words.begin() + 1, added.begin(), added.end());

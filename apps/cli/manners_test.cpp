@@ -277,9 +277,10 @@ TEST_F(Manners, CompareAndTuneTakeACameraAndStandardInput) {
 }
 
 TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
-  write("mine",
-        "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render]\nlook = \"ao\"\nset = "
-        "unsharp.kernel=7\n[compare]\nsamples = 16\n");
+  write(
+      "mine",
+      "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"ao\" # too\nset = "
+      "unsharp.kernel=7\n[compare]\nsamples = 16\n");
   good("tri.obj -o a.png --config mine");
   EXPECT_EQ(image("a.png").width, 20);
   good("tri.obj -o b.png --resolution 20x10 --look ao --set unsharp.kernel=7 --device cpu");
@@ -303,7 +304,27 @@ TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
   bad("tri.obj -o x.png --config wrong2", 2, {"'wrong2', line 2", "no option 'lok'", "look"});
   write("wrong3", "[rendre]\n");
   bad("tri.obj -o x.png --config wrong3", 2, {"'wrong3', line 1", "did you mean 'render'"});
+  write("wrong4", "[render] look = ao\n");
+  bad("tri.obj -o x.png --config wrong4", 2, {"'wrong4', line 1: 'look = ao' follows [render]"});
+  write("wrong5", "look = \"ao\" bogus\n");
+  bad("tri.obj -o x.png --config wrong5", 2, {"'wrong5', line 1: 'bogus' follows \"ao\""});
   bad("tri.obj -o x.png --config nothere", 3, {"'nothere'"});
+}
+
+// Those of an option that takes several values count all of them, of one heading and until the command line has others.
+TEST_F(Manners, LinesOfTheConfigurationAddUpWhereTheOptionTakesSeveralValues) {
+  write("mine", "resolution = 24x24\n[bench]\nresolution = 32x32\nresolution = 40x40\n[render]\nresolution = 48x48\n");
+  const auto sizes = [&](const std::string& more) {
+    std::set<int> widths;
+    const std::string out =
+        good("bench tri.obj --effect capture --runs 1 --device cpu --json --config mine" + more).out;
+    for (const auto& record : nlohmann::json::parse(out)) widths.insert(record.at("width").get<int>());
+    return widths;
+  };
+  EXPECT_EQ(sizes(""), (std::set<int>{32, 40}));
+  EXPECT_EQ(sizes(" --resolution 16x16"), (std::set<int>{16}));
+  good("tri.obj -o g.png --config mine");
+  EXPECT_EQ(image("g.png").width, 48);
 }
 
 TEST_F(Manners, WrongValuesOfTheConfigurationAreSaidWithTheirLine) {
