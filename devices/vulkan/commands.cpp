@@ -157,14 +157,17 @@ Result<void> Commands::wait_for_it() {
   const auto& vk = gpu_->vk;
   const VkResult waited =
       vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
+  // Where the waiting failed the GPU may still work: only once it has ended may anything of that be used again.
+  if (waited != VK_SUCCESS && vk.DeviceWaitIdle(gpu_->device) != VK_SUCCESS) {
+    handed_over_ = false;
+    lost_ = vulkan_error(waited, "worked");
+    return *lost_;
+  }
   struct AtEnd {
     Commands& commands;
     ~AtEnd() { commands.reset(); }
   } const at_end{*this};  // also where reading the times throws: nobody signals the fence again
-  // Where the waiting failed the GPU may still work: only once it has ended may anything of that be used again.
-  const bool ended = waited == VK_SUCCESS || vk.DeviceWaitIdle(gpu_->device) == VK_SUCCESS;
-  const VkResult renewed = ended ? vk.ResetFences(gpu_->device, 1, &fence_) : waited;
-  if (renewed != VK_SUCCESS) lost_ = vulkan_error(renewed, "worked");
+  if (const auto r = vk.ResetFences(gpu_->device, 1, &fence_); r != VK_SUCCESS) lost_ = vulkan_error(r, "worked");
   if (waited != VK_SUCCESS) return failed(waited);
   return lost_ ? Result<void>(*lost_) : read_times();
 }
