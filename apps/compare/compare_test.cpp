@@ -9,11 +9,13 @@
 
 #include "apps/compare/compare.h"
 #include "apps/compare/report.h"
+#include "faulty_vulkan.h"
 #include "generators/builtin.h"
 #include "looks/quality.h"
 #include "reference/reference.h"
 #include "renderer/devices.h"
 #include "run_program.h"
+#include "vulkan_support.h"
 
 namespace umbrage {
 namespace {
@@ -228,6 +230,17 @@ TEST(Compare, BaselineOfSomethingElseIsAnError) {
   nlohmann::json one_more = scores;
   one_more.push_back(other_scene[0]);
   EXPECT_EQ(check_baseline(one_more, scores, "old.json")->missing, 1);
+}
+
+TEST(Compare, ReturnsWhatGoesWrongOnTheDevice) {
+  if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
+  const auto device = test::new_vulkan_device({.get = test::faulty_get});
+  UMBRAGE_NEEDS_VULKAN(device);
+  test::faulty().faults.submit = VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const auto failed = compare(*device, of_solids(2000, {32, 24}, 2));
+  test::faulty().faults.submit = VK_SUCCESS;
+  ASSERT_FALSE(failed);
+  EXPECT_EQ(failed.error().kind, ErrorKind::kDevice);
 }
 
 TEST(Compare, TheProgressCanEndTheWork) {
