@@ -17,7 +17,14 @@ if(NOT CMAKE_CROSSCOMPILING)
   install(DIRECTORY ${PROJECT_BINARY_DIR}/share/ TYPE DATA COMPONENT program)
 endif()
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT development
-        FILES_MATCHING PATTERN "*.cpp" PATTERN CMakeLists.txt)
+        FILES_MATCHING PATTERN "*.cpp" PATTERN "*.c" PATTERN CMakeLists.txt)
+
+# For Debian's interpreter; elsewhere PYTHONPATH or scripts/wheel serves.
+install(DIRECTORY python/umbrage DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
+        PATTERN __pycache__ EXCLUDE)
+install(FILES examples/gallery.ipynb DESTINATION share/doc/python3-umbrage/examples COMPONENT python EXCLUDE_FROM_ALL)
+install(DIRECTORY examples/python/ DESTINATION share/doc/python3-umbrage/examples COMPONENT python EXCLUDE_FROM_ALL
+        FILES_MATCHING PATTERN "*.py")
 
 # find_package(umbrage)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/umbrage)

@@ -1,8 +1,8 @@
 # libumbrage: the public interface and all that it stands on, as one library. Both kinds are made of the same objects;
 # BUILD_SHARED_LIBS, where it is set, leaves out one of them.
-set(UMBRAGE_ABI 0) # the number of the inline namespace in umbrage.h, and of the shared library
+set(UMBRAGE_ABI 1) # the number of the shared library
 set(objects "")
-foreach(folder core system kernel effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io renderer)
+foreach(folder core system kernel effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io renderer library)
   list(APPEND objects $<TARGET_OBJECTS:umbrage_${folder}>)
 endforeach()
 

@@ -1,9 +1,9 @@
-# Debian packages by CPack, as Debian parts them: umbrage, the programs and their pages; libumbrage0, the shared library;
-# libumbrage-dev, what programs are compiled with. scripts/package makes them.
+# Debian packages by CPack, as Debian parts them: umbrage, the programs and their pages; libumbrage1, the shared library;
+# libumbrage-dev, what programs are compiled with; python3-umbrage, the Python package. scripts/package makes them.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The Umbrage authors <umbrage@localhost>")
 set(CPACK_PACKAGE_VENDOR "Umbrage")
-set(CPACK_COMPONENTS_ALL program library development)
+set(CPACK_COMPONENTS_ALL program library development python)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -31,6 +31,30 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS
     "libembree-dev, libfmt-dev, libhwy-dev, libopenexr-dev, libpng-dev, libtbb-dev, libvulkan-dev")
 
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-umbrage)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "libumbrage${UMBRAGE_ABI} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), python3 (>= 3.8), python3-numpy")
+# What Python compiles is made with the package and goes with it.
+foreach(script "postinst configure py3compile" "prerm remove|upgrade|deconfigure py3clean")
+  string(REPLACE " " ";" script "${script}")
+  list(GET script 0 name)
+  list(GET script 1 when)
+  list(GET script 2 command)
+  file(CONFIGURE OUTPUT generated/debian/python/${name} CONTENT
+"#!/bin/sh
+set -e
+case \"$1\" in
+  @when@) if command -v @command@ >/dev/null; then @command@ -p python3-umbrage; fi ;;
+esac
+" @ONLY)
+  file(CHMOD ${PROJECT_BINARY_DIR}/generated/debian/python/${name} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE
+       GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+  list(APPEND CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/generated/debian/python/${name})
+endforeach()
+
 # Below the project's own description, which is the first line of each.
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read: ambient occlusion,
@@ -44,6 +68,10 @@ set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
 programs have drawn. This package is what programs are compiled with: headers,
 static library, packages for CMake and pkg-config, examples.")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+    "Umbrage draws 3D models so that their shape can be read, and shades what other
+programs have drawn. This package is its Python package: models become
+pictures, arrays of NumPy and others become shaded.")
 
 # What Debian wants of every package: licence and changelog in a folder of its own. No plain install makes them.
 find_program(GZIP gzip)
@@ -68,7 +96,7 @@ Files: *
 Copyright: 2026 The Umbrage authors
 License: MIT
  @licence@" @ONLY)
-  foreach(component program library development)
+  foreach(component program library development python)
     string(TOUPPER ${component} upper)
     install(FILES ${PROJECT_BINARY_DIR}/generated/debian/changelog.Debian.gz ${PROJECT_BINARY_DIR}/generated/debian/copyright
             DESTINATION share/doc/${CPACK_DEBIAN_${upper}_PACKAGE_NAME} COMPONENT ${component} EXCLUDE_FROM_ALL)

@@ -79,8 +79,8 @@ class Device {
   /// Draws the prepared scene into a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                                 const ProgressMonitor& monitor = {}) = 0;
-  /// A frame from planes on the host.
-  virtual Result<Frame> upload(const GBuffer& gbuffer) = 0;
+  /// A frame from planes on the host. Planes that are views are read as long as the frame lives, and not written.
+  virtual Result<Frame> upload(GBuffer gbuffer) = 0;
   /// A frame that starts with the planes of another one, of a whole picture, and shares their memory. What is run on it
   /// leaves the other one as it is. While it or a branch of it lives, nothing may be run on the other one, added to it
   /// or placed there: that throws InternalError.
@@ -112,6 +112,14 @@ class Device {
   /// The planes of these names, in this order, without the guard band. Errors: kUsage for one that is missing. Of a
   /// band its own rows, of which missing_rows says whether they are all there.
   virtual Result<Image> download(const Frame& frame, const std::vector<std::string>& names) = 0;
+  /// Hands such planes on one after the other, by their place in `names`, without a copy where the device can.
+  virtual Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
+                             const std::function<void(std::size_t name, const Plane& plane)>& take) {
+    const auto image = download(frame, names);
+    if (!image) return image.error();
+    for (std::size_t k = 0; k < names.size(); ++k) take(k, image->planes[k]);
+    return {};
+  }
   /// All planes that a frame has.
   Result<Image> download_all(const Frame& frame) { return download(frame, plane_names(frame)); }
   /// By how many rows a band's margin is too small for its own rows of these planes to be right; 0: they are.

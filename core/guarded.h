@@ -10,7 +10,7 @@
 
 namespace umbrage {
 
-/// The Result of `work`, or the std::exception that it throws as an Error: kDevice where memory is short, kInternal
+/// The Result of `work`, or the exception that it throws as an Error: kDevice where memory is short, kInternal
 /// otherwise. `asked()` says what memory was asked for, such as "a picture of 64 x 48 pixels".
 template <class Asked, class Work>
 std::invoke_result_t<Work> guarded(const Asked& asked, const Work& work) {
@@ -21,6 +21,8 @@ std::invoke_result_t<Work> guarded(const Asked& asked, const Work& work) {
       return device_error("not enough memory for {}", asked());
     } catch (const std::exception& error) {
       return Error{ErrorKind::kInternal, fmt::format("internal error: {}", error.what())};
+    } catch (...) {  // a caller's callback threw something else
+      return Error{ErrorKind::kInternal, "internal error: an exception of unknown kind"};
     }
   } catch (const std::exception&) {  // no memory even for the sentence; a string this short needs none
     return Error{ErrorKind::kDevice, "out of memory"};

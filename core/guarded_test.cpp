@@ -9,8 +9,9 @@
 
 #include "kernel/kernel_frame.h"
 #include "run_program.h"
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
 #include "vulkan_support.h"
+using namespace umb;  // the public interface, whose names umbrage has not
 
 namespace umbrage {
 namespace {
@@ -33,16 +34,16 @@ class Guarded : public testing::TestWithParam<Fault> {
   void TearDown() override { injected_fault = nullptr; }
 
   /// Calls with the fault, which must be told, and then without it.
-  void expect_told(const std::function<v0::Outcome(Picture&)>& call) {
+  void expect_told(const std::function<Outcome(Picture&)>& call) {
     Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
     injected_fault = GetParam().inject;
-    const v0::Outcome failed = call(picture);
+    const Outcome failed = call(picture);
     injected_fault = nullptr;
     EXPECT_EQ(failed.code, GetParam().code) << failed.message;
     EXPECT_NE(failed.message.find(GetParam().text), std::string::npos) << failed.message;
     EXPECT_EQ(failed.message.find('\n'), std::string::npos) << failed.message;
     EXPECT_EQ(picture.rgba.size(), 4u);
-    const v0::Outcome again = call(picture);
+    const Outcome again = call(picture);
     EXPECT_EQ(again.code, 0) << again.message;
     EXPECT_EQ(picture.rgba.size(), 64u * 48u * 4u);
   }

@@ -121,6 +121,15 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
   data_ = {reinterpret_cast<float*>(static_cast<std::byte*>(base) + offset), Free{base, whole, pool}};
 }
 
+Plane Plane::view(const float* data, int width, int height) {
+  check_equal(width % kRowAlignment, 0, "width of a view");
+  Plane view;
+  view.width = view.stride = width;
+  view.height = height;
+  view.data_ = {const_cast<float*>(data), Free{nullptr, 0, {}}};
+  return view;
+}
+
 Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
   std::fill_n(data(), std::size_t(stride) * height, value);
 }

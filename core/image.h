@@ -75,6 +75,10 @@ class Plane {
   Plane(const Plane& other);
   Plane(Plane&&) noexcept = default;
   Plane& operator=(Plane other) noexcept;
+  /// The caller's floats, row after row, which outlive it. A copy has memory of its own. The width is a multiple of
+  /// kRowAlignment.
+  static Plane view(const float* data, int width, int height);
+  bool is_view() const { return data_ && !data_.get_deleter().base; }
 
   int width = 0, height = 0;
   int stride = 0;  ///< floats from one row to the next

@@ -2,7 +2,7 @@
 #include <chrono>
 #include <cstdio>
 
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 3) {
@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::milliseconds(long(1000.0 * std::atof(argv[2])));
 
-  umbrage::RenderRequest request;
+  umb::RenderRequest request;
   request.model = argv[1];
   request.occlusion = "reference";  // ray traced
   request.settings = {"reference.samples=256"};
@@ -21,8 +21,8 @@ int main(int argc, char** argv) {
     std::fflush(stdout);
     return Clock::now() < end;  // false ends the work
   };
-  umbrage::Picture picture;
-  const umbrage::Outcome outcome = umbrage::render(request, picture);
+  umb::Picture picture;
+  const umb::Outcome outcome = umb::render(request, picture);
   std::printf("\n%s\n", outcome.code == 0 ? "done" : outcome.message.c_str());
   return outcome.code;
 }

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
 
 int main(int argc, char** argv) {
   const int width = 320, height = 240;
@@ -19,20 +19,20 @@ int main(int argc, char** argv) {
       if (inside > 0.0f) nearest = std::min(nearest, (5.0f - std::sqrt(inside)) / square);
       depth.push_back(nearest);
     }
-  umbrage::ShadeRequest request;
+  umb::ShadeRequest request;
   request.width = width;
   request.height = height;
   request.left = -0.8f, request.right = 0.8f, request.bottom = -0.6f, request.top = 0.6f;  // at distance 1
   request.arrays.push_back({"depth", depth.data()});
   request.passes = {"ao"};  // besides the picture that the look makes
 
-  umbrage::Picture picture;
-  umbrage::Outcome outcome = umbrage::shade(request, picture);
+  umb::Picture picture;
+  umb::Outcome outcome = umb::shade(request, picture);
   if (outcome.code == 0) {
     const std::vector<float>& ao = picture.passes[0].values;
     std::printf("the least open pixel: %.2f\n", double(*std::min_element(ao.begin(), ao.end())));
   }
-  if (outcome.code == 0 && argc > 1) outcome = umbrage::save(picture, argv[1]);
+  if (outcome.code == 0 && argc > 1) outcome = umb::save(picture, argv[1]);
   if (outcome.code != 0) std::fprintf(stderr, "%s\n", outcome.message.c_str());
   return outcome.code;
 }

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
 
 int main(int argc, char** argv) {
   if (argc < 3) {
@@ -12,19 +12,27 @@ int main(int argc, char** argv) {
     return 2;
   }
   const int frames = std::atoi(argv[2]);
-  umbrage::FrameRenderer renderer;
-  const umbrage::RenderRequest request = {
-      .model = argv[1], .look = "ao", .width = 320, .height = 240, .device = argc > 3 ? argv[3] : "auto"};
+  umb::FrameRenderer renderer;
+  umb::RenderRequest request;
+  request.model = argv[1];
+  request.look = "ao";
+  request.width = 320;
+  request.height = 240;
+  if (argc > 3) request.device = argv[3];
   if (const auto opened = renderer.open(request); opened.code != 0) {
     std::fprintf(stderr, "turntable: %s\n", opened.message.c_str());
     return opened.code;
   }
   std::printf("%s\n", renderer.device().c_str());
-  umbrage::Picture picture;
+  umb::Picture picture;
   for (int k = 0; k < frames; ++k) {
     const float turn = 6.2831853f * float(k) / float(frames);
-    const umbrage::FrameCamera camera = {
-        .placed = true, .eye = {8.0f * std::cos(turn), 4.0f, 8.0f * std::sin(turn)}, .target = {0, 0, 0}};
+    umb::FrameCamera camera;
+    camera.placed = true;
+    camera.eye[0] = 8.0f * std::cos(turn);
+    camera.eye[1] = 4.0f;
+    camera.eye[2] = 8.0f * std::sin(turn);
+    camera.target[2] = 0.0f;
     const auto start = std::chrono::steady_clock::now();
     if (const auto drawn = renderer.draw(camera, picture); drawn.code != 0) {
       std::fprintf(stderr, "turntable: %s\n", drawn.message.c_str());

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <vector>
 
-#include "umbrage/vulkan.h"
+#include "umbrage/vulkan.hpp"
 
 namespace {
 
@@ -205,17 +205,17 @@ int main(int argc, char** argv) {
 
   std::vector<float> result(kWidth * kHeight);
   {
-    umbrage::VulkanShading shading;
+    umb::VulkanShading shading;
     if (const auto opened = shading.open({vkGetInstanceProcAddr, e.instance, e.gpu, e.device, e.queue, 0});
         opened.code != 0) {
       std::fprintf(stderr, "vulkan_images: %s\n", opened.message.c_str());
       return opened.code;
     }
-    umbrage::VulkanGBuffer gbuffer;
+    umb::VulkanGBuffer gbuffer;
     gbuffer.width = kWidth;
     gbuffer.height = kHeight;
     gbuffer.depth = {depth.image, VK_FORMAT_R32_SFLOAT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
-    gbuffer.depth_kind = umbrage::DepthKind::kReversed;
+    gbuffer.depth_kind = umb::DepthKind::kReversed;
     gbuffer.near_plane = kNear;
     gbuffer.normal = {normal.image, VK_FORMAT_R32G32B32A32_SFLOAT, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     gbuffer.right = 0.5f * kWidth / kHeight;
@@ -223,7 +223,7 @@ int main(int argc, char** argv) {
     gbuffer.top = 0.5f;
     gbuffer.bottom = -0.5f;
     gbuffer.scene_radius = 3.0f;
-    umbrage::VulkanShadeRequest request;
+    umb::VulkanShadeRequest request;
     request.effects = {"bitmask", "denoise"};
     request.settings = {"bitmask.radius=1"};
     // What the image holds need not be kept: it comes in any layout.

@@ -5,7 +5,8 @@
 
 #include "run_program.h"
 #include "support.h"
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
+using namespace umb;  // the public interface, whose names umbrage has not
 
 namespace umbrage {
 namespace {

@@ -71,7 +71,7 @@ TEST(InteriorLights, PicturesOfScenesWithoutLightsUseThem) {
     Scene scene = hall(open);
     const auto device = make_device("cpu", 0);
     ASSERT_TRUE((*device)->prepare(scene));
-    RenderRequest settings;
+    Request settings;
     settings.width = settings.height = 48;
     settings.look = "lit";
     settings.camera.position = {0.0f, 1.5f, 3.5f};

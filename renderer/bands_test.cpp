@@ -17,7 +17,7 @@ namespace umbrage {
 namespace {
 
 /// The planes of a picture, drawn whole or in bands of so many rows.
-Image drawn(const RenderRequest& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
+Image drawn(const Request& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
             const char* model = "scene:room?detail=3000", bool alone = false) {
   static std::map<std::string, Scene> scenes;  // one takes a second to make
   if (!scenes.count(model)) scenes[model] = *load_scene(model);
@@ -68,7 +68,7 @@ void expect_same(const Image& a, const Image& b) {
   }
 }
 
-void expect_bands_same(const RenderRequest& settings, std::vector<int> rows = {64},
+void expect_bands_same(const Request& settings, std::vector<int> rows = {64},
                        const std::vector<std::string>& planes = {"color.r", "color.g", "color.b", "color.a", "depth",
                                                                  "ao"}) {
   const Image whole = drawn(settings, 0, planes);
@@ -78,8 +78,8 @@ void expect_bands_same(const RenderRequest& settings, std::vector<int> rows = {6
   }
 }
 
-RenderRequest of_look(std::string_view look, int width = 200, int height = 150) {
-  RenderRequest settings;
+Request of_look(std::string_view look, int width = 200, int height = 150) {
+  Request settings;
   settings.look = look;
   settings.width = width;
   settings.height = height;
@@ -98,7 +98,7 @@ TEST(Bands, EveryTechniqueAtEveryScale) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     for (const char* scale : {"full", "half", "quarter"}) {
       SCOPED_TRACE(fmt::format("{} {}", effect->name, scale));
-      RenderRequest settings = of_look("bleeding", 121, 93);
+      Request settings = of_look("bleeding", 121, 93);
       settings.occlusion = effect->name;
       settings.occlusion_scale = scale;
       expect_bands_same(settings, {32});
@@ -109,7 +109,7 @@ TEST(Bands, EveryTechniqueAtEveryScale) {
 TEST(Bands, EveryQualityAndWhatIsAveraged) {
   for (const char* quality : {"draft", "normal", "high"}) {
     SCOPED_TRACE(quality);
-    RenderRequest settings = of_look("studio", 101, 75);
+    Request settings = of_look("studio", 101, 75);
     settings.quality = quality;
     settings.passes = {"ao"};
     expect_bands_same(settings, {32});
@@ -128,7 +128,7 @@ TEST(Bands, SettingsThatReadFar) {
       {"bleeding-paper", {"box.size=15"}}};
   for (const auto& [look, assignments] : all) {
     SCOPED_TRACE(assignments[0]);
-    RenderRequest settings = of_look(look, 101, 107);
+    Request settings = of_look(look, 101, 107);
     settings.settings = assignments;
     expect_bands_same(settings, {32});
   }
@@ -146,7 +146,7 @@ TEST(Bands, AnySizeOfPicturesAndBands) {
 TEST(Bands, HighPictures) { expect_bands_same(of_look("cartoon", 32, 1300), {400}); }
 
 TEST(Bands, GuardBandsAndFurtherViews) {
-  RenderRequest settings = of_look("bleeding", 101, 75);
+  Request settings = of_look("bleeding", 101, 75);
   settings.guard_band = 20.0f;
   settings.extra_views = 2;
   settings.layers = 1;
@@ -155,7 +155,7 @@ TEST(Bands, GuardBandsAndFurtherViews) {
 
 // Lines are those of the whole picture, of the frame that stays.
 TEST(Bands, LinesOverAveragedFrames) {
-  RenderRequest settings = of_look("cartoon", 181, 203);
+  Request settings = of_look("cartoon", 181, 203);
   settings.settings = {"outline.width=3", "outline.r=0.5"};
   settings.guard_band = 20.0f;
   const std::vector<std::string> planes = {"color.r", "color.b", "outline", "normal.x", "depth"};
@@ -176,7 +176,7 @@ TEST(Bands, PassesAlone) {
                                      {"studio", {"depth"}},
                                      {"studio", {"ao", "shadow"}}}) {
     SCOPED_TRACE(fmt::format("{} {}", look, passes[0]));
-    RenderRequest settings = of_look(look, 101, 107);
+    Request settings = of_look(look, 101, 107);
     settings.passes = passes;
     const Image whole = drawn(settings, 0, passes, 0, "scene:room?detail=3000", true);
     expect_same(whole, drawn(settings, 32, passes, 0, "scene:room?detail=3000", true));
@@ -185,14 +185,14 @@ TEST(Bands, PassesAlone) {
 }
 
 TEST(Bands, DoNotDependOnThreads) {
-  const RenderRequest settings = of_look("studio", 101, 75);
+  const Request settings = of_look("studio", 101, 75);
   const std::vector<std::string> planes = {"color.r", "color.g", "color.b", "ao"};
   const Image whole = drawn(settings, 0, planes, 3);
   for (const int threads : {1, 2, 4}) expect_same(whole, drawn(settings, 32, planes, threads));
 }
 
 TEST(Bands, SoftShadowsOfAModelInTheOpen) {
-  RenderRequest settings = of_look("studio", 160, 240);
+  Request settings = of_look("studio", 160, 240);
   settings.quality = "draft";
   const std::vector<std::string> planes = {"color.r", "shadow", "cover"};
   for (const char* model : {"scene:tank?detail=2000", "scene:solids?detail=2000"})
@@ -201,7 +201,7 @@ TEST(Bands, SoftShadowsOfAModelInTheOpen) {
 
 TEST(Bands, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
-  RenderRequest settings = of_look("studio", 1024, 1024);
+  Request settings = of_look("studio", 1024, 1024);
   const auto planned = [&](double memory) {
     return plan_bands(*device, *make_recipe(settings, kMostBandPixels), memory);
   };

@@ -18,7 +18,7 @@
 #include "run_program.h"
 #include "scene/finish.h"
 #include "scene/framing.h"
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
 
 namespace umbrage {
 namespace {
@@ -179,7 +179,7 @@ TEST_F(Cancel, TheLibraryEndsWhileItOpensAModel) {
     const std::string file = file_of(ending).string();
     for (const int last : {2, 4, 6}) {
       int calls = 0;
-      v0::FrameRenderer renderer;
+      umb::FrameRenderer renderer;
       const auto outcome = renderer.open(
           {.model = file, .look = "ao", .width = 64, .height = 48, .device = "cpu", .progress = [&](double done) {
              EXPECT_EQ(done, 0.0);

@@ -42,7 +42,7 @@ class Stage {
 
  private:
   static Recipe recipe_of(const Case& wanted) {
-    RenderRequest request{.look = wanted.look, .settings = wanted.settings, .width = 60, .height = 45};
+    Request request{.look = wanted.look, .settings = wanted.settings, .width = 60, .height = 45};
     request.occlusion_scale = wanted.scale;
     Recipe recipe = *make_recipe(request);
     recipe.frames = wanted.frames;

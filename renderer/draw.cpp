@@ -180,7 +180,7 @@ Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, Sta
   return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
 }
 
-Result<Frame> draw(Device& device, const Scene& scene, const RenderRequest& request, StageTimes& times) {
+Result<Frame> draw(Device& device, const Scene& scene, const Request& request, StageTimes& times) {
   const auto recipe = make_recipe(request);
   return recipe ? draw(device, scene, *recipe, times) : recipe.error();
 }
@@ -188,12 +188,14 @@ Result<Frame> draw(Device& device, const Scene& scene, const RenderRequest& requ
 namespace {
 
 /// Uploads a G-buffer and makes the normals that it may lack.
-Result<Frame> uploaded(Device& device, const GBuffer& gbuffer, const EffectSettings& settings) {
-  auto frame = device.upload(gbuffer);
+Result<Frame> uploaded(Device& device, GBuffer gbuffer, const EffectSettings& settings) {
+  std::vector<bool> has_normals;
+  for (const Image& layer : gbuffer.layers) has_normals.push_back(layer.find("normal.x") != nullptr);
+  auto frame = device.upload(std::move(gbuffer));
   if (!frame) return frame;
   const Effect& normals = *find_effect("normals");
-  for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
-    if (!gbuffer.layers[layer].find("normal.x"))
+  for (std::size_t layer = 0; layer < has_normals.size(); ++layer)
+    if (!has_normals[layer])
       if (auto done = device.run(normals, params_of(settings, normals.name), *frame, int(layer)); !done)
         return done.error();
   return frame;
@@ -217,7 +219,7 @@ Result<Frame> shade_planes(Device& device, GBuffer gbuffer, const Recipe& asked,
     apply_radius(*radius, gbuffer.info, recipe);
   }
   DrawProgress progress(monitor, 1 + recipe.look->effects.size(), 1);
-  auto frame = uploaded(device, gbuffer, recipe.settings);
+  auto frame = uploaded(device, std::move(gbuffer), recipe.settings);
   if (!frame) return frame;
   progress.step_done();
   times.done("upload");

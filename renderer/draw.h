@@ -31,7 +31,7 @@ Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times);
 
 /// Makes a recipe, plans and draws: a picture without an image around the scene. Errors: kUsage, too.
-Result<Frame> draw(Device& device, const Scene& scene, const RenderRequest& request, StageTimes& times);
+Result<Frame> draw(Device& device, const Scene& scene, const Request& request, StageTimes& times);
 
 /// Shades what another renderer drew by a recipe of its request. Without normals they are made of the depth. Where
 /// gbuffer.info has no lights a look gets some, as they stand to the camera of a model without lights. Errors: kUsage

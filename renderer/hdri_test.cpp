@@ -9,7 +9,7 @@
 #include "run_program.h"
 #include "scene/environment.h"
 #include "scene/readers/import_apart.h"
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -663,12 +663,12 @@ TEST_F(HdriPicture, IsInThePublicInterfaceToo) {
       "ball.obj --resolution 48x48 --hdri-file sun.pfm --hdri-skybox --hdri-rotation 30 --hdri-intensity 0.8 -o "
       "out.png --device cpu");
   const Image picture = image("out.png");
-  RenderRequest request{.model = path("ball.obj"), .width = 48, .height = 48, .device = "cpu"};
+  umb::RenderRequest request{.model = path("ball.obj"), .width = 48, .height = 48, .device = "cpu"};
   request.hdri_file = path("sun.pfm");
   request.hdri_skybox = true;
   request.hdri_rotation_deg = 30.0f;
   request.hdri_intensity = 0.8f;
-  Picture drawn;
+  umb::Picture drawn;
   ASSERT_EQ(render(request, drawn).code, 0);
   for (std::size_t p = 0; p < 48u * 48u; ++p)
     ASSERT_NEAR(drawn.rgba[4 * p + 1], picture.planes[1].at(int(p % 48), int(p / 48)), 0.003f);

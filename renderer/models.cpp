@@ -17,6 +17,30 @@ Result<Scene> load_scene(const std::string& model, const ImportSettings& setting
   return scene;
 }
 
+void append_scene(Scene next, Scene& all) {
+  const int materials = int(all.materials.size()), textures = int(all.textures.size());
+  int objects = 0;
+  for (const Mesh& mesh : all.meshes) objects = std::max(objects, mesh.object + 1);
+  for (Material& material : next.materials) {
+    for (int* texture : {&material.texture, &material.emission_texture})
+      if (*texture != kNoTexture) *texture += textures;
+    all.materials.push_back(std::move(material));
+  }
+  for (Texture& texture : next.textures) all.textures.push_back(std::move(texture));
+  for (Mesh& mesh : next.meshes) {
+    mesh.material += materials;
+    mesh.object += objects;
+    all.meshes.push_back(std::move(mesh));
+  }
+  for (std::string& warning : next.warnings) all.warnings.push_back(std::move(warning));
+  all.bounds_min = glm::min(all.bounds_min, next.bounds_min);
+  all.bounds_max = glm::max(all.bounds_max, next.bounds_max);
+  all.views.clear();
+  all.scene_names.clear();
+  all.cameras.insert(all.cameras.end(), next.cameras.begin(), next.cameras.end());
+  all.name += " + " + next.name;
+}
+
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings,
                           const ProgressMonitor& monitor) {
   std::size_t read = 0;
@@ -27,27 +51,7 @@ Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSe
     read = m;
     auto next = load_scene(models[m], settings, of_model);
     if (!next) return next;
-    const int materials = int(all->materials.size()), textures = int(all->textures.size());
-    int objects = 0;
-    for (const Mesh& mesh : all->meshes) objects = std::max(objects, mesh.object + 1);
-    for (Material& material : next->materials) {
-      for (int* texture : {&material.texture, &material.emission_texture})
-        if (*texture != kNoTexture) *texture += textures;
-      all->materials.push_back(std::move(material));
-    }
-    for (Texture& texture : next->textures) all->textures.push_back(std::move(texture));
-    for (Mesh& mesh : next->meshes) {
-      mesh.material += materials;
-      mesh.object += objects;
-      all->meshes.push_back(std::move(mesh));
-    }
-    for (std::string& warning : next->warnings) all->warnings.push_back(std::move(warning));
-    all->bounds_min = glm::min(all->bounds_min, next->bounds_min);
-    all->bounds_max = glm::max(all->bounds_max, next->bounds_max);
-    all->views.clear();
-    all->scene_names.clear();
-    all->cameras.insert(all->cameras.end(), next->cameras.begin(), next->cameras.end());
-    all->name += " + " + next->name;
+    append_scene(std::move(*next), *all);
   }
   return all;
 }

@@ -14,6 +14,9 @@ namespace umbrage {
 Result<Scene> load_scene(const std::string& model, const ImportSettings& settings = {},
                          const ProgressMonitor& monitor = {});
 
+/// Puts a finished scene beside another one, whose lights and name's beginning stay.
+void append_scene(Scene next, Scene& all);
+
 /// Several models side by side in one scene, as they are placed in their files.
 Result<Scene> load_scenes(const std::vector<std::string>& models, const ImportSettings& settings = {},
                           const ProgressMonitor& monitor = {});

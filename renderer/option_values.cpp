@@ -12,12 +12,12 @@ namespace {
 constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a share such as 5%";
 constexpr float kMaxPosition = 1e15f;  // as for models: rays beyond leave what Embree takes
 
-/// Three numbers parted by commas.
-std::optional<Vector3> parse_three(std::string_view text) {
-  Vector3 v{};
+/// So many numbers, separated by commas.
+std::optional<std::vector<float>> parse_numbers(std::string_view text, std::size_t count) {
+  std::vector<float> v(count);
   std::size_t start = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t end = i == 2 ? text.size() : text.find(',', start);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t end = i + 1 == count ? text.size() : text.find(',', start);
     if (end == std::string_view::npos) return std::nullopt;
     const auto value = parse_number(text.substr(start, end - start));
     if (!value) return std::nullopt;
@@ -26,6 +26,14 @@ std::optional<Vector3> parse_three(std::string_view text) {
   }
   return v;
 }
+
+std::optional<Vector3> parse_three(std::string_view text) {
+  const auto v = parse_numbers(text, 3);
+  return v ? std::optional(Vector3{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
+}
+
+/// Of a field that is a list of numbers.
+std::size_t count_of(OptionForm form) { return form == OptionForm::kRotation ? 9 : 4; }
 
 bool is_zero(const Vector3& v) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
 
@@ -57,6 +65,9 @@ std::string taken(const Option& o) {
       return "+X, -X, +Y, -Y, +Z, -Z or three numbers that are not all 0";
     case OptionForm::kColor:
       return "three numbers from 0 to 1, such as 0.2,0.3,0.5";
+    case OptionForm::kRotation:
+    case OptionForm::kWindow:
+      return fmt::format("{} numbers", count_of(o.form));
     default:
       break;
   }
@@ -76,11 +87,15 @@ Result<void> check_choice(const Option& o, std::string_view text) {
 /// The value of an option in a request, checked. Errors: kUsage.
 class CheckValue {
  public:
-  CheckValue(const Option& option, RenderRequest& request) : o_(option), request_(request) {}
+  CheckValue(const Option& option, Request& request) : o_(option), request_(request) {}
 
   Result<void> operator()(std::monostate) { return {}; }
   Result<void> operator()(FieldOf<bool>) { return {}; }
   Result<void> operator()(FieldOf<std::vector<std::string>>) { return {}; }
+  Result<void> operator()(FieldOf<std::vector<float>> of) {
+    const std::vector<float>& values = of(request_);
+    return values.size() == count_of(o_.form) ? Result<void>() : wrong(o_, fmt::format("{} numbers", values.size()));
+  }
   Result<void> operator()(FieldOf<int> of) { return number(of(request_)); }
   Result<void> operator()(FieldOf<float> of) { return number(of(request_)); }
   Result<void> operator()(FieldOf<std::optional<int>> of) {
@@ -91,7 +106,7 @@ class CheckValue {
   }
   Result<void> operator()(FieldOf<std::string> of) {
     const std::string& text = of(request_);
-    RenderRequest untouched;
+    Request untouched;
     if (text.empty() && of(untouched).empty()) return {};
     if (o_.form == OptionForm::kLength) {
       const auto length = parse_length(o_.field, text);
@@ -109,13 +124,13 @@ class CheckValue {
   Result<void> number(double value) { return interval_of(o_).has(value) ? Result<void>() : wrong(o_, value); }
 
   const Option& o_;
-  RenderRequest& request_;
+  Request& request_;
 };
 
 /// Sets an option's field from text. Errors: kUsage.
 class SetValue {
  public:
-  SetValue(const Option& option, std::string_view text, RenderRequest& request)
+  SetValue(const Option& option, std::string_view text, Request& request)
       : o_(option), text_(text), request_(request) {}
 
   Result<void> operator()(std::monostate) { return check_choice(o_, text_); }
@@ -130,6 +145,12 @@ class SetValue {
       of(request_) = split(text_);
     else
       of(request_).emplace_back(text_);
+    return {};
+  }
+  Result<void> operator()(FieldOf<std::vector<float>> of) {
+    const auto values = parse_numbers(text_, count_of(o_.form));
+    if (!values) return wrong(o_, text_);
+    of(request_) = *values;
     return {};
   }
   Result<void> operator()(FieldOf<std::string> of) {
@@ -174,12 +195,12 @@ class SetValue {
 
   const Option& o_;
   std::string_view text_;
-  RenderRequest& request_;
+  Request& request_;
 };
 
 /// What two options say of the same thing. Errors: kUsage.
-Result<void> check_together(const RenderRequest& r) {
-  const CameraRequest& camera = r.camera;
+Result<void> check_together(const Request& r) {
+  const CameraSettings& camera = r.camera;
   if (camera.index && (camera.position || camera.focal_point || camera.direction))
     return usage_error("`camera.index` and `camera.{}` both say where the camera is: give one of them",
                        camera.position      ? "position"
@@ -210,7 +231,7 @@ Interval interval_of(const Option& option) {
   return {.min = option.min, .max = option.max, .kind = whole ? NumberKind::kWhole : NumberKind::kReal};
 }
 
-Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request) {
+Result<void> set_option(const Option& option, std::string_view text, Request& request) {
   if (option.form == OptionForm::kSize) {
     const auto size = parse_size(option.field, text, kMostBandPixels);
     if (!size) return size.error();
@@ -220,9 +241,21 @@ Result<void> set_option(const Option& option, std::string_view text, RenderReque
   return std::visit(SetValue(option, text, request), option.where);
 }
 
-Result<void> check_request(const RenderRequest& request, long most_pixels) {
+void reset_option(const Option& option, Request& request) {
+  Request untouched;
+  const auto reset = [&](auto of) {
+    if constexpr (!std::is_same_v<decltype(of), std::monostate>) of(request) = of(untouched);
+  };
+  std::visit(reset, option.where);
+}
+
+Result<void> check_option(const Option& option, Request& request) {
+  return std::visit(CheckValue(option, request), option.where);
+}
+
+Result<void> check_request(const Request& request, long most_pixels) {
   // Fields are found in requests that may be written, and only read here.
-  auto& fields = const_cast<RenderRequest&>(request);
+  auto& fields = const_cast<Request&>(request);
   for (const Option& option : options())
     if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
   if (long(request.width) * request.height > most_pixels)

@@ -1,4 +1,4 @@
-// The table of what a RenderRequest can say: one row per option. From it come the command line with its help, manual
+// The table of what a Request can say: one row per option. From it come the command line with its help, manual
 // page and completion, the checks of the library and what both say of a wrong value.
 //
 // Messages name a field in backquotes, `camera.zoom`; who speaks to people in other words puts them in its place. They
@@ -15,17 +15,17 @@
 #include "core/length.h"
 #include "core/numbers.h"
 #include "core/result.h"
-#include "umbrage/umbrage.h"
+#include "renderer/request.h"
 
 namespace umbrage {
 
 /// Where a field is.
 template <class T>
-using FieldOf = T& (*)(RenderRequest&);
+using FieldOf = T& (*)(Request&);
 using Vector3 = std::array<float, 3>;
 using Field = std::variant<std::monostate, FieldOf<bool>, FieldOf<int>, FieldOf<float>, FieldOf<std::optional<int>>,
                            FieldOf<std::optional<float>>, FieldOf<std::string>, FieldOf<std::vector<std::string>>,
-                           FieldOf<std::optional<Vector3>>>;
+                           FieldOf<std::vector<float>>, FieldOf<std::optional<Vector3>>>;
 
 /// How a value is written, where its type alone does not say it.
 enum class OptionForm {
@@ -36,11 +36,21 @@ enum class OptionForm {
   kPosition,   ///< "1,2.5,-3"
   kDirection,  ///< the same, or "+Y"; not 0
   kColor,      ///< three numbers from 0 to 1
+  kRotation,   ///< nine numbers
+  kWindow,     ///< four numbers
   kWords,      ///< "depth,normal"
 };
 
 /// The commands that have an option, as bits.
-enum OptionCommand : unsigned { kRender = 1, kCompare = 2, kTune = 4, kInfo = 8, kBench = 16, kFigures = 32 };
+enum OptionCommand : unsigned {
+  kRender = 1,
+  kCompare = 2,
+  kTune = 4,
+  kInfo = 8,
+  kBench = 16,
+  kFigures = 32,
+  kShade = 64
+};
 
 struct Option {
   std::string_view field;  ///< its name in a program: "camera.zoom"
@@ -68,11 +78,17 @@ std::string with_fields_renamed(std::string_view message, std::string (*rename)(
 Interval interval_of(const Option& option);
 
 /// Sets a field from text; flags take "true" and "false". Errors: kUsage.
-Result<void> set_option(const Option& option, std::string_view text, RenderRequest& request);
+Result<void> set_option(const Option& option, std::string_view text, Request& request);
+
+/// Gives a field the value that it has where nobody sets it.
+void reset_option(const Option& option, Request& request);
+
+/// Checks one field's range and choices. Errors: kUsage.
+Result<void> check_option(const Option& option, Request& request);
 
 /// Checks everything of a request that can be wrong by itself: ranges, choices, and what contradicts each other. Of
 /// names nothing. `most_pixels`: of the picture. Errors: kUsage.
-Result<void> check_request(const RenderRequest& request, long most_pixels);
+Result<void> check_request(const Request& request, long most_pixels);
 
 /// The words of a list parted by commas.
 std::vector<std::string> split(std::string_view text);

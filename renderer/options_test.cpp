@@ -38,18 +38,18 @@ TEST(Options, NumbersTakeTheirRangeAndNoMore) {
     ASSERT_LT(o.min, o.max);
     const double beyond = std::max(1.0, 1e-3 * (o.max - o.min));
     for (const double value : {o.min, o.max}) {
-      RenderRequest request;
+      Request request;
       EXPECT_TRUE(set_option(o, text_of(o, value), request)) << value;
       EXPECT_TRUE(check_request(request, kMostBandPixels)) << value;
     }
     for (const double value : {o.min - beyond, o.max + beyond}) {
-      RenderRequest request;
+      Request request;
       const auto set = set_option(o, text_of(o, value), request);
       ASSERT_FALSE(set) << value;
       EXPECT_EQ(set.error().kind, ErrorKind::kUsage);
       EXPECT_NE(set.error().message.find(fmt::format("`{}` cannot be", o.field)), std::string::npos);
     }
-    RenderRequest request;
+    Request request;
     for (const char* text : {"", "x", "1x", "nan", "1 "}) EXPECT_FALSE(set_option(o, text, request)) << text;
   }
 }
@@ -58,7 +58,7 @@ TEST(Options, WholeNumbersTakeNoFractions) {
   for (const Option& o : options()) {
     if (!is_number(o) || interval_of(o).kind == NumberKind::kReal || o.form == OptionForm::kSize || o.field == "height")
       continue;
-    RenderRequest request;
+    Request request;
     const auto set = set_option(o, "1.5", request);
     ASSERT_FALSE(set) << o.field;
     EXPECT_NE(set.error().message.find("a whole number"), std::string::npos) << set.error().message;
@@ -67,7 +67,7 @@ TEST(Options, WholeNumbersTakeNoFractions) {
 
 TEST(Options, ChoicesTakeWhatTheyListAndNoMore) {
   for (const Option& o : options()) {
-    RenderRequest request;
+    Request request;
     for (const std::string_view choice : o.choices) EXPECT_TRUE(set_option(o, choice, request)) << choice;
     if (o.choices.empty()) continue;
     EXPECT_FALSE(set_option(o, "else", request)) << o.field;
@@ -75,7 +75,7 @@ TEST(Options, ChoicesTakeWhatTheyListAndNoMore) {
 }
 
 TEST(Options, TheLibraryChecksWhatTheTableSays) {
-  const auto refused = [](const RenderRequest& request, const std::string& text) {
+  const auto refused = [](const Request& request, const std::string& text) {
     const auto recipe = make_recipe(request);
     ASSERT_FALSE(recipe) << text;
     EXPECT_NE(recipe.error().message.find(text), std::string::npos) << recipe.error().message;

@@ -127,8 +127,7 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
 }
 
 /// Why there is no such pass.
-Error no_pass(const std::string& word, std::vector<std::string> names, const RenderRequest& request,
-              const Recipe& recipe) {
+Error no_pass(const std::string& word, std::vector<std::string> names, const Request& request, const Recipe& recipe) {
   const Look& look = *recipe.look;
   const int captured_layers = *layer_count(recipe.capture);
   const int layers = layers_for(word, captured_passes());
@@ -149,7 +148,7 @@ Error no_pass(const std::string& word, std::vector<std::string> names, const Ren
 
 }  // namespace
 
-Result<void> take_passes(const RenderRequest& request, Recipe& recipe) {
+Result<void> take_passes(const Request& request, Recipe& recipe) {
   const std::vector<std::string>& words = request.passes;
   const bool all = words.size() == 1 && words[0] == kAll;
   recipe.passes = words;

@@ -29,7 +29,7 @@ const std::vector<std::string>& known_planes();
 
 /// Checks the passes of a request against what the recipe will make, and has traced and averaged what they need. `all`
 /// is every pass, and stands alone. Errors: kUsage.
-Result<void> take_passes(const RenderRequest& request, Recipe& recipe);
+Result<void> take_passes(const Request& request, Recipe& recipe);
 
 /// Checks the passes of a recipe against the planes that a capture for it has of each layer: what only the scene tells
 /// of. Errors: kUsage.

@@ -127,12 +127,11 @@ void keep_lines(Plan& plan) {
 
 }  // namespace
 
-void furnish(Scene& scene, const Recipe& recipe) {
-  if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
-  if (!recipe.look->ground || recipe.ground == Ground::kOff) return;
+bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
+  if (!recipe.look->ground || recipe.ground == Ground::kOff) return false;
+  if (recipe.ground == Ground::kOn) return true;
   const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
   const glm::vec3 eye = camera.eye();
-  const bool inside = stands_inside(camera, scene);
   // From below a ground would hide the model.
   const glm::vec3 looks_along = -glm::vec3(glm::transpose(camera.view_from_world)[2]);
   const glm::vec3 lowest = scene.center() - glm::normalize(scene.up) * scene.radius();
@@ -140,7 +139,12 @@ void furnish(Scene& scene, const Recipe& recipe) {
                          ? glm::dot(looks_along, scene.up) > 0.0f
                          : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
                                                                        glm::dot(eye - scene.center(), scene.up) < 0.0f);
-  if (recipe.ground == Ground::kOn || (!inside && !below && lacks_ground(scene)))
+  return lacks_one && !below && !stands_inside(camera, scene);
+}
+
+void furnish(Scene& scene, const Recipe& recipe) {
+  if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
+  if (wants_ground(scene, lacks_ground(scene), recipe))
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 

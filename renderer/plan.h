@@ -24,6 +24,9 @@ struct Plan {
   bool averages() const { return recipe.frames > 1; }
 };
 
+/// Whether the picture wants a ground below a scene, which may lack one.
+bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe);
+
 /// Adds to a scene what the picture wants besides the model: the ground, and the light of the image around it, which
 /// takes the place of the scene's own. Before a device is prepared.
 void furnish(Scene& scene, const Recipe& recipe);

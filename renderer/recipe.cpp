@@ -17,11 +17,11 @@ namespace umbrage {
 namespace {
 
 /// The quality that the request or else the look names, or null.
-const Quality* quality_of(const RenderRequest& request, const Look& look) {
+const Quality* quality_of(const Request& request, const Look& look) {
   return find_quality(request.quality.empty() ? look.quality : std::string_view(request.quality));
 }
 
-bool is_lit_by_image(const RenderRequest& request) { return !request.hdri_file.empty() && request.hdri_ambient; }
+bool is_lit_by_image(const Request& request) { return !request.hdri_file.empty() && request.hdri_ambient; }
 
 /// The index of a text among what an option takes.
 int choice_of(std::string_view field, std::string_view text) {
@@ -46,7 +46,7 @@ bool gathers_light(const Look& look, const EffectSettings& settings) {
 
 /// What an image around the scene changes in a look: one that it lights takes its light as it is, and is exposed for
 /// it.
-void use_image(const RenderRequest& request, Recipe& recipe) {
+void use_image(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (recipe.hdri.shown()) output.sky = 1;
@@ -72,7 +72,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
 }
 
 /// Applies what the request sets by options and by assignments. Errors: kUsage.
-Result<void> apply_request(const RenderRequest& request, Recipe& recipe) {
+Result<void> apply_request(const Request& request, Recipe& recipe) {
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (request.background) {
     output.background_r = (*request.background)[0];
@@ -88,7 +88,7 @@ Result<void> apply_request(const RenderRequest& request, Recipe& recipe) {
 }
 
 /// The look and the technique. Errors: kUsage.
-Result<void> find_names(const RenderRequest& request, Recipe& recipe) {
+Result<void> find_names(const Request& request, Recipe& recipe) {
   const auto look = require_named("look", looks(), request.look);
   if (!look) return look.error();
   recipe.look = *look;
@@ -106,7 +106,7 @@ Result<void> find_names(const RenderRequest& request, Recipe& recipe) {
 }
 
 /// At which resolution occlusion is computed. Errors: kUsage.
-Result<void> choose_scale(const RenderRequest& request, const Quality* quality, Recipe& recipe) {
+Result<void> choose_scale(const Request& request, const Quality* quality, Recipe& recipe) {
   const bool traced = !find_effect(recipe.occlusion);  // or none at all
   recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
   if (traced) recipe.occlusion_every = 1;
@@ -118,23 +118,6 @@ Result<void> choose_scale(const RenderRequest& request, const Quality* quality, 
                        request.occlusion_scale, recipe.occlusion);
   recipe.occlusion_every = *every;
   return {};
-}
-
-/// What a request for shading says of its picture.
-RenderRequest picture_request(const ShadeRequest& request) {
-  return {.look = request.look,
-          .occlusion = request.occlusion,
-          .settings = request.settings,
-          .width = request.width,
-          .height = request.height,
-          .threads = request.threads,
-          .device = request.device,
-          .quality = request.quality,
-          .anti_aliasing = 1,  // the camera that would be moved is another's
-          .occlusion_radius = request.occlusion_radius,
-          .occlusion_scale = request.occlusion_scale,
-          .background = request.background,
-          .transparent = request.transparent};
 }
 
 /// The effects of these names as a look. Errors: kUsage.
@@ -149,9 +132,8 @@ Result<Look> look_of(const std::vector<std::string>& names) {
 }
 
 /// A recipe of effects alone: nothing of a look. Errors: kUsage.
-Result<Recipe> recipe_of_effects(const ShadeRequest& request) {
-  const RenderRequest picture = picture_request(request);
-  if (auto fine = check_request(picture, kMostPixels); !fine) return fine.error();
+Result<Recipe> recipe_of_effects(const Request& request) {
+  if (auto fine = check_request(request, kMostPixels); !fine) return fine.error();
   auto look = look_of(request.effects);
   if (!look) return look.error();
   Recipe recipe{.width = request.width, .height = request.height};
@@ -159,7 +141,7 @@ Result<Recipe> recipe_of_effects(const ShadeRequest& request) {
   recipe.look = recipe.own_look.get();
   recipe.occlusion = kNoOcclusion;
   recipe.settings = initial_settings(handed_in());
-  if (auto done = apply_request(picture, recipe); !done) return done.error();
+  if (auto done = apply_request(request, recipe); !done) return done.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   return recipe;
 }
@@ -208,7 +190,7 @@ bool shows_light(const Recipe& recipe) {
   return lighting && by_scene_lights(*lighting, recipe.settings);
 }
 
-Framing framing_of(const CameraRequest& camera) {
+Framing framing_of(const CameraSettings& camera) {
   Framing framing;
   const auto vector = [](const std::optional<Vector3>& from, bool direction) -> std::optional<glm::vec3> {
     if (!from) return std::nullopt;
@@ -226,7 +208,7 @@ Framing framing_of(const CameraRequest& camera) {
   return framing;
 }
 
-Result<ImportSettings> import_settings(const RenderRequest& request) {
+Result<ImportSettings> import_settings(const Request& request) {
   ImportSettings settings;
   if (auto fine = check_request(request, kMostBandPixels); !fine) return fine.error();
   if (request.up) settings.up = glm::normalize(vector_of(*request.up));
@@ -237,8 +219,7 @@ Result<ImportSettings> import_settings(const RenderRequest& request) {
   return settings;
 }
 
-Result<CaptureSettings> capture_settings(const RenderRequest& request, const Look& look, int shadows,
-                                         long most_pixels) {
+Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows, long most_pixels) {
   const int guard = int(std::ceil(request.guard_band / 100.0f * float(std::max(request.width, request.height))));
   const long width = request.width + 2L * guard, height = request.height + 2L * guard;
   const Quality* quality = quality_of(request, look);
@@ -265,7 +246,7 @@ Result<CaptureSettings> capture_settings(const RenderRequest& request, const Loo
   return settings;
 }
 
-Result<Recipe> make_recipe(const RenderRequest& request, long most_pixels) {
+Result<Recipe> make_recipe(const Request& request, long most_pixels) {
   if (auto fine = check_request(request, most_pixels); !fine) return fine.error();
   Recipe recipe{.width = request.width, .height = request.height};
   if (auto found = find_names(request, recipe); !found) return found.error();
@@ -299,9 +280,12 @@ Result<Recipe> make_recipe(const RenderRequest& request, long most_pixels) {
   return recipe;
 }
 
-Result<Recipe> make_recipe(const ShadeRequest& request) {
+Result<Recipe> make_shading_recipe(const Request& request) {
   if (!request.effects.empty()) return recipe_of_effects(request);
-  auto recipe = make_recipe(picture_request(request));
+  Request picture = request;
+  picture.anti_aliasing = 1;  // the camera that would be moved is another's
+  picture.passes.clear();     // found among the planes that shading makes
+  auto recipe = make_recipe(picture);
   if (!recipe) return recipe;
   if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
     return usage_error("`occlusion` {} needs the model: it cannot shade a G-buffer", recipe->occlusion);

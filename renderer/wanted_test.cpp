@@ -18,7 +18,7 @@ struct Made {
 
 /// Draws these passes of a look alone, or everything where there are none.
 Made made_for(const std::string& look, const std::vector<std::string>& passes, const std::vector<std::string>& planes) {
-  RenderRequest request{.look = look, .width = 48, .height = 36, .passes = passes};
+  Request request{.look = look, .width = 48, .height = 36, .passes = passes};
   Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}, .names = {}};
   keep_passes_alone(made.recipe);
   auto scene = load_scene("scene:solids?detail=2000");
@@ -61,7 +61,7 @@ TEST(Wanted, PassesAreThoseOfTheWholePicture) {
                                        {"shadow", {"shadow"}}}) {
       SCOPED_TRACE(look + (" " + pass));
       const Made alone = made_for(look, {pass}, planes);
-      RenderRequest request{.look = look, .width = 48, .height = 36, .passes = {pass}};
+      Request request{.look = look, .width = 48, .height = 36, .passes = {pass}};
       auto scene = load_scene("scene:solids?detail=2000");
       const auto device = make_cpu_device();
       const auto recipe = make_recipe(request);
@@ -105,7 +105,7 @@ TEST(Wanted, PlansTellOfPassesThatNothingInTheSceneMakes) {
                                                     {"layer1.emission", "color"},
                                                     {"layer1.shadow1", "depth"},
                                                     {"layer1.shadow4", "indirect"}}) {
-        RenderRequest request{.look = look, .width = 24, .height = 18, .passes = passes};
+        Request request{.look = look, .width = 24, .height = 18, .passes = passes};
         request.layers = 2;
         request.occlusion_scale = scale;
         request.anti_aliasing = 1;

@@ -20,7 +20,7 @@ TEST(Cartoon, LinesAreDrawnOnceOverTheMean) {
   const auto drawn = [&](int frames, const std::vector<std::string>& also, bool averaged = false) {
     auto device = make_cpu_device();
     EXPECT_TRUE(device->prepare(scene));
-    RenderRequest draw_with;
+    Request draw_with;
     draw_with.width = draw_with.height = 200;
     draw_with.look = "cartoon";
     draw_with.occlusion = "none";

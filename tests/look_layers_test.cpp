@@ -67,7 +67,7 @@ TEST(LookLayers, WhatNobodyReadsOnLayersIsMadeOnTheFirstAlone) {
 
 TEST(LookLayers, TheUserWinsOverTheLook) {
   const Look look{.name = "deep", .layers = 3, .back_sides = true, .extra_views = 1};
-  RenderRequest draw;
+  Request draw;
   draw.look = "ao";
   auto settings = capture_settings(draw, look, 1);
   ASSERT_TRUE(settings);
@@ -98,7 +98,7 @@ TEST(LookLayers, FurtherCamerasDarkenNothingThatTheFirstSeesInTheOpen) {
   const auto device = make_device("cpu", 0);
   ASSERT_TRUE((*device)->prepare(*scene));
   const auto occlusion_with = [&](int views) {
-    RenderRequest settings;
+    Request settings;
     settings.width = 160;
     settings.height = 120;
     settings.look = "ao";

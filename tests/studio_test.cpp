@@ -95,7 +95,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
   auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
-  RenderRequest draw_with;
+  Request draw_with;
   draw_with.width = 96;
   draw_with.height = 64;
   draw_with.look = look;
@@ -376,7 +376,7 @@ TEST(GroundUnderModels, LeavesTheBoundsAndTheFraming) {
 TEST(GroundUnderModels, HidesNothingFromBelow) {
   for (const bool orthographic : {false, true}) {
     Scene scene = box_scene({1, 1, 1});
-    RenderRequest draw_with;
+    Request draw_with;
     draw_with.look = "studio";
     draw_with.camera.elevation_deg = -60.0f;
     draw_with.camera.orthographic = orthographic;
@@ -390,7 +390,7 @@ TEST(GroundUnderModels, HidesNothingFromBelow) {
 
 Image studio_picture(Scene scene, const std::string& ground, const std::vector<std::string>& settings = {}) {
   auto device = make_cpu_device();
-  RenderRequest draw_with;
+  Request draw_with;
   draw_with.width = 128;
   draw_with.height = 128;
   draw_with.look = "studio";
@@ -424,7 +424,7 @@ TEST(Studio, ABoxHasAShadowAndTheRestIsBackground) {
 }
 
 /// A plane of the picture that a request draws of a scene.
-Plane drawn(Scene scene, const RenderRequest& request, const std::string& plane) {
+Plane drawn(Scene scene, const Request& request, const std::string& plane) {
   const auto device = make_cpu_device();
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;

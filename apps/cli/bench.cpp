@@ -105,7 +105,7 @@ class Bench {
 
   Result<void> time_size(Scene& scene, std::pair<int, int> size) {
     size_ = size;
-    RenderRequest draw_with;
+    Request draw_with;
     draw_with.width = size.first;
     draw_with.height = size.second;
     draw_with.look = "unsharp";

@@ -49,7 +49,7 @@ Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile&
   return {};
 }
 
-void draw_lines_alone(RenderRequest& request) {
+void draw_lines_alone(Request& request) {
   request.anti_aliasing = 1;
   if (!request.occlusion_radius.empty()) return;  // of which a hint may have something to say
   request.occlusion = kNoOcclusion;

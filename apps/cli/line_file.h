@@ -31,7 +31,7 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames);
 Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile& lines);
 
 /// What else a picture has takes no time where lines are all that is written: they do not depend on it.
-void draw_lines_alone(RenderRequest& request);
+void draw_lines_alone(Request& request);
 
 /// Traces and writes the lines of a frame, or those that there are of a picture in bands. Errors: kFile; those of
 /// Device::download.

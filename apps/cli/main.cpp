@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <system_error>
 
 #include "apps/cli/commands.h"
 #include "apps/cli/config.h"
@@ -120,6 +121,12 @@ int report(const Error& error) {
   return int(error.kind);
 }
 
+/// The exit code of a run that has printed all it had to say.
+int printed() {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
+  return report(file_error("what was to be printed could not be written"));
+}
+
 int run(int argc, char** argv) {
   command_line = "umbrage";
   for (int i = 1; i < argc; ++i) command_line += " " + quoted(argv[i]);
@@ -148,11 +155,11 @@ int run(int argc, char** argv) {
     app.parse(words);
   } catch (const CLI::CallForHelp&) {
     const CLI::App* asked = app.get_subcommands().empty() ? &app : app.get_subcommands().front();
-    fmt::print("{}", asked == &app ? app.help() : asked->help(app.get_name()));
-    return 0;
+    std::fputs((asked == &app ? app.help() : asked->help(app.get_name())).c_str(), stdout);
+    return printed();
   } catch (const CLI::CallForVersion&) {
-    fmt::print("umbrage {}\n", UMBRAGE_VERSION);
-    return 0;
+    std::fputs("umbrage " UMBRAGE_VERSION "\n", stdout);
+    return printed();
   } catch (const CLI::ExtrasError&) {
     return report(unknown_option(app, app.remaining(true).front()));
   } catch (const CLI::ParseError& error) {
@@ -161,11 +168,12 @@ int run(int argc, char** argv) {
     return report(wrong_words(app, error));
   }
   if (const auto error = empty_option(app)) return report(*error);
-  const Result<void> done = command();
-  if (!done) return report(done.error());
-  if (std::fflush(stdout) != 0 || std::ferror(stdout))
-    return report(file_error("what was to be printed could not be written"));
-  return 0;
+  try {
+    if (const Result<void> done = command(); !done) return report(done.error());
+  } catch (const std::system_error&) {
+    if (!std::ferror(stdout)) throw;  // else fmt::print's
+  }
+  return printed();
 }
 
 }  // namespace

@@ -370,6 +370,14 @@ TEST_F(Manners, FilesMayBeCalledAsOptionsAre) {
   bad(Words{"tri.obj", "-o", "x.png", "--config", "`up`"}, 2, {"'`up`', line 1: --layers cannot be '17'"});
 }
 
+TEST_F(Manners, WhatCannotBePrintedIsAnErrorOfTheFile) {
+  for (const char* words : {"list effects", "manual", "--help", "--version", "render --help"}) {
+    const int status = std::system((std::string(UMBRAGE_PROGRAM) + " " + words + " > /dev/full 2> /dev/null").c_str());
+    ASSERT_TRUE(WIFEXITED(status)) << words;
+    EXPECT_EQ(WEXITSTATUS(status), 3) << words;
+  }
+}
+
 TEST_F(Manners, ShellsCompleteEveryOption) {
   const std::string help = good("render --help").out;
   const std::string bash = good("completion bash").out, zsh = good("completion zsh").out,

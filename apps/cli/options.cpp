@@ -48,7 +48,7 @@ Result<void> check_text(const Option& row, const std::string& text) {
   // CLI11 has all commands look at the environment, also those that are not run: take_options looks at it for the one.
   const char* named = row.environment.empty() ? nullptr : std::getenv(std::string(row.environment).c_str());
   if (named && text == named) return {};
-  RenderRequest alone;
+  Request alone;
   if (auto set = set_option(row, text, alone); !set) return set;
   if (const auto settings = effect_settings(alone.settings); !settings) return settings.error();
   // Others may need each other: no recipe is made of them alone.

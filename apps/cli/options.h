@@ -24,7 +24,7 @@ struct CommonOptions {
   std::vector<std::string> models;
   std::string input_format;
   bool verbose = false;
-  RenderRequest request;  ///< what the table's options say, once take_options has read them
+  Request request;  ///< what the table's options say, once take_options has read them
 
   // As written, by the options' names.
   std::map<std::string_view, std::string> texts;

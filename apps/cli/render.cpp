@@ -78,7 +78,7 @@ struct Order {
 Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, const Scene& scene,
                                              const Plan& plan) {
   constexpr int kSmall = 16;  // pixels a side
-  RenderRequest small = o.request;
+  Request small = o.request;
   small.width = small.height = kSmall;
   auto recipe = make_recipe(small);
   if (!recipe) return recipe.error();
@@ -300,7 +300,7 @@ Result<Order> order_of(const RenderOptions& o) {
   if (order.lines)
     if (auto taken = take_recipe(o, order.asked, order.lines); !taken) return taken.error();
   if (order.lines.alone) {
-    RenderRequest of_lines = o.request;
+    Request of_lines = o.request;
     draw_lines_alone(of_lines);
     auto alone = make_recipe(of_lines, kMostBandPixels);
     if (!alone) return alone.error();

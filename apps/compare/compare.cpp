@@ -56,7 +56,7 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
 }
 
 /// What the device is to capture.
-Result<CaptureSettings> capture_with(const CompareSettings& settings, const RenderRequest& draw, const Look& look) {
+Result<CaptureSettings> capture_with(const CompareSettings& settings, const Request& draw, const Look& look) {
   Look wanted = look;
   auto capture = capture_settings(draw, wanted, settings.light ? kMostShadows : 0);
   if (!settings.light || !capture || capture->layers < 2) return capture;
@@ -67,7 +67,7 @@ Result<CaptureSettings> capture_with(const CompareSettings& settings, const Rend
 /// The look's settings with everything the user said, and what light needs: a filter that filters it, no ambient light
 /// and no highlights.
 Result<Recipe> recipe_of(const CompareSettings& settings) {
-  RenderRequest draw = settings.draw;
+  Request draw = settings.draw;
   draw.look = "ao";
   draw.anti_aliasing = 1;  // a technique is scored alone
   if (const auto filter = filter_of(settings); !filter)
@@ -218,7 +218,7 @@ Result<void> light_frame(const Run& run, Frame& frame) {
 
 Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& traced, const std::string& model,
                              const CameraShot& shot, std::pair<int, int> size, bool keep) {
-  RenderRequest draw = run.settings.draw;
+  Request draw = run.settings.draw;
   std::tie(draw.width, draw.height) = size;
   const std::string what = fmt::format("{}, camera {}, {}x{}", model, shot.name, size.first, size.second);
   const auto wanted = capture_with(run.settings, draw, *run.recipe.look);
@@ -313,7 +313,7 @@ Result<void> check_compare(const CompareSettings& settings) {
   if (settings.light)
     if (auto fine = check_light(settings, *recipe); !fine) return fine;
   for (const auto& [width, height] : settings.sizes) {
-    RenderRequest draw = settings.draw;
+    Request draw = settings.draw;
     draw.width = width;
     draw.height = height;
     if (const auto capture = capture_with(settings, draw, *recipe->look); !capture) return capture.error();

@@ -19,7 +19,7 @@ inline constexpr Interval kCameras{1, 100, NumberKind::kWhole}, kSamples{2, kMos
 struct MeasureSettings {
   std::vector<std::string> models;  ///< as for load_scene
   ImportSettings import;
-  RenderRequest draw;
+  Request draw;
   int cameras = 2;    ///< at most so many per scene: its suggested views, or turns around a file's model
   int samples = 256;  ///< of the truth, per pixel; even
   int runs = 3;       ///< behind each time, after one that does not count; the reference runs once

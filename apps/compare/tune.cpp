@@ -165,7 +165,7 @@ void mark_frontier(std::vector<Trial>& trials) {
 }
 
 /// Whether the user said what it is to be.
-bool is_fixed(const RenderRequest& draw, std::string_view effect, std::string_view name) {
+bool is_fixed(const Request& draw, std::string_view effect, std::string_view name) {
   const std::string start = fmt::format("{}.{}=", effect, name);
   return std::any_of(draw.settings.begin(), draw.settings.end(),
                      [&](const std::string& setting) { return setting.starts_with(start); });
@@ -173,7 +173,7 @@ bool is_fixed(const RenderRequest& draw, std::string_view effect, std::string_vi
 
 /// The candidates one step away.
 Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate& from) {
-  const RenderRequest& draw = search.settings.draw;
+  const Request& draw = search.settings.draw;
   std::vector<Candidate> next;
   for (int every = 1; every <= 4; every *= 2)
     if (every != from.every && draw.occlusion_scale.empty()) next.push_back({from.settings, every});
@@ -193,7 +193,7 @@ Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate&
 }
 
 /// The radius as written: the user's, or else the technique's in this look, or else the reference's own.
-std::string radius_text(const RenderRequest& draw, const Recipe& recipe, const Effect& technique) {
+std::string radius_text(const Request& draw, const Recipe& recipe, const Effect& technique) {
   if (!draw.occlusion_radius.empty()) return draw.occlusion_radius;
   const Parameter* own = find_parameter(technique, "radius");
   if (own && own->type == ParameterType::kLength && technique.set_radius)
@@ -202,7 +202,7 @@ std::string radius_text(const RenderRequest& draw, const Recipe& recipe, const E
 }
 
 Result<Recipe> recipe_of(const TuneSettings& settings) {
-  RenderRequest draw = settings.draw;
+  Request draw = settings.draw;
   draw.anti_aliasing = 1;
   return make_recipe(draw);
 }
@@ -260,7 +260,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
 
 /// Words for `umbrage render`.
 std::vector<std::string> options_of(const Search& search, const Trial& best, const std::string& radius) {
-  const RenderRequest& draw = search.settings.draw;
+  const Request& draw = search.settings.draw;
   std::vector<std::string> words = {"--look", draw.look};
   const auto add = [&](const std::string& name, const std::string& value) {
     if (!value.empty()) words.insert(words.end(), {name, value});

@@ -36,7 +36,7 @@ void write_centered(Image& image, float x, float y, std::string text, vec3 color
 }
 
 /// The tables that `hemisphere` reads with these settings.
-Result<HemisphereConstants> tables_of(const RenderRequest& draw, const PictureInfo& info) {
+Result<HemisphereConstants> tables_of(const Request& draw, const PictureInfo& info) {
   const auto recipe = make_recipe(draw);
   if (!recipe) return recipe.error();
   HemisphereConstants c;
@@ -392,7 +392,7 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
                                            "tangent.z", "indirect.r", "indirect.g", "indirect.b", "direct.r",
                                            "direct.g",  "direct.b",   "ao"};
   const int size = studio.draw.width;
-  RenderRequest many = studio.draw;  // more sample points make a clearer picture
+  Request many = studio.draw;  // more sample points make a clearer picture
   many.settings.push_back("hemisphere.samples=64");
   many.look = "bleeding";
   const auto ours = tables_of(many, PictureInfo{});

@@ -370,7 +370,7 @@ Result<std::vector<FigureTable>> bleeding_tables(Device& device, int size, int r
     cases.push_back({"64 samples, both, at half resolution", preset.look, "", {"hemisphere.samples=64"}, "half"});
     for (int run = -1; run < runs; ++run)  // the first one brings planes and code in
       for (Case& each : cases) {
-        RenderRequest with = studio->draw;
+        Request with = studio->draw;
         with.look = std::string(each.look);
         with.occlusion = each.occlusion;
         with.settings = each.settings;

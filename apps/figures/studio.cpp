@@ -44,7 +44,7 @@ FigurePicture Shot::pass(const std::string& name, std::string file, std::string 
 
 Result<Shot> Studio::shoot(const std::vector<std::string>& settings, const std::string& occlusion,
                            const std::vector<std::string>& planes) {
-  RenderRequest with = draw;
+  Request with = draw;
   with.settings.insert(with.settings.end(), settings.begin(), settings.end());
   with.occlusion = occlusion;
   StageTimes times;

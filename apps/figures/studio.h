@@ -31,7 +31,7 @@ struct Studio {
   Device& device;
   std::string model;
   std::shared_ptr<const Scene> scene;  ///< which the device looks at where it lies
-  RenderRequest draw;
+  Request draw;
   Framing framing;
 
   /// A picture with these settings besides the studio's own, and these planes besides color and depth. `occlusion`

@@ -84,19 +84,23 @@ class CpuDevice final : public Device {
 
   bool draws_bands() const override { return true; }
 
-  Result<Frame> upload(const GBuffer& gbuffer) override {
+  Result<Frame> upload(GBuffer gbuffer) override {
     Frame frame;
     frame.info = gbuffer.info;
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(gbuffer.info.width, gbuffer.info.height)});
+    bool views = false;
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)
       for (std::size_t p = 0; p < gbuffer.layers[layer].planes.size(); ++p) {
         const std::string& name = gbuffer.layers[layer].names[p];
-        check_equal(gbuffer.layers[layer].planes[p].width, gbuffer.info.width, name);
-        check_equal(gbuffer.layers[layer].planes[p].height, gbuffer.info.height, name);
-        planes->image.add(layer_plane(int(layer), name)) = gbuffer.layers[layer].planes[p];
+        Plane& plane = gbuffer.layers[layer].planes[p];
+        check_equal(plane.width, gbuffer.info.width, name);
+        check_equal(plane.height, gbuffer.info.height, name);
+        views = views || plane.is_view();
+        planes->image.names.push_back(layer_plane(int(layer), name));
+        planes->image.planes.push_back(std::move(plane));
       }
     frame.storage = std::move(planes);
-    return frame;
+    return views ? branch(frame) : frame;  // what is run on a branch does not write to the views
   }
 
   Frame branch(const Frame& frame) override {
@@ -207,6 +211,18 @@ class CpuDevice final : public Device {
 
   int missing_rows(const Frame& frame, const std::vector<std::string>& names) const override {
     return cpu_planes(frame).band ? missing_band_rows(frame, names) : 0;
+  }
+
+  Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
+                     const std::function<void(std::size_t name, const Plane& plane)>& take) override {
+    const CpuPlanes& planes = cpu_planes(frame);
+    if (planes.band || frame.info.guard > 0) return Device::visit(frame, names, take);
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const Plane* plane = find_plane(planes, names[k]);
+      if (!plane) return usage_error("the picture has no plane '{}'", names[k]);
+      take(k, *plane);
+    }
+    return {};
   }
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {

@@ -25,9 +25,10 @@ const Plane* find_made(const CpuPlanes& planes, std::string_view name) {
 
 Plane& writable(CpuPlanes& planes, const std::string& name) {
   if (Plane* own = planes.image.find(name)) return *own;
-  const Plane* kept = find_made(planes, name);
+  // Of a plane that nobody made a pass may write a part.
+  const Plane* before = find_plane(planes, name);
   Plane& own = planes.image.add(name);
-  if (kept) own = *kept;
+  if (before) own = *before;
   return own;
 }
 

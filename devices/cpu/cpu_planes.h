@@ -50,7 +50,7 @@ inline CpuPlanes& cpu_planes(const Frame& frame) { return *static_cast<CpuPlanes
 /// The plane of that name that was captured, added or made, here or in what this is a branch of; or null.
 const Plane* find_made(const CpuPlanes& planes, std::string_view name);
 
-/// The frame's own plane of that name. It starts as what this is a branch of has, else uninitialised.
+/// The frame's own plane of that name. It starts as find_plane has it, else uninitialised.
 Plane& writable(CpuPlanes& planes, const std::string& name);
 
 /// The plane of that name, made or neutral, here or in what this is a branch of; or null.

@@ -30,18 +30,16 @@ Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::str
   if (is_there && !planes.kept.contains(name)) return found->second;
   auto plane = memory_->plane(planes.bytes);
   if (!plane) return plane;
-  if (is_there) {
+  if (const DevicePlane* before = planes.find(name)) {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    const VkBufferCopy region{found->second->offset, (*plane)->offset, planes.bytes};
-    gpu_->vk.CmdCopyBuffer(*buffer, found->second->buffer, (*plane)->buffer, 1, &region);
-    found->second = *plane;
-    planes.kept.erase(name);
-    return plane;
+    const VkBufferCopy region{before->offset, (*plane)->offset, planes.bytes};
+    gpu_->vk.CmdCopyBuffer(*buffer, before->buffer, (*plane)->buffer, 1, &region);
   }
-  planes.names.push_back(name);
-  planes.made.emplace(name, *plane);
+  if (!is_there) planes.names.push_back(name);
+  planes.made[name] = *plane;
+  planes.kept.erase(name);
   return plane;
 }
 

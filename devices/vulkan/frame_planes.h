@@ -53,7 +53,8 @@ class PlaneStore {
  public:
   PlaneStore(const Gpu& gpu, Memory& memory, Commands& commands) : gpu_(&gpu), memory_(&memory), commands_(&commands) {}
 
-  /// The frame's own plane of that name, made where there is none. It starts as what this is a branch of has.
+  /// The frame's own plane of that name, made where there is none. It starts as `find` has it, since a pass may write a
+  /// part of a plane.
   Result<DevicePlanePtr> writable(DevicePlanes& planes, const std::string& name);
 
   /// Copies planes of the host into a frame.

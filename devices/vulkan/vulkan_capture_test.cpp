@@ -123,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, VulkanCaptureWays, testing::ValuesIn(test::kGpuCa
                          [](const auto& info) { return std::string(test::name_of(info.param)); });
 
 /// How far two devices' pictures differ: at most, and the larger share of pixels of a channel by more than 2/255.
-test::Difference difference_between(std::array<Device*, 2> devices, RenderRequest settings) {
+test::Difference difference_between(std::array<Device*, 2> devices, Request settings) {
   settings.width = 150;
   settings.height = 110;
   settings.anti_aliasing = 2;
@@ -152,14 +152,14 @@ TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
   const test::NoMessages no_messages;
   const auto cpu = make_cpu_device();
   for (const Look* look : looks()) {
-    RenderRequest settings;
+    Request settings;
     settings.look = std::string(look->name);
     if (settings.look == "cartoon") settings.settings = {"outline.opacity=0"};
     const auto d = difference_between({gpu, cpu.get()}, settings);
     EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.most;
   }
   // A line is smooth: where one of its pixels differs all of it lies elsewhere by a few hundredths of a pixel.
-  RenderRequest with_lines;
+  Request with_lines;
   with_lines.look = "cartoon";
   const auto d = difference_between({gpu, cpu.get()}, with_lines);
   EXPECT_LE(d.share_over, 1e-2);

@@ -82,7 +82,7 @@ class VulkanDevice final : public Device {
     return frame;
   }
 
-  Result<Frame> upload(const GBuffer& gbuffer) override {
+  Result<Frame> upload(GBuffer gbuffer) override {
     Frame frame{gbuffer.info, empty_planes(gbuffer.info)};
     std::vector<NamedPlane> planes;
     for (std::size_t layer = 0; layer < gbuffer.layers.size(); ++layer)

@@ -11,9 +11,10 @@
 #include "effects/effects.h"
 #include "faulty_vulkan.h"
 #include "support.h"
-#include "umbrage/umbrage.h"
-#include "umbrage/vulkan.h"
+#include "umbrage/umbrage.hpp"
+#include "umbrage/vulkan.hpp"
 #include "vulkan_support.h"
+using namespace umb;  // the public interface, whose names umbrage has not
 
 namespace umbrage {
 namespace {

@@ -26,7 +26,7 @@ constexpr double kSeen = 2.0 / 255.0;
 
 constexpr const char* kChannels[] = {"color.r", "color.g", "color.b"};
 
-Image picture(Device& device, const std::string& scene_name, const RenderRequest& settings) {
+Image picture(Device& device, const std::string& scene_name, const Request& settings) {
   auto scene = load_scene(scene_name);
   EXPECT_TRUE(scene);
   furnish(*scene, *make_recipe(settings));
@@ -83,7 +83,7 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
   for (const Look* look : looks()) {
     int column = 0;
     for (const auto& scene : scenes) {
-      RenderRequest settings;
+      Request settings;
       settings.width = kWidth;
       settings.height = kHeight;
       settings.look = std::string(look->name);

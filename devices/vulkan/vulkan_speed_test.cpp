@@ -43,7 +43,7 @@ Result<Frame> captured(Device& device, const char* scene_name, int width, int he
   auto scene = load_scene(scene_name);
   if (!scene) return scene.error();
   if (auto ready = device.prepare(*scene); !ready) return ready.error();
-  RenderRequest settings;
+  Request settings;
   settings.width = width;
   settings.height = height;
   settings.look = "unsharp";

@@ -156,7 +156,7 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
   auto scene = load_scene("scene:solids?detail=3000");
   ASSERT_TRUE(scene);
   for (const Look* look : looks()) {
-    RenderRequest settings;
+    Request settings;
     settings.width = 150;
     settings.height = 110;
     settings.look = std::string(look->name);
@@ -205,7 +205,7 @@ TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
   auto scene = load_scene("scene:solids?detail=2000");
   ASSERT_TRUE(scene);
   for (const char* look : {"studio", "bleeding", "unsharp"}) {
-    RenderRequest settings;
+    Request settings;
     settings.width = 75;
     settings.height = 52;
     settings.look = look;

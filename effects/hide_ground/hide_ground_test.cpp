@@ -41,5 +41,15 @@ TEST(HideGround, WithoutOneAllStays) {
   });
 }
 
+TEST(HideGround, IdsThatNobodyHasAreThoseOfOneObject) {
+  GBuffer g = test::empty_gbuffer(40, 30);
+  g.layers[0].add("depth") = Plane(40, 30, 2.0f);
+  test::on_every_target("hide_ground", g, {}, [](const Image& image) {
+    for (const char* name : {"object_id", "material_id"})
+      for (int y = 0; y < 30; ++y)
+        for (int x = 0; x < 40; ++x) ASSERT_EQ(image.plane(name).at(x, y), 0.0f) << name << ' ' << x << ' ' << y;
+  });
+}
+
 }  // namespace
 }  // namespace umbrage

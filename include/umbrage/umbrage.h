@@ -1,266 +1,274 @@
-// Umbrage's public interface: a model in, a picture out; or what another renderer drew in, shaded planes out.
-//
-// This header needs nothing but the standard library, C++17 or later. docs/library.md is its guide.
-//
-// Words: a *look* is a recipe for a finished picture (`umbrage list looks`), an *effect* is one technique of it
-// (`umbrage list effects`), a *pass* is what one of them leaves for each pixel, such as `depth` or `ao`. Messages
-// name fields in backquotes, such as `camera.zoom`, and quote the names of files and what else was written in '...'.
-//
-// Space: world space is the model's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
-// the positive distance along the view axis, infinity where there is nothing; normals are unit vectors in view space,
-// towards the camera, zero where there is nothing. Row 0 of a picture is the top one. Light is linear Rec.709; finished
-// colours are as an 8-bit file holds them (sRGB) unless a setting says otherwise.
-//
-// Threads: different threads may call anything at the same time, as long as each uses objects of its own.
-//
-// Errors: nothing here throws, except what a caller's own callback throws, and nothing ends the process: an error
-// inside Umbrage is code 1, too little memory code 4.
-//
-// Environment: UMBRAGE_ISA, read once, at the first call, bounds the instruction set of the process: avx512, avx2,
-// sse4, neon or scalar. A name that there is not is code 2, one that the CPU lacks code 4.
-#pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <limits>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
+/* Umbrage's C interface: a scene in, a picture out; or the G-buffer of another renderer in, shaded planes out.
+ *
+ * C99 or later. C++ programs may use umbrage/umbrage.hpp, a layer over this header. The guide is docs/c.md.
+ *
+ * Handles. An object starts with one reference. umbRetain... adds one, umbRelease... drops one, the last one frees it.
+ * Objects retain those that they were made with. Releasing NULL does nothing.
+ *
+ * Errors. A function that can fail returns a UmbError and leaves a sentence with the object: see umbGetJobError. A
+ * function that makes an object returns NULL, and leaves the error with the thread: see umbGetError. A NULL handle is
+ * UMB_ERROR_USAGE. Nothing throws, ends the process or prints. Callbacks must not throw; from within one no job of its
+ * device can be executed.
+ *
+ * Threads. Different threads may use different objects at the same time. Jobs of one device execute one after the
+ * other; a scene must not change while a job that uses it executes.
+ *
+ * Spaces. World space is the scene's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
+ * the positive distance along the view axis, +infinity where there is no surface. Normals are unit vectors in view space
+ * that face the camera, 0 where there is no surface. Row 0 of an image is the top one. Light is linear Rec. 709. The
+ * pass "color" is the finished picture, sRGB, as an 8-bit file holds it, alpha not premultiplied.
+ *
+ * Strings are UTF-8. A string that a function returns belongs to the library. It lives as long as its object, unless the
+ * function says otherwise. */
+#ifndef UMBRAGE_UMBRAGE_H
+#define UMBRAGE_UMBRAGE_H
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
 
-namespace umbrage {
-/// What programs see, and the only names that the shared library exports. The number is that of the shared library: it
-/// rises when programs have to be built anew, and those that were not are told so by the linker.
-inline namespace v0 {
-#pragma GCC visibility push(default)
+/* Of this header; umbGetVersion returns that of the library. */
+#define UMB_VERSION_MAJOR 0
+#define UMB_VERSION_MINOR 1
+#define UMB_VERSION_PATCH 0
+#define UMB_VERSION (UMB_VERSION_MAJOR * 10000 + UMB_VERSION_MINOR * 100 + UMB_VERSION_PATCH)
 
-/// How it went. `code` is 0, or the exit code that the command line would give: 1 internal, 2 a wrong request, 3 a file
-/// that cannot be used, 4 a device that cannot do it or too little memory, 130 ended by a Progress; `message` is
-/// then one sentence for people.
-struct Outcome {
-  int code = 0;
-  std::string message{};
-  std::vector<std::string> warnings{};  ///< such as missing textures
-};
+#define UMB_API __attribute__((visibility("default")))
 
-/// Called now and then during long work, by the thread that called Umbrage and by no other, with about the share that
-/// is done: from 0 to 1, never falling. Returns whether to go on: after false it is not called again, the work ends
-/// soon, and its outcome has code 130. Reading a model and making it ready, which come first, ask as often, with 0.
-using Progress = std::function<bool(double done)>;
+#ifdef __cplusplus
+extern "C" {
+#endif
 
-/// What one pass holds: `channels` floats of each pixel, one after the other.
-struct Pixels {
-  std::string name{};           ///< "depth", "normal", "layer1.depth"
-  int channels = 1;             ///< 3 for normals (x, y, z) and colours (red, green, blue)
-  std::vector<float> values{};  ///< width * height * channels
-  /// Of object_id and material_id that were handed in as PixelArray::ids: the same; 0 where there is no surface. Then
-  /// `values` are their places in the list of all that there are.
-  std::vector<std::uint32_t> ids{};
-};
+typedef struct UmbDeviceObject* UmbDevice; /* what computes: the CPU or a GPU */
+typedef struct UmbSceneObject* UmbScene;   /* meshes, materials and lights */
+typedef struct UmbJobObject* UmbJob;       /* makes pictures, and keeps what the next one can use */
 
-/// A point of a stroke. Pixels from the picture's upper left corner, where the first pixel's centre is at (0.5, 0.5).
-struct StrokePoint {
-  float x = 0.0f, y = 0.0f, width = 0.0f;
-};
+/* The values are the exit codes of the command line. */
+typedef enum UmbError {
+  UMB_ERROR_NONE = 0,
+  UMB_ERROR_INTERNAL = 1,   /* a defect of Umbrage */
+  UMB_ERROR_USAGE = 2,      /* a name, value, image or call that cannot be */
+  UMB_ERROR_FILE = 3,       /* a file that cannot be read, used or written */
+  UMB_ERROR_DEVICE = 4,     /* a device that is missing or cannot do it, or too little memory */
+  UMB_ERROR_CANCELLED = 130 /* the progress callback returned false */
+} UmbError;
 
-enum class StrokeKind {
-  kOutline,  ///< an object ends: before another one, another material or the background
-  kFold,     ///< an object hides a part of itself
-  kCrease,   ///< two faces meet
-};
+/* Both are called by the thread that called the library. `message` is valid during the call. */
+typedef void (*UmbErrorCallback)(void* user, UmbError code, const char* message);
+typedef void (*UmbLogCallback)(void* user, const char* message); /* warnings, such as a missing texture */
+/* Called some 20 times a second with the share that is done, from 0 to 1, never falling. Returns whether to go on. */
+typedef bool (*UmbProgressCallback)(void* user, double done);
 
-/// A line of the picture: a polyline with round ends and joins, whose width changes linearly from point to point.
-struct Stroke {
-  StrokeKind kind = StrokeKind::kOutline;
-  int object = 0;       ///< object_id of the nearer surface; the bits of PixelArray::ids
-  bool closed = false;  ///< the last point is the first one again
-  std::vector<StrokePoint> points{};
-};
+/* UMB_VERSION of the library. */
+UMB_API int umbGetVersion(void);
 
-/// A picture as it would be written to an 8-bit file: red, green, blue, alpha from 0 to 1, alpha not multiplied in.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<float> rgba{};            ///< width * height * 4; empty where no colour was asked for
-  std::vector<Pixels> passes{};         ///< those asked for, in that order
-  std::vector<Stroke> strokes{};        ///< where they were asked for
-  std::array<float, 3> stroke_color{};  ///< red, green, blue, as in `rgba`
-  float stroke_opacity = 0.0f;          ///< of all strokes together; 0: none were asked for
-};
+/* The last error of this thread that belongs to no object, since somebody asked; then there is none. `message` may be
+ * NULL; it is valid until the thread's next call of this function. */
+UMB_API UmbError umbGetError(const char** message);
 
-/// Where the camera stands. What is not said is chosen: the model's own view, or else the whole model from slightly
-/// above and to the side. World space, scene units, degrees.
-struct CameraRequest {
-  std::optional<int> index{};  ///< a camera of the file, from 0; not with position, focal point or direction
-  std::optional<std::array<float, 3>> position{};     ///< the eye
-  std::optional<std::array<float, 3>> focal_point{};  ///< what is looked at
-  std::optional<std::array<float, 3>> view_up{};      ///< what points up in the picture; not 0
-  std::optional<std::array<float, 3>> direction{};    ///< in which it looks; not 0; not beside position and focal_point
-  std::optional<float> view_angle_deg{};              ///< vertical field of view, 0.1 to 179
-  float azimuth_deg = 0.0f;                           ///< then turned around the model,
-  float elevation_deg = 0.0f;                         ///< and risen over it
-  float zoom = 1.0f;                                  ///< above 1: nearer; 0.001 to 1000
-  bool orthographic = false;
-};
+/* ---- Devices ---- */
 
-/// What to draw. Everything but the model has a value that serves.
-struct RenderRequest {
-  std::string model{};  ///< a file (OBJ, PLY, STL, glTF/GLB, 3DS, DAE, FBX, OFF) or "scene:NAME?detail=N"
-  std::vector<std::string> more_models{};  ///< that stand beside it, as they are placed in their files
-  std::string look = "studio";             ///< a recipe: see `umbrage list looks`
-  std::string occlusion{};                 ///< an occlusion technique, "reference" or "none"; empty: the look's own
-  std::vector<std::string> settings{};     ///< "effect.parameter=value": see `umbrage list effects`
-  int width = 1024, height = 1024;         ///< pixels, 1 to 16384 each, together at most 67 108 864
-  int threads = 0;                         ///< 0: as many as the machine has; at most 1024
-  std::string device = "auto";             ///< "cpu", "vulkan", "vulkan:N", or "auto": a graphics card if there is one
-  CameraRequest camera{};
-  std::optional<std::array<float, 3>> up{};  ///< the model's up; as its format says
-  std::optional<int> scene_index{};         ///< of a glTF file that holds several scenes, from 0; the one that it names
-  std::optional<float> crease_angle_deg{};  ///< 0 to 180: edges of larger angles stay where normals are made; 80
-  std::string
-      point_size{};  ///< of a file's points: "0.01" scene units, or "0.5%" of the scene; empty: by their spacing
-  std::string point_sprites = "auto";  ///< what they are drawn as: "auto", "disc", "sphere"
-  std::string quality{};               ///< "draft", "normal", "high", "ultra"; empty: the look's own
-  std::optional<int> anti_aliasing{};  ///< pictures that are averaged, 1 to 256; as quality or look say
-  std::string occlusion_radius{};      ///< "0.3" scene units, or "5%" of the scene; empty: the technique's own
-  std::string occlusion_scale{};       ///< "full", "half", "quarter" resolution; empty: the look's own
-  std::string ground = "auto";         ///< a ground that shows the shade alone: "auto", "on", "off"
-  std::optional<std::array<float, 3>> background{};  ///< 0 to 1, as in the file; the look's own
-  bool transparent = false;                          ///< alpha 0 where there is no surface
-  /// An equirectangular image of what is around the scene, which lights it in place of its own lights: HDR, EXR, PFM
-  /// (as they are), PNG, JPEG, TGA, BMP (as sRGB), or "sky:", which is built in; empty: none. It is twice as wide as
-  /// high, its upper side is the model's up.
-  std::string hdri_file{};
-  bool hdri_ambient = true;               ///< it lights the scene
-  bool hdri_skybox = false;               ///< it is the background; not with `transparent`
-  float hdri_rotation_deg = 0.0f;         ///< it is turned about the model's up, to the left as seen from inside
-  float hdri_intensity = 1.0f;            ///< factor on its light, 0 to 1000000
-  std::optional<float> light_size_deg{};  ///< what the key light spans, seen from the scene: 0 to 90; as the light says
-  std::optional<int> layers{};            ///< surfaces captured along each ray, 1 to 16; as the look wants
-  std::optional<int> extra_views{};       ///< further cameras, 0 to 4; as the look wants
-  float guard_band = 0.0f;                ///< drawn beyond each side, in percent of the longer one; 0 to 100
-  std::vector<std::string> passes{};      ///< to hand out besides the picture: "depth", "normal", "ao", ...
-  bool strokes = false;                   ///< hand out the look's lines as curves: `cartoon` has some
-  Progress progress{};
-};
+/* `name`: "cpu", "vulkan", "vulkan:N", or "auto": a GPU if there is one; NULL: "auto". `threads`: 0 to 1024, of the
+ * CPU; 0: as many as the machine has. Errors: UMB_ERROR_USAGE; UMB_ERROR_DEVICE. */
+UMB_API UmbDevice umbNewDevice(const char* name, int threads);
+UMB_API void umbRetainDevice(UmbDevice device);
+UMB_API void umbReleaseDevice(UmbDevice device);
+/* One line for people: "vulkan:0: NVIDIA ..."; NULL for a NULL handle. */
+UMB_API const char* umbGetDeviceDescription(UmbDevice device);
+/* Bytes of GPU memory that it holds; 0 on the CPU. */
+UMB_API uint64_t umbGetDeviceMemory(UmbDevice device);
+/* Called for each error of the device, its scenes and its jobs. NULL: nothing is called. */
+UMB_API UmbError umbSetDeviceErrorCallback(UmbDevice device, UmbErrorCallback callback, void* user);
+/* Called for each warning of its scenes and jobs. */
+UMB_API UmbError umbSetDeviceLogCallback(UmbDevice device, UmbLogCallback callback, void* user);
+/* The first error since the last call; then there is none. `message` may be NULL; it is valid until the next call. */
+UMB_API UmbError umbGetDeviceError(UmbDevice device, const char** message);
 
-/// Draws one picture. Errors: code 2 for names and values that there are not, before the model is read; 3 for the
-/// model; 4 for the device, and where its memory is short; 130. On failure the picture is left as it was.
-Outcome render(const RenderRequest& request, Picture& picture);
+/* ---- Images ---- */
 
-/// A camera of one frame. Where `placed` is false it stands as the request says.
-struct FrameCamera {
-  bool placed = false;
-  float eye[3] = {0, 0, 1}, target[3] = {0, 0, 0}, up[3] = {0, 1, 0};
-  float angle_deg = 30.0f;  ///< vertical field of view
-};
+typedef enum UmbType {
+  UMB_TYPE_FLOAT32 = 1,
+  UMB_TYPE_FLOAT16 = 2,
+  UMB_TYPE_UINT8 = 3,  /* 0 to 255 mean 0 to 1; of ids the number itself */
+  UMB_TYPE_UINT16 = 4, /* 0 to 65535 mean 0 to 1; of ids the number itself */
+  UMB_TYPE_UINT32 = 5  /* ids alone */
+} UmbType;
 
-/// Draws one model again and again: it is read and made ready once, then each frame is captured and shaded, and the
-/// memory of the one before is used again. Not for several threads at once.
-class FrameRenderer {
- public:
-  FrameRenderer();
-  ~FrameRenderer();
-  FrameRenderer(FrameRenderer&&) noexcept;
-  FrameRenderer& operator=(FrameRenderer&&) noexcept;
+/* Pixels in the caller's memory. Strides are in bytes and may be negative; 0 means packed: channels side by side, then
+ * pixels, then rows. `channels` of 0 are as many as the pass has. `data` is channel 0 of the upper left pixel. */
+typedef struct UmbImage {
+  void* data;
+  int32_t type; /* UmbType */
+  int32_t width, height, channels;
+  ptrdiff_t channel_stride, pixel_stride, row_stride;
+} UmbImage;
 
-  /// Errors: as of render. On failure what was open stays.
-  Outcome open(const RenderRequest& request);
-  /// One picture, with the passes of the request, telling its progress. A model without lights is lit as its first
-  /// frame's camera stands. Errors: code 2 for a camera that cannot be, 4 where memory is short or the device is lost,
-  /// 130; the picture is then left as it was, and other frames may be tried.
-  Outcome draw(const FrameCamera& camera, Picture& picture);
-  /// "vulkan:0: NVIDIA ..."; empty: nothing is open.
-  std::string device() const;
-  /// Bytes of the GPU's memory that it holds; 0 on the CPU.
-  unsigned long long device_bytes() const;
+/* ---- Scenes ---- */
 
- private:
-  struct State;
-  std::unique_ptr<State> state_;
-};
+/* An empty scene. Models are added to it as they stand in their files, and meshes from memory. It serves jobs of any
+ * device; errors are told to this one's callback. */
+UMB_API UmbScene umbNewScene(UmbDevice device);
+UMB_API void umbRetainScene(UmbScene scene);
+UMB_API void umbReleaseScene(UmbScene scene);
+UMB_API UmbError umbGetSceneError(UmbScene scene, const char** message);
+UMB_API UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user);
 
-/// What the floats of an array of depth are. In all of them NaN and infinity say that there is nothing.
-enum class DepthKind {
-  kView,      ///< distance along the view axis, scene units; 0 and below, too, where there is nothing
-  kRay,       ///< distance from the eye along the pixel's ray, scene units; the same
-  kWindow,    ///< 0 at the near plane, 1 at the far plane and where there is nothing, as depth buffers have it
-  kReversed,  ///< 1 at the near plane, 0 at the far plane and where there is nothing
-};
+/* How what follows is added: "up" (axis "+Z" or "x,y,z"), "crease_angle_deg", "point_size", "point_sprites",
+ * "scene_index", written as on the command line. NULL: as at first. */
+UMB_API UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value);
 
-/// A caller's floats, of the picture's size. They are read during the call and not kept.
-struct PixelArray {
-  /// What they are. One channel: depth, specular (peak of the highlight, 0 to 1), shininess (Blinn-Phong exponent),
-  /// shadow (share of the key light that arrives), shadow1 to shadow7 (of the lights after it), object_id, material_id,
-  /// ao. Three: normal, albedo (diffuse reflectance), emission, direct and ambient (light that surfaces send to the
-  /// eye, by where it comes from), indirect, lit (all of it). A name such as layer1.depth is that of the surface
-  /// behind; every other plane that an effect reads has its own name too.
-  std::string name{};
-  const float* values = nullptr;  ///< of the upper left pixel, first channel
-  /// Floats from a pixel to the next one; 0: as many as there are channels, or 1 where channel_stride is given.
-  std::ptrdiff_t pixel_stride = 0;
-  std::ptrdiff_t row_stride = 0;      ///< floats from a row to the next; 0: width times pixel_stride. May be negative
-  std::ptrdiff_t channel_stride = 1;  ///< floats from a channel to the next; width * height for plane after plane
-  /// In place of `values`, of object_id and material_id: whole numbers, all 32 bits of which count. Strides are in
-  /// them.
-  const std::uint32_t* ids = nullptr;
-};
+/* Adds a model: a file, or "scene:NAME?detail=N". Errors: UMB_ERROR_USAGE for a scene or index that there is not;
+ * UMB_ERROR_FILE; UMB_ERROR_CANCELLED. The scene is then as it was. */
+UMB_API UmbError umbLoadModel(UmbScene scene, const char* model);
 
-/// What to shade, and how.
-struct ShadeRequest {
-  int width = 0, height = 0;         ///< as of RenderRequest
-  std::vector<PixelArray> arrays{};  ///< depth always; without normals they are made of the depth
-  DepthKind depth_kind = DepthKind::kView;
-  float near_plane = 0.1f, far_plane = std::numeric_limits<float>::infinity();  ///< of kWindow and kReversed
-  /// Normals are turned by the rows of this rotation to view space: the upper left part of a view matrix where they are
-  /// in world space. They need not be of length 1, nor face the camera.
-  std::array<float, 9> view_from_normal = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  bool orthographic = false;
-  /// The window that the picture fills: at distance 1, or in scene units for an orthographic camera. Of a perspective
-  /// camera top is tan(angle / 2), right is top * width / height.
-  float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
-  /// Of a ball around what is shaded: lengths given as shares are shares of it. 0: half the diagonal of the box, along
-  /// the camera's axes, that holds nearly all of what is seen.
-  float scene_radius = 0.0f;
+/* Adds a mesh of so many vertices and triangles and returns its number; below 0: an error. Without triangles it is a
+ * cloud of points. It is part of the scene once its positions and indices are set; without normals these are made. */
+UMB_API int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangles);
 
-  /// The look that makes the picture, on lights of its own: behind the camera, above it and to the left.
-  std::string look = "studio";
-  /// In place of the look: these effects alone, one after the other, such as "bitmask", "denoise".
-  std::vector<std::string> effects{};
-  std::string occlusion{}, occlusion_radius{}, occlusion_scale{},
-      quality{};  ///< as of RenderRequest, where there is a look
-  std::vector<std::string> settings{};
-  std::optional<std::array<float, 3>> background{};
-  bool transparent = false;
-  /// To hand out: names as of RenderRequest. With `effects` and no name at all: what the last one of them makes.
-  std::vector<std::string> passes{};
-  bool strokes = false;  ///< hand out the lines of the look, or of the effect `outline`, as curves
-  std::string device = "auto";
-  int threads = 0;
-  Progress progress{};
-};
+/* Copies a buffer of the caller's: "position" (3 channels, FLOAT32), "normal" (3), "color" (3 or 4, linear if floats,
+ * sRGB if integers), "uv" (2, (0, 0) is the lower left corner), "radius" (1, of points), each of one value a vertex; or
+ * "index" (3 a triangle: UINT32, UINT16 or UINT8). `stride`: bytes from an element to the next, 0: packed. Errors:
+ * UMB_ERROR_USAGE, also for an index beyond the vertices. */
+UMB_API UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type,
+                                  int channels, ptrdiff_t stride);
 
-/// Shades what another renderer drew. With `effects` the picture has colour where one of them is "output". Errors: code
-/// 2 for names, values and arrays that cannot be, among them effects that need a plane which is missing, and looks
-/// whose occlusion is "reference", which needs the model; 4 for the device; 130. On failure the picture is left as it
-/// was.
-Outcome shade(const ShadeRequest& request, Picture& picture);
+/* The mesh's material: "albedo" (3), "specular" (1, peak of the highlight), "shininess" (1, Blinn-Phong exponent),
+ * "emission" (3), "alpha_cutoff" (1: parts of the texture with less alpha are cut away). */
+UMB_API UmbError umbSetMeshFloats(UmbScene scene, int mesh, const char* name, const float* values, int count);
 
-/// How a file is written.
-struct SaveRequest {
-  int bits = 8;       ///< per channel, of .png: 8 or 16
-  bool half = false;  ///< .exr: half instead of float where that suffices
-};
+/* "albedo" or "emission": an image of UINT8, 3 or 4 channels, sRGB with linear alpha, that multiplies the parameter of
+ * that name. It is copied. */
+UMB_API UmbError umbSetMeshTexture(UmbScene scene, int mesh, const char* name, const UmbImage* image);
 
-/// Writes a picture, whole or not at all, in the format that the file's ending names: .png, .pfm (no alpha), .exr,
-/// which holds the passes too, or .svg, which holds the strokes alone. Colours are written as they are; alpha where any
-/// pixel is not opaque. Errors: code 2 for a picture of the wrong size or an ending that there is not, 3 for a file
-/// that cannot be written.
-Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {});
+/* Puts the mesh at a place. Without instances it is where its buffers say; with some, at their places alone, each with an
+ * object id of its own. `world_from_mesh`: the upper three rows of a matrix, row by row. Errors: UMB_ERROR_USAGE for
+ * numbers that are not finite. */
+UMB_API UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mesh[12]);
 
-/// "0.1.0"
-const char* version();
+/* The box that holds the scene. Errors: UMB_ERROR_USAGE for an empty one. */
+UMB_API UmbError umbGetSceneBounds(UmbScene scene, float lower[3], float upper[3]);
+/* Cameras that the scene's files hold. */
+UMB_API int umbGetSceneCameraCount(UmbScene scene);
 
-#pragma GCC visibility pop
-}  // namespace v0
-}  // namespace umbrage
+/* ---- Jobs ---- */
+
+/* Renders a scene. */
+UMB_API UmbJob umbNewRenderJob(UmbDevice device, UmbScene scene);
+/* Shades the G-buffer that umbSetJobImage gives. */
+UMB_API UmbJob umbNewShadeJob(UmbDevice device);
+UMB_API void umbRetainJob(UmbJob job);
+UMB_API void umbReleaseJob(UmbJob job);
+UMB_API UmbError umbGetJobError(UmbJob job, const char** message);
+UMB_API UmbError umbSetJobProgressCallback(UmbJob job, UmbProgressCallback callback, void* user);
+
+/* Parameters. The names are those that umbGetParameter lists for "render" and "shade", such as "look", "width" or
+ * "camera.position", and those of effects, such as "bitmask.radius". A setter whose type is not the parameter's is
+ * UMB_ERROR_USAGE; a string is taken for all, written as on the command line. */
+UMB_API UmbError umbSetJobString(UmbJob job, const char* name, const char* value);
+UMB_API UmbError umbSetJobBool(UmbJob job, const char* name, bool value);
+UMB_API UmbError umbSetJobInt(UmbJob job, const char* name, int value);
+UMB_API UmbError umbSetJobFloat(UmbJob job, const char* name, float value);
+UMB_API UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int count);
+/* As if it had never been set. NULL: all of them. */
+UMB_API UmbError umbResetJobParameter(UmbJob job, const char* name);
+
+/* An input of a shade job: "depth" (always), "normal", "albedo", "object_id", ..., or "layer1.depth". The pixels are
+ * read while the job executes, and must live until then; the UmbImage itself is copied. NULL: none any more. */
+UMB_API UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* image);
+
+/* Where a pass is to be written: "color", "depth", "ao", ..., or "all" of them. A `data` of NULL has the library keep it:
+ * see umbGetJobOutput. For integer types numbers are clamped to 0 to 1 and rounded, but for ids: where there is no
+ * surface these have all bits set, or are 0 if they are the caller's. NULL: not wanted any more. Without any output a
+ * job makes "color", or what the last one of its "effects" makes. */
+UMB_API UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image);
+
+/* Does what comes before the first picture of a render job: reads the image around the scene, builds the hierarchy.
+ * umbExecuteJob does it where nobody has. Errors: UMB_ERROR_FILE, UMB_ERROR_DEVICE, UMB_ERROR_CANCELLED besides. */
+UMB_API UmbError umbPrepareJob(UmbJob job);
+
+/* Makes the picture. What is the same as the last time is kept: the device, the scene's hierarchy, what the camera sees
+ * where effects alone have changed, and memory. A scene without lights stays lit as its first picture's camera stood.
+ * On failure the job may go on; its outputs are undefined after UMB_ERROR_DEVICE, and else as they were. */
+UMB_API UmbError umbExecuteJob(UmbJob job);
+
+/* An output of the last execution: where the caller wanted it, or float and packed in the library's memory, which lives
+ * until the next execution. Errors: UMB_ERROR_USAGE for one that was not made. */
+UMB_API UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image);
+/* The outputs of the last execution, one after the other; NULL beyond the last. */
+UMB_API const char* umbGetJobOutputName(UmbJob job, int index);
+
+/* Lines as curves, where the parameter "strokes" is set and the look draws some. A polyline with round ends and joins,
+ * whose width changes linearly from point to point; pixels from the picture's upper left corner. They live until the
+ * next execution. */
+typedef enum UmbStrokeKind {
+  UMB_STROKE_OUTLINE = 0, /* an object ends */
+  UMB_STROKE_FOLD = 1,    /* an object hides a part of itself */
+  UMB_STROKE_CREASE = 2   /* two faces meet */
+} UmbStrokeKind;
+typedef struct UmbStrokePoint {
+  float x, y, width;
+} UmbStrokePoint;
+typedef struct UmbStroke {
+  const UmbStrokePoint* points;
+  size_t point_count;
+  int32_t kind;       /* UmbStrokeKind */
+  uint32_t object_id; /* of the nearer surface */
+  int32_t closed;     /* the last point is the first one again */
+} UmbStroke;
+UMB_API size_t umbGetJobStrokeCount(UmbJob job);
+UMB_API UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke);
+
+/* Red, green and blue of the strokes, sRGB, and the opacity of all of them together. */
+UMB_API UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity);
+
+/* Whether the parameters are right, as far as can be said without the scene or the images. Errors: UMB_ERROR_USAGE. */
+UMB_API UmbError umbCheckJob(UmbJob job);
+
+/* Counters of all executions of the job: "devices_opened", "hierarchies_built", "captures_made", "planes_copied" (of
+ * inputs). -1: there is no such counter. */
+UMB_API int64_t umbGetJobCounter(UmbJob job, const char* name);
+
+/* ---- Files ---- */
+
+/* Writes images, each a pass by its name, whole or not at all: .png and .pfm take "color" or one pass of 1 or 3
+ * channels, .exr takes all. Alpha is left out where all pixels are opaque. `bits`: 8 or 16, of .png; `half`: 16-bit
+ * floats in .exr where they suffice. Errors, of umbGetError: UMB_ERROR_USAGE; UMB_ERROR_FILE. */
+UMB_API UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
+                                bool half);
+/* Writes strokes as .svg, for a picture of that size. */
+UMB_API UmbError umbWriteStrokes(const char* file, int width, int height, const UmbStroke* strokes, size_t count,
+                                 const float rgb[3], float opacity);
+
+/* ---- What there is ---- */
+
+typedef enum UmbList {
+  UMB_LIST_LOOKS = 1,
+  UMB_LIST_EFFECTS = 2,
+  UMB_LIST_OCCLUSIONS = 3, /* values of the parameter "occlusion" */
+  UMB_LIST_DEVICES = 4,    /* usable ones: this asks the driver */
+  UMB_LIST_SCENES = 5,     /* built in */
+  UMB_LIST_FILE_FORMATS = 6
+} UmbList;
+/* A name and one line about it. Both live as long as the library. UMB_ERROR_USAGE, and no error
+ * to be asked for, beyond the last one. */
+UMB_API UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary);
+
+typedef struct UmbParameter {
+  const char* name;    /* as the setters take it */
+  const char* type;    /* "bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice" */
+  const char* help;
+  const char* unit;    /* or "" */
+  const char* initial; /* what holds where it is not set, in words */
+  const char* choices; /* values of a "choice", separated by spaces; or "" */
+  double min, max;     /* of numbers; both 0: no range */
+} UmbParameter;
+/* How many channels a pass has, of inputs and outputs; 0: no effect reads or makes one of that name. */
+UMB_API int umbGetPassChannels(const char* pass);
+
+/* The parameters of "render", "shade", "scene" or an effect. Errors: UMB_ERROR_USAGE; beyond the last one the same, and no
+ * error to be asked for. */
+UMB_API UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -90,6 +90,7 @@ void add_beside(const fs::path& module, std::vector<fs::path>& places) {
   if (!module.has_parent_path()) return;
   const fs::path folder = module.parent_path();
   places.push_back(folder / kProgram);
+  places.push_back(folder / "bin" / kProgram);  // of a library in its build tree
   // Of PREFIX/bin, PREFIX/lib and PREFIX/lib/x86_64-linux-gnu.
   for (const char* up : {"..", "../.."}) places.push_back(folder / up / "libexec" / "umbrage" / kProgram);
 }

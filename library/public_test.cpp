@@ -4,7 +4,7 @@
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
 
-#include "umbrage/umbrage.h"
+#include "umbrage/umbrage.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 const std::string kSolids = "scene:solids?detail=3000";
 
 /// The values of a pass; fails where the picture has none of that name and number of channels.
-const std::vector<float>& pass(const umbrage::Picture& picture, const std::string& name, int channels) {
+const std::vector<float>& pass(const umb::Picture& picture, const std::string& name, int channels) {
   static const std::vector<float> none;
   for (const auto& each : picture.passes)
     if (each.name == name) {
@@ -31,9 +31,9 @@ const std::vector<float>& pass(const umbrage::Picture& picture, const std::strin
 }
 
 TEST(Public, DrawsAPicture) {
-  umbrage::Picture picture;
-  const umbrage::Outcome outcome =
-      umbrage::render({.model = "scene:solids?detail=7000", .look = "unsharp", .width = 48, .height = 32}, picture);
+  umb::Picture picture;
+  const umb::Outcome outcome =
+      umb::render({.model = "scene:solids?detail=7000", .look = "unsharp", .width = 48, .height = 32}, picture);
   ASSERT_EQ(outcome.code, 0) << outcome.message;
   EXPECT_EQ(picture.width, 48);
   EXPECT_EQ(picture.height, 32);
@@ -45,9 +45,9 @@ TEST(Public, DrawsAPicture) {
 }
 
 TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
-  umbrage::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
-  const auto refused = [&](const umbrage::RenderRequest& request, int code, const std::string& text) {
-    const umbrage::Outcome outcome = umbrage::render(request, picture);
+  umb::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
+  const auto refused = [&](const umb::RenderRequest& request, int code, const std::string& text) {
+    const umb::Outcome outcome = umb::render(request, picture);
     EXPECT_EQ(outcome.code, code) << text;
     EXPECT_NE(outcome.message.find(text), std::string::npos) << outcome.message;
     EXPECT_EQ(picture.rgba[1], 0.5f);
@@ -84,15 +84,15 @@ TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
 }
 
 TEST(Public, HandsOutPasses) {
-  umbrage::Picture picture;
-  const auto outcome = umbrage::render({.model = kSolids,
-                                        .look = "ao",
-                                        .width = 40,
-                                        .height = 30,
-                                        .camera = {.position = {{6, 3, 6}}, .focal_point = {{0, 0.5f, 0}}},
-                                        .layers = 2,
-                                        .passes = {"normal", "depth", "layer1.depth", "ao"}},
-                                       picture);
+  umb::Picture picture;
+  const auto outcome = umb::render({.model = kSolids,
+                                    .look = "ao",
+                                    .width = 40,
+                                    .height = 30,
+                                    .camera = {.position = {{6, 3, 6}}, .focal_point = {{0, 0.5f, 0}}},
+                                    .layers = 2,
+                                    .passes = {"normal", "depth", "layer1.depth", "ao"}},
+                                   picture);
   ASSERT_EQ(outcome.code, 0) << outcome.message;
   ASSERT_EQ(picture.passes.size(), 4u);
   EXPECT_EQ(picture.passes[0].name, "normal");
@@ -107,20 +107,20 @@ TEST(Public, HandsOutPasses) {
     surfaces += std::isfinite(depth[k]);
   }
   EXPECT_GT(surfaces, 300);
-  umbrage::Picture all;
-  ASSERT_EQ(umbrage::render({.model = kSolids, .look = "ao", .width = 8, .height = 6, .passes = {"all"}}, all).code, 0);
+  umb::Picture all;
+  ASSERT_EQ(umb::render({.model = kSolids, .look = "ao", .width = 8, .height = 6, .passes = {"all"}}, all).code, 0);
   pass(all, "albedo", 3);
   pass(all, "object_id", 1);
 }
 
 TEST(Public, TakesTheCommandLinesOptions) {
-  const auto drawn = [](umbrage::RenderRequest request) {
+  const auto drawn = [](umb::RenderRequest request) {
     request.model = kSolids;
     request.width = 48;
     request.height = 36;
     request.device = "cpu";
-    umbrage::Picture picture;
-    const auto outcome = umbrage::render(request, picture);
+    umb::Picture picture;
+    const auto outcome = umb::render(request, picture);
     EXPECT_EQ(outcome.code, 0) << outcome.message;
     return picture.rgba;
   };
@@ -147,27 +147,27 @@ TEST(Public, TakesTheCommandLinesOptions) {
 
 /// A rendered picture, and the request that shades its depth and normals again.
 struct Rendered {
-  umbrage::Picture picture;
-  umbrage::ShadeRequest again;
+  umb::Picture picture;
+  umb::ShadeRequest again;
 };
 
 Rendered rendered_solids(bool orthographic) {
   Rendered r;
-  const auto outcome = umbrage::render({.model = kSolids,
-                                        .look = "ao",
-                                        .occlusion = "bitmask",
-                                        .settings = {"bitmask.radius=0.7"},
-                                        .width = 64,
-                                        .height = 48,
-                                        .device = "cpu",
-                                        .camera = {.position = {{0, 1, 8}},
-                                                   .focal_point = {{0, 1, 0}},
-                                                   .view_angle_deg = 40.0f,
-                                                   .orthographic = orthographic},
-                                        .passes = {"depth", "normal", "ao"}},
-                                       r.picture);
+  const auto outcome = umb::render({.model = kSolids,
+                                    .look = "ao",
+                                    .occlusion = "bitmask",
+                                    .settings = {"bitmask.radius=0.7"},
+                                    .width = 64,
+                                    .height = 48,
+                                    .device = "cpu",
+                                    .camera = {.position = {{0, 1, 8}},
+                                               .focal_point = {{0, 1, 0}},
+                                               .view_angle_deg = 40.0f,
+                                               .orthographic = orthographic},
+                                    .passes = {"depth", "normal", "ao"}},
+                                   r.picture);
   EXPECT_EQ(outcome.code, 0) << outcome.message;
-  umbrage::ShadeRequest& request = r.again;
+  umb::ShadeRequest& request = r.again;
   request.width = 64;
   request.height = 48;
   // As orthographic_camera has it: as high as what is seen at the focal point.
@@ -183,12 +183,12 @@ Rendered rendered_solids(bool orthographic) {
 }
 
 /// Expects of the request with these arrays the occlusion that was rendered.
-void expect_same_occlusion(const Rendered& r, const umbrage::ShadeRequest& request, const std::vector<float>& depths,
-                           const umbrage::PixelArray& normals, double tolerance) {
-  umbrage::ShadeRequest with = request;
+void expect_same_occlusion(const Rendered& r, const umb::ShadeRequest& request, const std::vector<float>& depths,
+                           const umb::PixelArray& normals, double tolerance) {
+  umb::ShadeRequest with = request;
   with.arrays = {{.name = "depth", .values = depths.data()}, normals};
-  umbrage::Picture shaded;
-  const auto done = umbrage::shade(with, shaded);
+  umb::Picture shaded;
+  const auto done = umb::shade(with, shaded);
   ASSERT_EQ(done.code, 0) << done.message;
   EXPECT_TRUE(shaded.rgba.empty());
   ASSERT_EQ(shaded.passes.size(), 1u);
@@ -203,7 +203,7 @@ TEST(Public, ShadesArraysAsItShadesModels) {
   for (const bool orthographic : {false, true}) {
     const Rendered r = rendered_solids(orthographic);
     const auto &depth = pass(r.picture, "depth", 1), &normal = pass(r.picture, "normal", 3);
-    const umbrage::PixelArray packed = {.name = "normal", .values = normal.data()};
+    const umb::PixelArray packed = {.name = "normal", .values = normal.data()};
     expect_same_occlusion(r, r.again, depth, packed, 1e-7);
     // Planes one after the other, bottom up, in world space with -z up, not of length 1.
     const int width = r.again.width, height = r.again.height;
@@ -217,12 +217,12 @@ TEST(Public, ShadesArraysAsItShadesModels) {
         planes[pixels + at] = 3.0f * n[2];
         planes[2 * pixels + at] = -3.0f * n[1];
       }
-    umbrage::ShadeRequest turned = r.again;
+    umb::ShadeRequest turned = r.again;
     turned.view_from_normal = {1, 0, 0, 0, 0, -1, 0, 1, 0};
-    const umbrage::PixelArray apart = {.name = "normal",
-                                       .values = planes.data() + pixels - width,
-                                       .row_stride = -width,
-                                       .channel_stride = std::ptrdiff_t(pixels)};
+    const umb::PixelArray apart = {.name = "normal",
+                                   .values = planes.data() + pixels - width,
+                                   .row_stride = -width,
+                                   .channel_stride = std::ptrdiff_t(pixels)};
     expect_same_occlusion(r, turned, depth, apart, 1e-5);
   }
 }
@@ -231,8 +231,8 @@ TEST(Public, ShadesDepthsOfAllKinds) {
   for (const bool orthographic : {false, true}) {
     const Rendered r = rendered_solids(orthographic);
     const auto& depth = pass(r.picture, "depth", 1);
-    const umbrage::PixelArray normals = {.name = "normal", .values = pass(r.picture, "normal", 3).data()};
-    umbrage::ShadeRequest request = r.again;
+    const umb::PixelArray normals = {.name = "normal", .values = pass(r.picture, "normal", 3).data()};
+    umb::ShadeRequest request = r.again;
     request.near_plane = 0.5f;
     for (const float far_plane : {50.0f, std::numeric_limits<float>::infinity()}) {
       if (orthographic && std::isinf(far_plane)) continue;
@@ -250,9 +250,9 @@ TEST(Public, ShadesDepthsOfAllKinds) {
         const double y = request.top + (request.bottom - request.top) * (double(k / width) + 0.5) / height;
         ray[k] = std::isinf(depth[k]) ? -1.0f : float(orthographic ? d : d * std::sqrt(1.0 + x * x + y * y));
       }
-      for (const auto& [kind, values] : {std::pair{umbrage::DepthKind::kWindow, &window},
-                                         {umbrage::DepthKind::kReversed, &reversed},
-                                         {umbrage::DepthKind::kRay, &ray}}) {
+      for (const auto& [kind, values] : {std::pair{umb::DepthKind::kWindow, &window},
+                                         {umb::DepthKind::kReversed, &reversed},
+                                         {umb::DepthKind::kRay, &ray}}) {
         request.depth_kind = kind;
         expect_same_occlusion(r, request, *values, normals, 2e-3);
       }
@@ -275,7 +275,7 @@ std::vector<float> ball_depth(int side) {
 TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
   const int side = 48;
   const auto depth = ball_depth(side);
-  umbrage::ShadeRequest request;
+  umb::ShadeRequest request;
   request.width = request.height = side;
   request.arrays = {{.name = "depth", .values = depth.data()}};
   request.orthographic = true;
@@ -284,8 +284,8 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
   for (const char* look : {"studio", "bleeding", "cartoon", "unsharp", "lit", "ao"}) {
     request.look = look;
     request.passes = {"ao"};
-    umbrage::Picture picture;
-    const auto outcome = umbrage::shade(request, picture);
+    umb::Picture picture;
+    const auto outcome = umb::shade(request, picture);
     ASSERT_EQ(outcome.code, 0) << look << ": " << outcome.message;
     ASSERT_EQ(picture.rgba.size(), std::size_t(side) * side * 4);
     float least = 1.0f, most = 0.0f;
@@ -302,28 +302,28 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
   // A picture of nothing at all is one, too.
   const std::vector<float> empty(std::size_t(side) * side, std::numeric_limits<float>::infinity());
   request.arrays[0].values = empty.data();
-  umbrage::Picture picture;
-  EXPECT_EQ(umbrage::shade(request, picture).code, 0);
+  umb::Picture picture;
+  EXPECT_EQ(umb::shade(request, picture).code, 0);
 }
 
 TEST(Public, SaysWhatIsWrongWithArrays) {
   const auto depth = ball_depth(8);
-  umbrage::ShadeRequest good;
+  umb::ShadeRequest good;
   good.width = good.height = 8;
   good.arrays = {{.name = "depth", .values = depth.data()}};
   good.look = "ao";
-  umbrage::Picture picture;
-  ASSERT_EQ(umbrage::shade(good, picture).code, 0);
+  umb::Picture picture;
+  ASSERT_EQ(umb::shade(good, picture).code, 0);
   const auto refused = [&](const auto& change, const std::string& text) {
-    umbrage::ShadeRequest request = good;
+    umb::ShadeRequest request = good;
     change(request);
-    umbrage::Picture untouched;
-    const auto outcome = umbrage::shade(request, untouched);
+    umb::Picture untouched;
+    const auto outcome = umb::shade(request, untouched);
     EXPECT_EQ(outcome.code, 2) << text;
     EXPECT_NE(outcome.message.find(text), std::string::npos) << outcome.message;
     EXPECT_EQ(untouched.width, 0);
   };
-  using Request = umbrage::ShadeRequest;
+  using Request = umb::ShadeRequest;
   refused([](Request& r) { r.width = 0; }, "`width`");
   refused([](Request& r) { r.arrays.clear(); }, "'depth'");
   refused([](Request& r) { r.arrays[0].name = "dept"; }, "depth");
@@ -331,8 +331,8 @@ TEST(Public, SaysWhatIsWrongWithArrays) {
   refused([](Request& r) { r.arrays.push_back(r.arrays[0]); }, "two arrays");
   refused([](Request& r) { r.arrays.push_back({.name = "layer2.depth", .values = r.arrays[0].values}); },
           "layer1.depth");
-  refused([](Request& r) { r.depth_kind = umbrage::DepthKind::kWindow, r.near_plane = 0.0f; }, "near_plane");
-  refused([](Request& r) { r.depth_kind = umbrage::DepthKind::kReversed, r.orthographic = true; }, "far_plane");
+  refused([](Request& r) { r.depth_kind = umb::DepthKind::kWindow, r.near_plane = 0.0f; }, "near_plane");
+  refused([](Request& r) { r.depth_kind = umb::DepthKind::kReversed, r.orthographic = true; }, "far_plane");
   refused([](Request& r) { r.right = r.left; }, "window");
   refused([](Request& r) { r.scene_radius = -1.0f; }, "scene_radius");
   refused([](Request& r) { r.view_from_normal[4] = NAN; }, "view_from_normal");
@@ -348,21 +348,21 @@ TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
   for (const char* occlusion : {"bitmask", "reference"}) {
     std::vector<double> told;
     const auto thread = std::this_thread::get_id();
-    umbrage::Picture picture;
-    const auto outcome = umbrage::render({.model = kSolids,
-                                          .look = "lit",
-                                          .occlusion = occlusion,
-                                          .width = 160,
-                                          .height = 120,
-                                          .device = "cpu",
-                                          .anti_aliasing = 2,
-                                          .progress =
-                                              [&](double done) {
-                                                EXPECT_EQ(std::this_thread::get_id(), thread);
-                                                told.push_back(done);
-                                                return true;
-                                              }},
-                                         picture);
+    umb::Picture picture;
+    const auto outcome = umb::render({.model = kSolids,
+                                      .look = "lit",
+                                      .occlusion = occlusion,
+                                      .width = 160,
+                                      .height = 120,
+                                      .device = "cpu",
+                                      .anti_aliasing = 2,
+                                      .progress =
+                                          [&](double done) {
+                                            EXPECT_EQ(std::this_thread::get_id(), thread);
+                                            told.push_back(done);
+                                            return true;
+                                          }},
+                                     picture);
     ASSERT_EQ(outcome.code, 0) << outcome.message;
     ASSERT_GT(told.size(), 6u);
     EXPECT_EQ(told.front(), 0.0);
@@ -375,22 +375,22 @@ TEST(Public, TellsItsProgressOnTheThreadThatCalled) {
 // Wherever it is ended, nothing is told any more, the picture stays, and the next one is as if nothing had been.
 TEST(Public, EndsWhereverItIsToldTo) {
   int calls = 0, last = 0;
-  umbrage::RenderRequest request = {.model = kSolids,
-                                    .look = "bleeding",
-                                    .width = 96,
-                                    .height = 64,
-                                    .device = "cpu",
-                                    .anti_aliasing = 2,
-                                    .progress = [&](double) { return ++calls != last; }};
-  umbrage::FrameRenderer renderer;
+  umb::RenderRequest request = {.model = kSolids,
+                                .look = "bleeding",
+                                .width = 96,
+                                .height = 64,
+                                .device = "cpu",
+                                .anti_aliasing = 2,
+                                .progress = [&](double) { return ++calls != last; }};
+  umb::FrameRenderer renderer;
   ASSERT_EQ(renderer.open(request).code, 0);
-  umbrage::Picture whole;
+  umb::Picture whole;
   calls = 0;
   ASSERT_EQ(renderer.draw({}, whole).code, 0);
   const int all = calls;
   ASSERT_GT(all, 10);
   for (last = 1; last <= all; last += 3) {
-    umbrage::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
+    umb::Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
     calls = 0;
     const auto outcome = renderer.draw({}, picture);
     if (calls < last) continue;  // how often it asks within a pass depends on time
@@ -399,14 +399,14 @@ TEST(Public, EndsWhereverItIsToldTo) {
     EXPECT_EQ(picture.rgba.size(), 4u);
   }
   last = 0;
-  umbrage::Picture again;
+  umb::Picture again;
   ASSERT_EQ(renderer.draw({}, again).code, 0);
   EXPECT_EQ(again.rgba, whole.rgba);
   // Before a model is read.
   last = 1;
   calls = 0;
   request.model = "missing.obj";
-  EXPECT_EQ(umbrage::render(request, again).code, 130);
+  EXPECT_EQ(umb::render(request, again).code, 130);
 }
 
 // A long pass ends within: what is left of it is not done.
@@ -415,20 +415,20 @@ TEST(Public, EndsWithinAPass) {
   const auto drawn = [&](bool end) {
     const auto start = Clock::now();
     Clock::time_point ended = start;
-    umbrage::RenderRequest request = {.model = kSolids,
-                                      .look = "ao",
-                                      .occlusion = "bitmask",
-                                      .settings = {"bitmask.slices=8", "bitmask.steps=32"},
-                                      .width = 512,
-                                      .height = 512,
-                                      .threads = 1,
-                                      .device = "cpu",
-                                      .progress = [&](double done) {
-                                        ended = Clock::now();
-                                        return !end || done < 0.45;
-                                      }};
-    umbrage::Picture picture;
-    EXPECT_EQ(umbrage::render(request, picture).code, end ? 130 : 0);
+    umb::RenderRequest request = {.model = kSolids,
+                                  .look = "ao",
+                                  .occlusion = "bitmask",
+                                  .settings = {"bitmask.slices=8", "bitmask.steps=32"},
+                                  .width = 512,
+                                  .height = 512,
+                                  .threads = 1,
+                                  .device = "cpu",
+                                  .progress = [&](double done) {
+                                    ended = Clock::now();
+                                    return !end || done < 0.45;
+                                  }};
+    umb::Picture picture;
+    EXPECT_EQ(umb::render(request, picture).code, end ? 130 : 0);
     return std::chrono::duration<double>(end ? Clock::now() - ended : Clock::now() - start).count();
   };
   const double whole = drawn(false);
@@ -436,39 +436,39 @@ TEST(Public, EndsWithinAPass) {
 }
 
 TEST(Public, LetsTheCallersExceptionsThrough) {
-  umbrage::Picture picture;
+  umb::Picture picture;
   int calls = 0;
-  const umbrage::RenderRequest request = {
+  const umb::RenderRequest request = {
       .model = kSolids, .look = "ao", .width = 64, .height = 48, .device = "cpu", .progress = [&](double) {
         if (++calls == 4) throw 7;
         return true;
       }};
-  EXPECT_THROW(umbrage::render(request, picture), int);
-  EXPECT_EQ(umbrage::render(request, picture).code, 0);
+  EXPECT_THROW(umb::render(request, picture), int);
+  EXPECT_EQ(umb::render(request, picture).code, 0);
 }
 
 TEST(Public, CamerasAndScenesAreChosenByIndex) {
-  umbrage::RenderRequest request = {
+  umb::RenderRequest request = {
       .model = "scene:room?detail=2000", .look = "ao", .width = 64, .height = 48, .device = "cpu"};
-  umbrage::Picture own, first, second;
-  ASSERT_EQ(umbrage::render(request, own).code, 0);
+  umb::Picture own, first, second;
+  ASSERT_EQ(umb::render(request, own).code, 0);
   request.camera.index = 0;
-  ASSERT_EQ(umbrage::render(request, first).code, 0);
+  ASSERT_EQ(umb::render(request, first).code, 0);
   request.camera.index = 1;
-  ASSERT_EQ(umbrage::render(request, second).code, 0);
+  ASSERT_EQ(umb::render(request, second).code, 0);
   EXPECT_EQ(first.rgba, own.rgba) << "the first view is the one that is used where nobody names one";
   EXPECT_NE(second.rgba, first.rgba);
   request.camera.index = 99;
-  const auto astray = umbrage::render(request, second);
+  const auto astray = umb::render(request, second);
   EXPECT_EQ(astray.code, 2);
   EXPECT_NE(astray.message.find("`camera.index`"), std::string::npos) << astray.message;
   request.camera = {.index = 0, .position = {{1, 2, 3}}};
-  EXPECT_EQ(umbrage::render(request, second).code, 2);
+  EXPECT_EQ(umb::render(request, second).code, 2);
   request.camera = {};
   request.scene_index = 0;
-  EXPECT_EQ(umbrage::render(request, second).code, 0);
+  EXPECT_EQ(umb::render(request, second).code, 0);
   request.scene_index = 1;
-  const auto elsewhere = umbrage::render(request, second);
+  const auto elsewhere = umb::render(request, second);
   EXPECT_EQ(elsewhere.code, 2);
   EXPECT_NE(elsewhere.message.find("`scene_index`"), std::string::npos) << elsewhere.message;
 }
@@ -493,16 +493,16 @@ TEST_F(PublicFiles, DrawsPointsAsLargeAsAsked) {
   const std::string file = (folder_ / "points.xyz").string();
   std::ofstream(file) << "0 0 0\n1 0 0\n0 1 0\n1 1 1\n";
   const auto drawn = [&](const std::string& size, const std::string& sprites) {
-    umbrage::Picture picture;
-    const auto outcome = umbrage::render({.model = file,
-                                          .look = "ao",
-                                          .width = 40,
-                                          .height = 40,
-                                          .device = "cpu",
-                                          .point_size = size,
-                                          .point_sprites = sprites,
-                                          .passes = {"depth"}},
-                                         picture);
+    umb::Picture picture;
+    const auto outcome = umb::render({.model = file,
+                                      .look = "ao",
+                                      .width = 40,
+                                      .height = 40,
+                                      .device = "cpu",
+                                      .point_size = size,
+                                      .point_sprites = sprites,
+                                      .passes = {"depth"}},
+                                     picture);
     EXPECT_EQ(outcome.code, 0) << outcome.message;
     const auto& depth = pass(picture, "depth", 1);
     return std::count_if(depth.begin(), depth.end(), [](float d) { return std::isfinite(d); });
@@ -512,13 +512,13 @@ TEST_F(PublicFiles, DrawsPointsAsLargeAsAsked) {
 }
 
 TEST_F(PublicFiles, SavesInTheFormatOfTheName) {
-  umbrage::Picture picture;
-  ASSERT_EQ(umbrage::render({.model = kSolids, .look = "ao", .width = 20, .height = 10, .passes = {"depth", "normal"}},
-                            picture)
-                .code,
-            0);
-  const auto save = [&](const std::string& name, const umbrage::SaveRequest& request = {}) {
-    return umbrage::save(picture, (folder_ / name).string(), request);
+  umb::Picture picture;
+  ASSERT_EQ(
+      umb::render({.model = kSolids, .look = "ao", .width = 20, .height = 10, .passes = {"depth", "normal"}}, picture)
+          .code,
+      0);
+  const auto save = [&](const std::string& name, const umb::SaveRequest& request = {}) {
+    return umb::save(picture, (folder_ / name).string(), request);
   };
   EXPECT_EQ(save("a.png").code, 0);
   EXPECT_EQ(start_of("a.png"), "\x89PNG");
@@ -540,11 +540,11 @@ TEST_F(PublicFiles, SavesInTheFormatOfTheName) {
   EXPECT_EQ(start_of("depth.pfm").substr(0, 2), "Pf");
   picture.passes[0].values.pop_back();
   EXPECT_EQ(save("g.exr").code, 2);
-  EXPECT_EQ(umbrage::save({}, (folder_ / "h.png").string()).code, 2);
+  EXPECT_EQ(umb::save({}, (folder_ / "h.png").string()).code, 2);
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 5);
 }
 
-TEST(Public, HasAVersion) { EXPECT_EQ(std::string(umbrage::version()).find('.'), 1u); }
+TEST(Public, HasAVersion) { EXPECT_EQ(std::string(umb::version()).find('.'), 1u); }
 
 TEST(Public, IdsOfAllBitsSurvive) {
   // Two objects on one plane, told apart by the last of 32 bits, and nothing in the last column.
@@ -557,7 +557,7 @@ TEST(Public, IdsOfAllBitsSurvive) {
       depth.push_back(x == width - 1 ? 0.0f : 3.0f);
       ids.push_back(x < 6 ? left : right);
     }
-  umbrage::ShadeRequest request;
+  umb::ShadeRequest request;
   request.width = width;
   request.height = height;
   request.top = 0.5f, request.bottom = -0.5f;
@@ -566,20 +566,20 @@ TEST(Public, IdsOfAllBitsSurvive) {
   request.passes = {"object_id", "outline"};
   request.strokes = true;
   request.arrays = {{.name = "depth", .values = depth.data()}, {.name = "object_id", .ids = ids.data()}};
-  umbrage::Picture picture;
-  ASSERT_EQ(umbrage::shade(request, picture).code, 0);
+  umb::Picture picture;
+  ASSERT_EQ(umb::shade(request, picture).code, 0);
   ASSERT_EQ(picture.passes[0].ids.size(), ids.size());
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
       EXPECT_EQ(picture.passes[0].ids[y * width + x], x == width - 1 ? 0 : x < 6 ? left : right) << x << ", " << y;
   EXPECT_GT(picture.passes[1].values[3 * width + 6] + picture.passes[1].values[3 * width + 5], 0.5f) << "a line";
   ASSERT_FALSE(picture.strokes.empty());
-  for (const umbrage::Stroke& stroke : picture.strokes)
+  for (const umb::Stroke& stroke : picture.strokes)
     EXPECT_TRUE(std::uint32_t(stroke.object) == left || std::uint32_t(stroke.object) == right) << stroke.object;
 
   // And in a file.
   const std::string file = testing::TempDir() + "umbrage_ids.exr";
-  ASSERT_EQ(umbrage::save(picture, file).code, 0);
+  ASSERT_EQ(umb::save(picture, file).code, 0);
   {
     Imf::InputFile input(file.c_str());
     ASSERT_NE(input.header().channels().findChannel("object_id"), nullptr);
@@ -595,9 +595,9 @@ TEST(Public, IdsOfAllBitsSurvive) {
 
   // What cannot be.
   request.arrays[1] = {.name = "ao", .ids = ids.data()};
-  EXPECT_EQ(umbrage::shade(request, picture).code, 2);
+  EXPECT_EQ(umb::shade(request, picture).code, 2);
   request.arrays[1] = {.name = "object_id", .values = depth.data(), .ids = ids.data()};
-  EXPECT_EQ(umbrage::shade(request, picture).code, 2);
+  EXPECT_EQ(umb::shade(request, picture).code, 2);
 }
 
 }  // namespace

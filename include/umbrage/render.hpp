@@ -1,0 +1,460 @@
+// Requests become pictures: render, shade, FrameRenderer and save. umbrage/umbrage.hpp includes this header.
+#pragma once
+#include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "umbrage/requests.hpp"
+#include "umbrage/umbrage.hpp"
+
+namespace umb {
+
+namespace detail {
+
+/// A caller's Progress, which may throw what it likes: that ends the work as its false would, and goes on to the caller
+/// once the call has returned.
+class Watch {
+ public:
+  explicit Watch(const Progress& progress) : progress_(progress) {}
+  UmbProgressCallback callback() const { return progress_ ? &Watch::call : nullptr; }
+  /// Of work that comes before what shares are told of.
+  UmbProgressCallback callback_before() const { return progress_ ? &Watch::call_before : nullptr; }
+  void rethrow() {
+    if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
+  }
+
+ private:
+  static bool call(void* user, double done) { return static_cast<Watch*>(user)->tell(done); }
+  static bool call_before(void* user, double) { return static_cast<Watch*>(user)->tell(0.0); }
+  bool tell(double done) {
+    if (thrown_) return false;
+#ifdef __cpp_exceptions
+    try {
+      return progress_(done);
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return false;
+    }
+#else
+    return progress_(done);
+#endif
+  }
+
+  Progress progress_;
+  std::exception_ptr thrown_;
+};
+
+/// Calls of the C interface, one after the other, up to the first that fails.
+class Calls {
+ public:
+  Outcome outcome;
+  bool fine() const { return outcome.code == 0; }
+
+  void device(UmbDevice made) { note(made ? UMB_ERROR_NONE : UMB_ERROR_DEVICE, umbGetError); }
+  void alone(UmbError code) { note(code, umbGetError); }
+  void scene(UmbScene scene, UmbError code) {
+    note(code, [scene](const char** message) { return umbGetSceneError(scene, message); });
+  }
+  void job(UmbJob job, UmbError code) {
+    note(code, [job](const char** message) { return umbGetJobError(job, message); });
+  }
+
+ private:
+  template <class Take>
+  void note(UmbError code, const Take& take) {
+    if (code == UMB_ERROR_NONE) return;
+    const char* message = "";
+    const UmbError taken = take(&message);
+    outcome.code = int(taken != UMB_ERROR_NONE ? taken : code);
+    outcome.message = message;
+  }
+};
+
+inline void note_warning(void* user, const char* message) {
+  static_cast<std::vector<std::string>*>(user)->push_back(message);
+}
+
+/// Sets parameters that a request has.
+class Setter {
+ public:
+  Setter(UmbJob job, Calls& calls) : job_(job), calls_(calls) {}
+  void operator()(const char* name, const std::string& value) {
+    if (!value.empty() && calls_.fine()) calls_.job(job_, umbSetJobString(job_, name, value.c_str()));
+  }
+  void operator()(const char* name, int value) {
+    if (calls_.fine()) calls_.job(job_, umbSetJobInt(job_, name, value));
+  }
+  void operator()(const char* name, bool value) {
+    if (calls_.fine()) calls_.job(job_, umbSetJobBool(job_, name, value));
+  }
+  void operator()(const char* name, float value) {
+    if (calls_.fine()) calls_.job(job_, umbSetJobFloat(job_, name, value));
+  }
+  template <std::size_t count>
+  void operator()(const char* name, const std::array<float, count>& values) {
+    if (calls_.fine()) calls_.job(job_, umbSetJobFloats(job_, name, values.data(), int(count)));
+  }
+  template <class T>
+  void operator()(const char* name, const std::optional<T>& value) {
+    if (value) (*this)(name, *value);
+  }
+  /// "effect.parameter=value".
+  void assign(const std::string& text) {
+    if (!calls_.fine()) return;
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos) {
+      calls_.outcome = {int(UMB_ERROR_USAGE), "'" + text + "' is no setting: it takes effect.parameter=value", {}};
+      return;
+    }
+    (*this)(text.substr(0, equals).c_str(), text.substr(equals + 1));
+  }
+
+ private:
+  UmbJob job_;
+  Calls& calls_;
+};
+
+/// What requests for rendering and shading share.
+template <class Request>
+void set_common(const Request& r, Setter& set) {
+  set("look", r.look);
+  set("occlusion", r.occlusion);
+  set("occlusion_radius", r.occlusion_radius);
+  set("occlusion_scale", r.occlusion_scale);
+  set("quality", r.quality);
+  set("background", r.background);
+  set("transparent", r.transparent);
+  set("strokes", r.strokes);
+  for (const std::string& setting : r.settings) set.assign(setting);
+}
+
+inline void set_all(const RenderRequest& r, Setter& set) {
+  set_common(r, set);
+  const CameraRequest& camera = r.camera;
+  set("width", r.width);
+  set("height", r.height);
+  set("camera.index", camera.index);
+  set("camera.position", camera.position);
+  set("camera.focal_point", camera.focal_point);
+  set("camera.view_up", camera.view_up);
+  set("camera.direction", camera.direction);
+  set("camera.view_angle_deg", camera.view_angle_deg);
+  set("camera.azimuth_deg", camera.azimuth_deg);
+  set("camera.elevation_deg", camera.elevation_deg);
+  set("camera.zoom", camera.zoom);
+  set("camera.orthographic", camera.orthographic);
+  set("anti_aliasing", r.anti_aliasing);
+  set("ground", r.ground);
+  set("hdri_file", r.hdri_file);
+  set("hdri_ambient", r.hdri_ambient);
+  set("hdri_skybox", r.hdri_skybox);
+  set("hdri_rotation_deg", r.hdri_rotation_deg);
+  set("hdri_intensity", r.hdri_intensity);
+  set("light_size_deg", r.light_size_deg);
+  set("layers", r.layers);
+  set("extra_views", r.extra_views);
+  set("guard_band", r.guard_band);
+}
+
+inline void set_all(const ShadeRequest& r, Setter& set) {
+  constexpr const char* kKinds[] = {"view", "ray", "window", "reversed"};
+  set_common(r, set);
+  set("depth_kind", std::string(kKinds[int(r.depth_kind)]));
+  set("near_plane", r.near_plane);
+  if (r.far_plane < std::numeric_limits<float>::infinity()) set("far_plane", r.far_plane);
+  set("view_from_normal", r.view_from_normal);
+  set("orthographic", r.orthographic);
+  set("window", std::array<float, 4>{r.left, r.right, r.bottom, r.top});
+  set("scene_radius", r.scene_radius);
+  std::string effects;
+  for (const std::string& effect : r.effects) effects += (effects.empty() ? "" : ",") + effect;
+  set("effects", effects);
+}
+
+inline void set_scene(const RenderRequest& r, UmbScene scene, Calls& calls) {
+  const auto set = [&](const char* name, const std::string& value) {
+    if (!value.empty() && calls.fine()) calls.scene(scene, umbSetSceneParameter(scene, name, value.c_str()));
+  };
+  const auto text = [](float v) {
+    char digits[32];
+    std::snprintf(digits, sizeof(digits), "%.9g", double(v));
+    return std::string(digits);
+  };
+  if (r.up) set("up", text((*r.up)[0]) + "," + text((*r.up)[1]) + "," + text((*r.up)[2]));
+  if (r.scene_index) set("scene_index", std::to_string(*r.scene_index));
+  if (r.crease_angle_deg) set("crease_angle_deg", text(*r.crease_angle_deg));
+  set("point_size", r.point_size);
+  set("point_sprites", r.point_sprites);
+}
+
+/// Takes what a job has made into a picture.
+inline void take(UmbJob job, bool strokes, Picture& picture) {
+  Picture made;
+  for (int k = 0; const char* name = umbGetJobOutputName(job, k); ++k) {
+    UmbImage image{};
+    umbGetJobOutput(job, name, &image);
+    made.width = image.width;
+    made.height = image.height;
+    const std::size_t count = std::size_t(image.width) * std::size_t(image.height) * std::size_t(image.channels);
+    if (image.type == UMB_TYPE_UINT32) {
+      const auto* ids = static_cast<const std::uint32_t*>(image.data);
+      Pixels pass{name, image.channels, {}, {ids, ids + count}};
+      for (const std::uint32_t id : pass.ids) pass.values.push_back(float(id));
+      made.passes.push_back(std::move(pass));
+      continue;
+    }
+    const auto* values = static_cast<const float*>(image.data);
+    if (std::string(name) == "color")
+      made.rgba.assign(values, values + count);
+    else
+      made.passes.push_back({name, image.channels, {values, values + count}, {}});
+  }
+  for (std::size_t k = 0; strokes && k < umbGetJobStrokeCount(job); ++k) {
+    UmbStroke from{};
+    umbGetJobStroke(job, k, &from);
+    Stroke stroke{StrokeKind(from.kind), int(from.object_id), from.closed != 0, {}};
+    for (std::size_t p = 0; p < from.point_count; ++p)
+      stroke.points.push_back({from.points[p].x, from.points[p].y, from.points[p].width});
+    made.strokes.push_back(std::move(stroke));
+  }
+  if (strokes) umbGetJobStrokeColor(job, made.stroke_color.data(), &made.stroke_opacity);
+  picture = std::move(made);
+}
+
+inline void want(UmbJob job, const std::string& pass, Calls& calls) {
+  const UmbImage own{};
+  if (calls.fine()) calls.job(job, umbSetJobOutput(job, pass.c_str(), &own));
+}
+
+}  // namespace detail
+
+/// Draws one model again and again: it is read and made ready once, then each frame is captured and shaded, and the
+/// memory of the one before is used again. Not for several threads at once.
+class FrameRenderer {
+ public:
+  /// Errors: as of render. On failure what was open stays.
+  Outcome open(const RenderRequest& request) {
+    auto state = std::make_unique<State>(request.progress);
+    detail::Calls calls;
+    state->device = Device_(umbNewDevice(request.device.c_str(), request.threads));
+    calls.device(state->device.get());
+    if (!calls.fine()) return calls.outcome;
+    const UmbDevice device = state->device.get();
+    umbSetDeviceLogCallback(device, detail::note_warning, &calls.outcome.warnings);
+    state->scene = Scene_(umbNewScene(device));
+    const UmbScene scene = state->scene.get();
+    detail::set_scene(request, scene, calls);
+    umbSetSceneProgressCallback(scene, state->watch.callback_before(), &state->watch);
+    state->job = Job_(umbNewRenderJob(device, scene));
+    const UmbJob job = state->job.get();
+    detail::Setter set(job, calls);
+    detail::set_all(request, set);
+    detail::want(job, "color", calls);
+    for (const std::string& pass : request.passes) {
+      if (pass == "color") continue;
+      detail::want(job, pass, calls);
+    }
+    if (calls.fine()) calls.job(job, umbCheckJob(job));
+    std::vector<std::string> models = {request.model};
+    models.insert(models.end(), request.more_models.begin(), request.more_models.end());
+    for (const std::string& model : models)
+      if (calls.fine()) calls.scene(scene, umbLoadModel(scene, model.c_str()));
+    umbSetJobProgressCallback(job, state->watch.callback(), &state->watch);
+    if (calls.fine()) calls.job(job, umbPrepareJob(job));
+    umbSetDeviceLogCallback(device, nullptr, nullptr);
+    state->watch.rethrow();
+    state->request = request;
+    if (calls.fine()) state_ = std::move(state);
+    return calls.outcome;
+  }
+
+  /// One picture, with the passes of the request, telling its progress. A model without lights is lit as its first
+  /// frame's camera stands. Errors: code 2 for a camera that cannot be, 4 where memory is short or the device is lost,
+  /// 130; the picture is then left as it was, and other frames may be tried.
+  Outcome draw(const FrameCamera& camera, Picture& picture) {
+    if (!state_) return {int(UMB_ERROR_USAGE), "FrameRenderer::open comes before draw", {}};
+    detail::Calls calls;
+    umbSetDeviceLogCallback(state_->device.get(), detail::note_warning, &calls.outcome.warnings);
+    place(camera, calls);
+    const UmbJob job = state_->job.get();
+    if (calls.fine()) calls.job(job, umbExecuteJob(job));
+    umbSetDeviceLogCallback(state_->device.get(), nullptr, nullptr);
+    state_->watch.rethrow();
+    if (calls.fine()) detail::take(job, state_->request.strokes, picture);
+    return calls.outcome;
+  }
+
+  /// "vulkan:0: NVIDIA ..."; empty: nothing is open.
+  std::string device() const { return state_ ? umbGetDeviceDescription(state_->device.get()) : std::string(); }
+  /// Bytes of the GPU's memory that it holds; 0 on the CPU.
+  unsigned long long device_bytes() const { return state_ ? umbGetDeviceMemory(state_->device.get()) : 0; }
+
+ private:
+  using Device_ = detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice>;
+  using Scene_ = detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>;
+  using Job_ = detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>;
+
+  struct State {
+    explicit State(const Progress& progress) : watch(progress) {}
+    detail::Watch watch;
+    RenderRequest request;
+    Device_ device;
+    Scene_ scene;
+    Job_ job;
+  };
+
+  /// Puts the camera where the frame says, or else where the request does.
+  void place(const FrameCamera& camera, detail::Calls& calls) {
+    const UmbJob job = state_->job.get();
+    for (const char* name :
+         {"camera.index", "camera.position", "camera.focal_point", "camera.view_up", "camera.direction",
+          "camera.view_angle_deg", "camera.azimuth_deg", "camera.elevation_deg", "camera.zoom", "camera.orthographic"})
+      umbResetJobParameter(job, name);
+    RenderRequest request = state_->request;
+    if (camera.placed) {
+      CameraRequest placed;
+      placed.position = {camera.eye[0], camera.eye[1], camera.eye[2]};
+      placed.focal_point = {camera.target[0], camera.target[1], camera.target[2]};
+      placed.view_up = {camera.up[0], camera.up[1], camera.up[2]};
+      placed.view_angle_deg = camera.angle_deg;
+      request.camera = placed;
+    }
+    request.settings.clear();  // they stay
+    detail::Setter set(job, calls);
+    detail::set_all(request, set);
+  }
+
+  std::unique_ptr<State> state_;
+};
+
+/// Draws one picture. Errors: code 2 for names and values that there are not, before the model is read; 3 for the
+/// model; 4 for the device, and where its memory is short; 130. On failure the picture is left as it was.
+inline Outcome render(const RenderRequest& request, Picture& picture) {
+  FrameRenderer renderer;
+  Outcome opened = renderer.open(request);
+  if (opened.code != 0) return opened;
+  Outcome drawn = renderer.draw({}, picture);
+  drawn.warnings.insert(drawn.warnings.begin(), opened.warnings.begin(), opened.warnings.end());
+  return drawn;
+}
+
+/// Shades what another renderer drew. With `effects` the picture has colour where one of them is "output". Errors: code
+/// 2 for names, values and arrays that cannot be, among them effects that need a plane which is missing, and looks
+/// whose occlusion is "reference", which needs the model; 4 for the device; 130. On failure the picture is left as it
+/// was.
+inline Outcome shade(const ShadeRequest& request, Picture& picture) {
+  detail::Calls calls;
+  detail::Watch watch(request.progress);
+  const detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> device(
+      umbNewDevice(request.device.c_str(), request.threads));
+  calls.device(device.get());
+  if (!calls.fine()) return calls.outcome;
+  umbSetDeviceLogCallback(device.get(), detail::note_warning, &calls.outcome.warnings);
+  const detail::Ref<UmbJob, umbRetainJob, umbReleaseJob> made(umbNewShadeJob(device.get()));
+  const UmbJob job = made.get();
+  detail::Setter set(job, calls);
+  detail::set_all(request, set);
+  umbSetJobProgressCallback(job, watch.callback(), &watch);
+  const auto refuse = [&](const std::string& message) {
+    if (calls.fine()) calls.outcome = {int(UMB_ERROR_USAGE), message, {}};
+  };
+  if (request.width < 1 || request.height < 1)
+    refuse("`width` and `height` cannot be " + std::to_string(request.width) + " and " +
+           std::to_string(request.height) + ": they are above 0");
+  for (const PixelArray& array : request.arrays) {
+    const auto same = [&](const PixelArray& other) { return other.name == array.name; };
+    if (array.values && array.ids) refuse("the array '" + array.name + "' has both values and ids");
+    if (std::count_if(request.arrays.begin(), request.arrays.end(), same) > 1)
+      refuse("there are two arrays '" + array.name + "'");
+    if (!calls.fine()) break;
+    // As many channels as the pass has, which the interface knows.
+    const bool ids = array.ids != nullptr;
+    const void* data = ids ? static_cast<const void*>(array.ids) : array.values;
+    const std::ptrdiff_t size = sizeof(float);
+    UmbImage image{const_cast<void*>(data),
+                   ids ? UMB_TYPE_UINT32 : UMB_TYPE_FLOAT32,
+                   request.width,
+                   request.height,
+                   0,
+                   array.channel_stride * size,
+                   array.pixel_stride * size,
+                   array.row_stride * size};
+    calls.job(job, umbSetJobImage(job, array.name.c_str(), &image));
+  }
+  const bool color = request.effects.empty() ||
+                     std::find(request.effects.begin(), request.effects.end(), "output") != request.effects.end();
+  if (!request.passes.empty() || request.effects.empty()) {
+    if (color) detail::want(job, "color", calls);
+    for (const std::string& pass : request.passes)
+      if (pass != "color") detail::want(job, pass, calls);
+  }
+  if (calls.fine()) calls.job(job, umbExecuteJob(job));
+  watch.rethrow();
+  if (calls.fine()) detail::take(job, request.strokes, picture);
+  umbSetDeviceLogCallback(device.get(), nullptr, nullptr);
+  return calls.outcome;
+}
+
+/// Writes a picture, whole or not at all, in the format that the file's ending names: .png, .pfm (no alpha), .exr,
+/// which holds the passes too, or .svg, which holds the strokes alone. Colours are written as they are; alpha where any
+/// pixel is not opaque. Errors: code 2 for a picture of the wrong size or an ending that there is not, 3 for a file
+/// that cannot be written.
+inline Outcome save(const Picture& picture, const std::string& file, const SaveRequest& request = {}) {
+  detail::Calls calls;
+  const std::size_t pixels = std::size_t(picture.width) * std::size_t(picture.height);
+  const auto wrong = [&](const std::string& name, std::size_t count) {
+    calls.outcome = {int(UMB_ERROR_USAGE),
+                     name + " of a picture of " + std::to_string(picture.width) + " x " +
+                         std::to_string(picture.height) + " pixels cannot have " + std::to_string(count) + " values",
+                     {}};
+    return calls.outcome;
+  };
+  const bool svg =
+      file.size() > 4 && (file.substr(file.size() - 4) == ".svg" || file.substr(file.size() - 4) == ".SVG");
+  if (svg) {
+    std::vector<UmbStroke> strokes;
+    std::vector<std::vector<UmbStrokePoint>> points;
+    for (const Stroke& stroke : picture.strokes) {
+      std::vector<UmbStrokePoint>& all = points.emplace_back();
+      for (const StrokePoint& p : stroke.points) all.push_back({p.x, p.y, p.width});
+      strokes.push_back(
+          {all.data(), all.size(), std::int32_t(stroke.kind), std::uint32_t(stroke.object), stroke.closed});
+    }
+    calls.alone(umbWriteStrokes(file.c_str(), picture.width, picture.height, strokes.data(), strokes.size(),
+                                picture.stroke_color.data(), picture.stroke_opacity));
+    return calls.outcome;
+  }
+  std::vector<const char*> names;
+  std::vector<UmbImage> images;
+  const auto add = [&](const char* name, const void* data, UmbType type, int channels) {
+    names.push_back(name);
+    images.push_back({const_cast<void*>(data), type, picture.width, picture.height, channels, 0, 0, 0});
+  };
+  if (!picture.rgba.empty()) {
+    if (picture.rgba.size() != 4 * pixels) return wrong("color", picture.rgba.size());
+    add("color", picture.rgba.data(), UMB_TYPE_FLOAT32, 4);
+  }
+  for (const Pixels& pass : picture.passes) {
+    const std::size_t count = pass.ids.empty() ? pass.values.size() : pass.ids.size();
+    if (pass.channels < 1 || count != pixels * std::size_t(pass.channels)) return wrong(pass.name, count);
+    if (pass.ids.empty())
+      add(pass.name.c_str(), pass.values.data(), UMB_TYPE_FLOAT32, pass.channels);
+    else
+      add(pass.name.c_str(), pass.ids.data(), UMB_TYPE_UINT32, 1);
+  }
+  calls.alone(
+      umbWriteImages(file.c_str(), names.data(), images.data(), int(images.size()), request.bits, request.half));
+  return calls.outcome;
+}
+
+/// "0.1.0"
+inline std::string version() {
+  const int v = umbGetVersion();
+  return std::to_string(v / 10000) + "." + std::to_string(v / 100 % 100) + "." + std::to_string(v % 100);
+}
+
+}  // namespace umb

@@ -1,0 +1,48 @@
+// The layout of what crosses the C interface: within a number of the interface it does not change. The functions stand
+// in symbols.txt, which the package's test compares.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+namespace {
+
+static_assert(sizeof(void*) == 8, "the figures are those of 64-bit systems");
+
+TEST(Abi, StructsAreAsRecorded) {
+  EXPECT_EQ(sizeof(UmbImage), 48u);
+  EXPECT_EQ(offsetof(UmbImage, type), 8u);
+  EXPECT_EQ(offsetof(UmbImage, channels), 20u);
+  EXPECT_EQ(offsetof(UmbImage, channel_stride), 24u);
+  EXPECT_EQ(offsetof(UmbImage, row_stride), 40u);
+  EXPECT_EQ(sizeof(UmbStrokePoint), 12u);
+  EXPECT_EQ(sizeof(UmbStroke), 32u);
+  EXPECT_EQ(offsetof(UmbStroke, kind), 16u);
+  EXPECT_EQ(offsetof(UmbStroke, closed), 24u);
+  EXPECT_EQ(sizeof(UmbParameter), 64u);
+  EXPECT_EQ(offsetof(UmbParameter, min), 48u);
+}
+
+TEST(Abi, NumbersAreAsRecorded) {
+  EXPECT_EQ(UMB_ERROR_INTERNAL, 1);
+  EXPECT_EQ(UMB_ERROR_USAGE, 2);
+  EXPECT_EQ(UMB_ERROR_FILE, 3);
+  EXPECT_EQ(UMB_ERROR_DEVICE, 4);
+  EXPECT_EQ(UMB_ERROR_CANCELLED, 130);
+  EXPECT_EQ(UMB_TYPE_FLOAT32, 1);
+  EXPECT_EQ(UMB_TYPE_UINT32, 5);
+  EXPECT_EQ(UMB_LIST_LOOKS, 1);
+  EXPECT_EQ(UMB_LIST_FILE_FORMATS, 6);
+}
+
+TEST(Abi, TheVersionIsTheProjects) {
+  const std::string text = std::to_string(UMB_VERSION_MAJOR) + "." + std::to_string(UMB_VERSION_MINOR) + "." +
+                           std::to_string(UMB_VERSION_PATCH);
+  EXPECT_EQ(text, UMBRAGE_VERSION);
+  EXPECT_EQ(umbGetVersion(), UMB_VERSION);
+}
+
+}  // namespace
+}  // namespace umbrage

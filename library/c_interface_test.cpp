@@ -1,0 +1,513 @@
+// The C interface by itself: what its C++ layer does not reach, and calls that cannot be.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+namespace {
+
+/// Objects that are released at the end.
+struct Objects {
+  UmbDevice device = umbNewDevice("cpu", 2);
+  UmbScene scene = umbNewScene(device);
+  UmbJob job = nullptr;
+  ~Objects() {
+    umbReleaseJob(job);
+    umbReleaseScene(scene);
+    umbReleaseDevice(device);
+  }
+};
+
+std::string job_error(UmbJob job) {
+  const char* message = nullptr;
+  umbGetJobError(job, &message);
+  return message;
+}
+
+std::string scene_error(UmbScene scene) {
+  const char* message = nullptr;
+  umbGetSceneError(scene, &message);
+  return message;
+}
+
+std::vector<float> output(UmbJob job, const char* name) {
+  UmbImage image{};
+  EXPECT_EQ(umbGetJobOutput(job, name, &image), UMB_ERROR_NONE) << job_error(job);
+  if (!image.data) return {};
+  EXPECT_EQ(image.type, UMB_TYPE_FLOAT32);
+  const auto* values = static_cast<const float*>(image.data);
+  return {values, values + std::size_t(image.width) * std::size_t(image.height) * std::size_t(image.channels)};
+}
+
+void want(UmbJob job, const char* name) {
+  const UmbImage own{};
+  EXPECT_EQ(umbSetJobOutput(job, name, &own), UMB_ERROR_NONE) << job_error(job);
+}
+
+UmbImage floats(float* data, int width, int height, int channels = 1) {
+  return {data, UMB_TYPE_FLOAT32, width, height, channels, 0, 0, 0};
+}
+
+/// A render job of 48 x 36 pixels.
+void make_render_job(Objects& o, const char* look = "ao") {
+  o.job = umbNewRenderJob(o.device, o.scene);
+  umbSetJobString(o.job, "look", look);
+  umbSetJobInt(o.job, "width", 48);
+  umbSetJobInt(o.job, "height", 36);
+}
+
+/// A box about the origin, by its 8 corners.
+constexpr float kCorners[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                                  {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+constexpr std::uint16_t kTriangles[12][3] = {{0, 2, 1}, {0, 3, 2}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
+                                             {3, 7, 6}, {3, 6, 2}, {0, 4, 7}, {0, 7, 3}, {1, 2, 6}, {1, 6, 5}};
+
+int add_box(UmbScene scene) {
+  const int mesh = umbAddMesh(scene, "box", 8, 12);
+  EXPECT_EQ(umbSetMeshBuffer(scene, mesh, "position", kCorners, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetMeshBuffer(scene, mesh, "index", kTriangles, UMB_TYPE_UINT16, 3, 0), UMB_ERROR_NONE);
+  return mesh;
+}
+
+TEST(CInterface, EffectsChangeOnWhatIsKept) {
+  Objects o;
+  ASSERT_EQ(umbLoadModel(o.scene, "scene:solids?detail=2000"), UMB_ERROR_NONE);
+  make_render_job(o, "studio");
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  umbSetJobInt(o.job, "anti_aliasing", 1);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  const auto captures = umbGetJobCounter(o.job, "captures_made");
+  const auto before = output(o.job, "color");
+  umbSetJobFloat(o.job, "output.exposure", 1.0f);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  EXPECT_NE(output(o.job, "color"), before);
+  umbSetJobFloat(o.job, "output.exposure", 0.0f);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  EXPECT_EQ(output(o.job, "color"), before);
+  EXPECT_EQ(umbGetJobCounter(o.job, "captures_made"), captures);
+  EXPECT_EQ(umbGetJobCounter(o.job, "hierarchies_built"), 1);
+  umbSetJobFloat(o.job, "camera.azimuth_deg", 30.0f);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  EXPECT_EQ(umbGetJobCounter(o.job, "captures_made"), captures + 1);
+  EXPECT_EQ(umbGetJobCounter(o.job, "hierarchies_built"), 1);
+  // A new job draws the same.
+  const auto kept = output(o.job, "color");
+  umbReleaseJob(o.job);
+  make_render_job(o, "studio");
+  umbSetJobInt(o.job, "anti_aliasing", 1);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  umbSetJobFloat(o.job, "camera.azimuth_deg", 30.0f);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  EXPECT_EQ(output(o.job, "color"), kept);
+}
+
+TEST(CInterface, JobsOfOneDeviceTakeTurns) {
+  Objects a, b;
+  ASSERT_EQ(umbLoadModel(a.scene, "scene:solids?detail=2000"), UMB_ERROR_NONE);
+  add_box(b.scene);
+  make_render_job(a);
+  b.job = umbNewRenderJob(a.device, b.scene);
+  umbSetJobInt(b.job, "width", 20);
+  ASSERT_EQ(umbExecuteJob(a.job), UMB_ERROR_NONE);
+  const auto first = output(a.job, "color");
+  ASSERT_EQ(umbExecuteJob(b.job), UMB_ERROR_NONE) << job_error(b.job);
+  ASSERT_EQ(umbExecuteJob(a.job), UMB_ERROR_NONE);
+  EXPECT_EQ(output(a.job, "color"), first);
+}
+
+TEST(CInterface, MeshesFromMemoryAreThoseOfAFile) {
+  const std::string file = testing::TempDir() + "umbrage_box.off";
+  std::FILE* out = std::fopen(file.c_str(), "w");
+  std::fprintf(out, "OFF\n8 12 0\n");
+  for (const auto& p : kCorners) std::fprintf(out, "%g %g %g\n", double(p[0]), double(p[1]), double(p[2]));
+  for (const auto& t : kTriangles) std::fprintf(out, "3 %d %d %d\n", t[0], t[1], t[2]);
+  std::fclose(out);
+  Objects read, made;
+  ASSERT_EQ(umbLoadModel(read.scene, file.c_str()), UMB_ERROR_NONE) << scene_error(read.scene);
+  add_box(made.scene);
+  for (Objects* o : {&read, &made}) {
+    make_render_job(*o);
+    for (const char* pass : {"color", "depth", "normal"}) want(o->job, pass);
+    ASSERT_EQ(umbExecuteJob(o->job), UMB_ERROR_NONE) << job_error(o->job);
+  }
+  for (const char* pass : {"color", "depth", "normal"})
+    EXPECT_EQ(output(read.job, pass), output(made.job, pass)) << pass;
+  std::remove(file.c_str());
+}
+
+TEST(CInterface, InstancesAreObjectsOfTheirOwn) {
+  Objects o;
+  const int mesh = add_box(o.scene);
+  const float places[2][12] = {{1, 0, 0, -2, 0, 1, 0, 0, 0, 0, 1, 0}, {-1, 0, 0, 2, 0, 1, 0, 0, 0, 0, 1, 0}};
+  for (const auto& place : places) ASSERT_EQ(umbAddMeshInstance(o.scene, mesh, place), UMB_ERROR_NONE);
+  float lower[3], upper[3];
+  ASSERT_EQ(umbGetSceneBounds(o.scene, lower, upper), UMB_ERROR_NONE);
+  EXPECT_FLOAT_EQ(lower[0], -3.0f);
+  EXPECT_FLOAT_EQ(upper[0], 3.0f);
+  make_render_job(o);
+  std::vector<std::uint8_t> ids(48 * 36);
+  UmbImage image{ids.data(), UMB_TYPE_UINT8, 48, 36, 1, 0, 0, 0};
+  ASSERT_EQ(umbSetJobOutput(o.job, "object_id", &image), UMB_ERROR_NONE);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  for (const int id : {0, 1, 255}) EXPECT_GT(std::count(ids.begin(), ids.end(), id), 20) << id;
+}
+
+TEST(CInterface, OutputsComeInEveryTypeAndLayout) {
+  Objects o;
+  add_box(o.scene);
+  make_render_job(o);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  const auto color = output(o.job, "color");
+  std::vector<std::uint8_t> bytes(48 * 36 * 3);
+  std::vector<std::uint16_t> words(48 * 36 * 4), halves(48 * 36 * 4);
+  std::vector<float> planes(48 * 36 * 4);
+  const auto expect = [&](const UmbImage& image, const auto& at, double tolerance) {
+    ASSERT_EQ(umbSetJobOutput(o.job, "color", &image), UMB_ERROR_NONE) << job_error(o.job);
+    ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+    for (int y = 0; y < 36; ++y)
+      for (int x = 0; x < 48; ++x)
+        for (int c = 0; c < image.channels; ++c)
+          ASSERT_NEAR(at(x, y, c), color[std::size_t(4 * (48 * y + x) + c)], tolerance) << x << ' ' << y << ' ' << c;
+  };
+  expect(
+      {bytes.data(), UMB_TYPE_UINT8, 48, 36, 3, 0, 0, 0},
+      [&](int x, int y, int c) { return bytes[std::size_t(3 * (48 * y + x) + c)] / 255.0; }, 0.5 / 255 + 1e-6);
+  expect(
+      {words.data(), UMB_TYPE_UINT16, 48, 36, 4, 0, 0, 0},
+      [&](int x, int y, int c) { return words[std::size_t(4 * (48 * y + x) + c)] / 65535.0; }, 1e-5);
+  // Plane after plane, the bottom row first.
+  expect(
+      {planes.data() + 48 * 35, UMB_TYPE_FLOAT32, 48, 36, 4, 48 * 36 * 4, 4, -48 * 4},
+      [&](int x, int y, int c) { return planes[std::size_t(48 * 36 * c + 48 * (35 - y) + x)]; }, 0.0);
+  UmbImage half{halves.data(), UMB_TYPE_FLOAT16, 48, 36, 4, 0, 0, 0};
+  ASSERT_EQ(umbSetJobOutput(o.job, "color", &half), UMB_ERROR_NONE);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  EXPECT_EQ(halves[3], 0x3c00) << "alpha 1";
+}
+
+TEST(CInterface, InputsComeInEveryTypeAndLayout) {
+  Objects o;
+  constexpr int kWidth = 21, kHeight = 13;
+  std::vector<float> depth(kWidth * kHeight), normal(3 * kWidth * kHeight), albedo(3 * kWidth * kHeight);
+  std::vector<std::uint8_t> bytes(4 * kWidth * kHeight);
+  for (int k = 0; k < kWidth * kHeight; ++k) {
+    depth[std::size_t(k)] = 2.0f + 0.05f * float(k % kWidth % 7);
+    normal[std::size_t(3 * k + 2)] = 1.0f;
+    for (int c = 0; c < 3; ++c) {
+      bytes[std::size_t(4 * k + c)] = std::uint8_t(50 * c + k % 100);
+      albedo[std::size_t(3 * k + c)] = float(50 * c + k % 100) / 255.0f;
+    }
+  }
+  const auto shaded = [&](const UmbImage& colors) {
+    umbReleaseJob(o.job);
+    o.job = umbNewShadeJob(o.device);
+    const UmbImage depths = floats(depth.data(), kWidth, kHeight), normals = floats(normal.data(), kWidth, kHeight, 3);
+    EXPECT_EQ(umbSetJobImage(o.job, "depth", &depths), UMB_ERROR_NONE);
+    EXPECT_EQ(umbSetJobImage(o.job, "normal", &normals), UMB_ERROR_NONE);
+    EXPECT_EQ(umbSetJobImage(o.job, "albedo", &colors), UMB_ERROR_NONE) << job_error(o.job);
+    EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+    return output(o.job, "color");
+  };
+  const auto expected = shaded(floats(albedo.data(), kWidth, kHeight, 3));
+  EXPECT_EQ(shaded({bytes.data(), UMB_TYPE_UINT8, kWidth, kHeight, 4, 0, 0, 0}), expected);
+  // Rows from the bottom up, with a gap between them.
+  std::vector<std::uint8_t> gaps((4 * kWidth + 3) * kHeight);
+  for (int y = 0; y < kHeight; ++y)
+    std::memcpy(&gaps[std::size_t((kHeight - 1 - y) * (4 * kWidth + 3))], &bytes[std::size_t(4 * kWidth * y)],
+                4 * kWidth);
+  EXPECT_EQ(shaded({&gaps[std::size_t((kHeight - 1) * (4 * kWidth + 3))], UMB_TYPE_UINT8, kWidth, kHeight, 3, 1, 4,
+                    -(4 * kWidth + 3)}),
+            expected);
+}
+
+/// Planes of a sphere before a wall, as an engine has them.
+struct Drawn {
+  int width, height;
+  std::vector<float> depth, normal, albedo;  // plane after plane
+
+  Drawn(int w, int h) : width(w), height(h), depth(count()), normal(3 * count()), albedo(3 * count(), 0.6f) {
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        const std::size_t k = std::size_t(w * y + x);
+        const float a = (float(x) - 0.5f * float(w)) / float(h), b = (0.5f * float(h) - float(y)) / float(h);
+        const float square = 0.09f - a * a - b * b, out = square > 0.0f ? std::sqrt(square) : 0.0f;
+        depth[k] = 3.0f - out;
+        const float length = std::sqrt(a * a + b * b + square);
+        normal[k] = out > 0.0f ? a / length : 0.0f;
+        normal[count() + k] = out > 0.0f ? b / length : 0.0f;
+        normal[2 * count() + k] = out > 0.0f ? out / length : 1.0f;
+      }
+  }
+  std::size_t count() const { return std::size_t(width) * std::size_t(height); }
+  UmbImage image(std::vector<float>& of, int channels) const {
+    const auto plane = std::ptrdiff_t(count() * sizeof(float));
+    return {of.data(), UMB_TYPE_FLOAT32, width, height, channels, plane, sizeof(float), 0};
+  }
+  void set(UmbJob job) {
+    const UmbImage images[3] = {image(depth, 1), image(normal, 3), image(albedo, 3)};
+    EXPECT_EQ(umbSetJobImage(job, "depth", &images[0]), UMB_ERROR_NONE);
+    EXPECT_EQ(umbSetJobImage(job, "normal", &images[1]), UMB_ERROR_NONE);
+    EXPECT_EQ(umbSetJobImage(job, "albedo", &images[2]), UMB_ERROR_NONE);
+  }
+};
+
+TEST(CInterface, PlanesAreReadWhereTheyLie) {
+  Objects o;
+  Drawn drawn(64, 40);
+  const Drawn before = drawn;
+  std::vector<float> views;
+  for (const bool copied : {false, true}) {
+    umbReleaseJob(o.job);
+    o.job = umbNewShadeJob(o.device);
+    drawn.set(o.job);
+    if (copied) {  // a pixel that has no depth, written as such
+      std::vector<float> all = drawn.depth;
+      const UmbImage image = drawn.image(all, 1);
+      all[0] = -1.0f;
+      ASSERT_EQ(umbSetJobImage(o.job, "depth", &image), UMB_ERROR_NONE);
+      ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+      EXPECT_EQ(all[0], -1.0f);
+      EXPECT_EQ(umbGetJobCounter(o.job, "planes_copied"), 1);
+      continue;
+    }
+    for (int k = 0; k < 2; ++k) {
+      ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+      EXPECT_EQ(umbGetJobCounter(o.job, "planes_copied"), 0);
+    }
+    views = output(o.job, "color");
+  }
+  EXPECT_EQ(drawn.depth, before.depth);
+  EXPECT_EQ(drawn.normal, before.normal);
+  EXPECT_EQ(drawn.albedo, before.albedo);
+  // The same as from another layout, which is copied.
+  std::vector<float> packed(drawn.normal.size());
+  for (std::size_t k = 0; k < drawn.count(); ++k)
+    for (std::size_t c = 0; c < 3; ++c) packed[3 * k + c] = drawn.normal[c * drawn.count() + k];
+  UmbImage normals = floats(packed.data(), drawn.width, drawn.height, 3);
+  umbReleaseJob(o.job);
+  o.job = umbNewShadeJob(o.device);
+  drawn.set(o.job);
+  ASSERT_EQ(umbSetJobImage(o.job, "normal", &normals), UMB_ERROR_NONE);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE);
+  EXPECT_EQ(umbGetJobCounter(o.job, "planes_copied"), 3);
+  EXPECT_EQ(output(o.job, "color"), views);
+}
+
+TEST(CInterface, HandlesAreCounted) {
+  UmbDevice device = umbNewDevice("cpu", 1);
+  UmbScene scene = umbNewScene(device);
+  UmbJob job = umbNewRenderJob(device, scene);
+  umbReleaseDevice(device);
+  umbReleaseScene(scene);  // the job has them
+  umbRetainJob(job);
+  umbReleaseJob(job);
+  EXPECT_EQ(umbSetJobInt(job, "width", 8), UMB_ERROR_NONE);
+  umbReleaseJob(job);
+  EXPECT_EQ(umbSetJobInt(job, "width", 8), UMB_ERROR_USAGE);
+  const char* message = nullptr;
+  EXPECT_EQ(umbGetError(&message), UMB_ERROR_USAGE);
+  EXPECT_NE(std::string(message).find("umbSetJobInt"), std::string::npos) << message;
+  umbReleaseJob(job);  // nothing happens
+  umbReleaseJob(nullptr);
+  EXPECT_EQ(umbGetDeviceDescription(device), nullptr);
+  EXPECT_EQ(umbExecuteJob(reinterpret_cast<UmbJob>(&message)), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbNewRenderJob(nullptr, nullptr), nullptr);
+  EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbNewDevice("gpu", 0), nullptr);
+  EXPECT_EQ(umbGetError(&message), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbNewDevice("cpu", -3), nullptr);
+  EXPECT_EQ(umbGetError(&message), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbGetError(&message), UMB_ERROR_NONE);
+}
+
+struct Told {
+  std::vector<std::string> errors, warnings;
+};
+
+TEST(CInterface, CallbacksHearOfErrors) {
+  Objects o;
+  Told told;
+  const auto on_error = [](void* user, UmbError code, const char* message) {
+    EXPECT_EQ(code, UMB_ERROR_USAGE);
+    static_cast<Told*>(user)->errors.emplace_back(message);
+  };
+  umbSetDeviceErrorCallback(o.device, on_error, &told);
+  make_render_job(o);
+  EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbSetJobInt(o.job, "widht", 3), UMB_ERROR_USAGE);
+  ASSERT_EQ(told.errors.size(), 2u);
+  EXPECT_NE(told.errors[0].find("the scene is empty"), std::string::npos) << told.errors[0];
+  EXPECT_NE(told.errors[1].find("did you mean 'width'"), std::string::npos) << told.errors[1];
+  EXPECT_EQ(job_error(o.job), told.errors[0]) << "the first";
+  EXPECT_EQ(job_error(o.job), "");
+}
+
+TEST(CInterface, ParametersTakeTheirTypesAlone) {
+  Objects o;
+  make_render_job(o);
+  const auto refused = [&](UmbError code, const char* text) {
+    EXPECT_EQ(code, UMB_ERROR_USAGE) << text;
+    const std::string message = job_error(o.job);
+    EXPECT_NE(message.find(text), std::string::npos) << message;
+  };
+  const float numbers[3] = {0, 1, 0}, odd[3] = {NAN, 0, 1}, none[3] = {0, 0, 0};
+  EXPECT_EQ(umbSetJobFloats(o.job, "camera.view_up", numbers, 3), UMB_ERROR_NONE) << job_error(o.job);
+  EXPECT_EQ(umbSetJobString(o.job, "camera.position", "1,2,3"), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetJobBool(o.job, "camera.orthographic", true), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetJobFloat(o.job, "occlusion_radius", 0.5f), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetJobString(o.job, "occlusion_radius", "5%"), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetJobFloat(o.job, "guard_band", 2.5f), UMB_ERROR_NONE) << job_error(o.job);
+  EXPECT_EQ(umbSetJobString(o.job, "bitmask.radius", "15%"), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetJobInt(o.job, "bitmask.slices", 4), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetJobBool(o.job, "box.ao", false), UMB_ERROR_NONE) << job_error(o.job);
+  EXPECT_EQ(umbCheckJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  refused(umbSetJobFloat(o.job, "look", 1.0f), "`look` takes a string");
+  refused(umbSetJobFloat(o.job, "width", 1e9f), "`width`");
+  refused(umbSetJobInt(o.job, "layers", 99), "1 to 16");
+  refused(umbSetJobFloat(o.job, "layers", 1.5f), "a whole number");
+  refused(umbSetJobInt(o.job, "camera.orthographic", 2), "true or false");
+  refused(umbSetJobFloats(o.job, "camera.view_up", odd, 3), "camera.view_up");
+  refused(umbSetJobFloats(o.job, "camera.view_up", none, 3), "camera.view_up");
+  refused(umbSetJobFloats(o.job, "camera.view_up", numbers, 2), "camera.view_up");
+  refused(umbSetJobFloats(o.job, "camera.view_up", nullptr, 3), "no values");
+  refused(umbSetJobString(o.job, "bitmask.slices", "x"), "bitmask.slices");
+  refused(umbSetJobString(o.job, "bitmask.slyces", "4"), "did you mean");
+  refused(umbSetJobString(o.job, "depth_kind", "view"), "depth_kind");
+  refused(umbSetJobString(o.job, nullptr, "view"), "there is no parameter");
+  refused(umbSetJobFloat(o.job, "camera.zom", 2.0f), "did you mean 'camera.zoom'");
+  umbSetJobString(o.job, "look", "stodio");
+  refused(umbCheckJob(o.job), "did you mean 'studio'");
+  EXPECT_EQ(umbResetJobParameter(o.job, "look"), UMB_ERROR_NONE);
+  EXPECT_EQ(umbCheckJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+}
+
+TEST(CInterface, ImagesThatCannotBeAreRefused) {
+  Objects o;
+  o.job = umbNewShadeJob(o.device);
+  std::vector<float> depth(64, 2.0f), out(64 * 4);
+  const auto refused = [&](UmbError code, const char* text) {
+    EXPECT_EQ(code, UMB_ERROR_USAGE) << text;
+    const std::string message = job_error(o.job);
+    EXPECT_NE(message.find(text), std::string::npos) << message;
+  };
+  const auto with = [&](auto change) {
+    UmbImage image = floats(depth.data(), 8, 8);
+    change(image);
+    return umbSetJobImage(o.job, "depth", &image);
+  };
+  refused(umbExecuteJob(o.job), "'depth'");
+  refused(with([](UmbImage& i) { i.data = nullptr; }), "no values");
+  refused(with([](UmbImage& i) { i.type = 9; }), "no type 9");
+  refused(with([](UmbImage& i) { i.width = 0; }), "0 x 8");
+  refused(with([](UmbImage& i) { i.height = -5; }), "8 x -5");
+  refused(with([](UmbImage& i) { i.width = 1 << 30; }), "16384");
+  refused(with([](UmbImage& i) { i.row_stride = PTRDIFF_MAX; }), "stride");
+  ASSERT_EQ(with([](UmbImage&) {}), UMB_ERROR_NONE);
+  UmbImage image = floats(depth.data(), 8, 8);
+  refused(umbSetJobImage(o.job, "dept", &image), "did you mean 'depth'");
+  refused(umbSetJobImage(o.job, nullptr, &image), "no effect");
+  image.type = UMB_TYPE_UINT32;
+  ASSERT_EQ(umbSetJobImage(o.job, "ao", &image), UMB_ERROR_NONE);
+  refused(umbExecuteJob(o.job), "ids alone");
+  ASSERT_EQ(umbSetJobImage(o.job, "ao", nullptr), UMB_ERROR_NONE);
+  UmbImage color = floats(out.data(), 8, 8, 4), ao = floats(out.data() + 10, 8, 8);
+  ASSERT_EQ(umbSetJobOutput(o.job, "color", &color), UMB_ERROR_NONE);
+  refused(umbSetJobOutput(o.job, "ao", &ao), "share memory");
+  color.width = 7;
+  ASSERT_EQ(umbSetJobOutput(o.job, "color", &color), UMB_ERROR_NONE);
+  refused(umbExecuteJob(o.job), "7 x 8");
+  color = floats(out.data(), 8, 8, 2);
+  ASSERT_EQ(umbSetJobOutput(o.job, "color", &color), UMB_ERROR_NONE);
+  refused(umbExecuteJob(o.job), "2 channels");
+  const UmbImage in_place = floats(depth.data(), 8, 8);
+  ASSERT_EQ(umbSetJobOutput(o.job, "color", nullptr), UMB_ERROR_NONE);
+  ASSERT_EQ(umbSetJobOutput(o.job, "ao", &in_place), UMB_ERROR_NONE);
+  refused(umbExecuteJob(o.job), "shares memory with the image 'depth'");
+  ASSERT_EQ(umbSetJobOutput(o.job, "ao", nullptr), UMB_ERROR_NONE);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  UmbImage made{};
+  refused(umbGetJobOutput(o.job, "ao", &made), "made no 'ao'");
+}
+
+TEST(CInterface, MeshesThatCannotBeAreRefused) {
+  Objects o;
+  const auto refused = [&](UmbError code, const char* text) {
+    EXPECT_EQ(code, UMB_ERROR_USAGE) << text;
+    const std::string message = scene_error(o.scene);
+    EXPECT_NE(message.find(text), std::string::npos) << message;
+  };
+  EXPECT_LT(umbAddMesh(o.scene, "none", 0, 1), 0);
+  EXPECT_LT(umbAddMesh(o.scene, "huge", std::size_t(1) << 40, 1), 0);
+  scene_error(o.scene);
+  const int mesh = umbAddMesh(o.scene, "box", 8, 12);
+  float lower[3], upper[3];
+  refused(umbGetSceneBounds(o.scene, lower, upper), "lacks its positions");
+  refused(umbSetMeshBuffer(o.scene, mesh, "position", nullptr, UMB_TYPE_FLOAT32, 3, 0), "NULL");
+  refused(umbSetMeshBuffer(o.scene, mesh, "position", kCorners, UMB_TYPE_UINT8, 3, 0), "8-bit integers");
+  refused(umbSetMeshBuffer(o.scene, mesh, "position", kCorners, UMB_TYPE_FLOAT32, 2, 0), "2 channels");
+  refused(umbSetMeshBuffer(o.scene, mesh, "positions", kCorners, UMB_TYPE_FLOAT32, 3, 0), "no buffer 'positions'");
+  refused(umbSetMeshBuffer(o.scene, 7, "position", kCorners, UMB_TYPE_FLOAT32, 3, 0), "no mesh 7");
+  const std::uint8_t beyond[36] = {0, 1, 8};
+  refused(umbSetMeshBuffer(o.scene, mesh, "index", beyond, UMB_TYPE_UINT8, 3, 0), "vertex 8");
+  const float bad[3] = {-1, 0, 0};
+  refused(umbSetMeshFloats(o.scene, mesh, "albedo", bad, 3), "albedo");
+  refused(umbSetMeshFloats(o.scene, mesh, "albedo", bad, 1), "3 numbers");
+  refused(umbSetMeshFloats(o.scene, mesh, "colour", bad, 1), "no parameter 'colour'");
+  refused(umbSetSceneParameter(o.scene, "down", "+Y"), "no parameter 'down'");
+  refused(umbSetSceneParameter(o.scene, "up", "sideways"), "`up`");
+  EXPECT_EQ(umbLoadModel(o.scene, "missing.obj"), UMB_ERROR_FILE);
+}
+
+TEST(CInterface, ListsWhatThereIs) {
+  const char *name = nullptr, *summary = nullptr;
+  int looks = 0;
+  bool studio = false;
+  for (; umbGetListEntry(UMB_LIST_LOOKS, looks, &name, &summary) == UMB_ERROR_NONE; ++looks)
+    studio = studio || std::string(name) == "studio";
+  EXPECT_TRUE(studio);
+  EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_NONE);
+  UmbParameter parameter{};
+  for (const char* owner : {"render", "shade", "scene", "bitmask"}) {
+    int count = 0;
+    for (; umbGetParameter(owner, count, &parameter) == UMB_ERROR_NONE; ++count) {
+      EXPECT_NE(std::string(parameter.type), "") << owner << ' ' << parameter.name;
+      EXPECT_TRUE(std::string(parameter.help) != "") << parameter.name;
+    }
+    EXPECT_GT(count, 4) << owner;
+    EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_NONE);
+  }
+  EXPECT_EQ(umbGetPassChannels("depth"), 1);
+  EXPECT_EQ(umbGetPassChannels("normal"), 3);
+  EXPECT_EQ(umbGetPassChannels("color"), 4);
+  EXPECT_EQ(umbGetPassChannels("nothing"), 0);
+  EXPECT_EQ(umbGetPassChannels(nullptr), 0);
+  // What is listed can be set.
+  Objects o;
+  make_render_job(o);
+  for (int k = 0; umbGetParameter("render", k, &parameter) == UMB_ERROR_NONE; ++k) {
+    const std::string choices = parameter.choices;
+    if (choices.empty()) continue;
+    EXPECT_EQ(umbSetJobString(o.job, parameter.name, choices.substr(0, choices.find(' ')).c_str()), UMB_ERROR_NONE)
+        << parameter.name;
+  }
+}
+
+TEST(CInterface, ProgressEndsAJobThatMayGoOn) {
+  Objects o;
+  ASSERT_EQ(umbLoadModel(o.scene, "scene:solids?detail=2000"), UMB_ERROR_NONE);
+  make_render_job(o);
+  umbSetJobProgressCallback(
+      o.job, [](void*, double) { return false; }, nullptr);
+  EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_CANCELLED);
+  umbSetJobProgressCallback(o.job, nullptr, nullptr);
+  EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+}
+
+}  // namespace
+}  // namespace umbrage

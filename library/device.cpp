@@ -1,0 +1,142 @@
+#include "library/device.h"
+
+#include "devices/vulkan/vulkan_device.h"
+#include "renderer/devices.h"
+#include "renderer/options.h"
+
+namespace umbrage {
+
+Result<std::shared_ptr<Object>> DeviceObject::make(const char* name, int threads) {
+  Request request;
+  request.device = name ? name : "auto";
+  request.threads = threads;
+  if (auto fine = check_request(request, kMostPixels); !fine) return fine.error();
+  auto made = make_device(request.device, threads);
+  if (!made) return made.error();
+  auto object = std::make_shared<DeviceObject>();
+  object->device = std::move(*made);
+  object->description = object->device->description();
+  object->arena.initialize(object->device->threads());
+  object->held_pool.emplace(object->device->pool());
+  return std::shared_ptr<Object>(std::move(object));
+}
+
+DeviceObject::Turn::Turn(DeviceObject& device) : device_(device) {
+  nested_ = device.user_ == std::this_thread::get_id();
+  if (nested_) return;
+  device.in_use_.lock();
+  device.user_ = std::this_thread::get_id();
+  device.drop_left();
+}
+
+DeviceObject::Turn::~Turn() {
+  if (nested_) return;
+  device_.drop_left();
+  device_.user_ = std::thread::id();
+  device_.in_use_.unlock();
+}
+
+Result<void> DeviceObject::Turn::begun() const {
+  return nested_ ? usage_error("a callback cannot execute a job of the device that calls it") : Result<void>();
+}
+
+void DeviceObject::leave(std::unique_ptr<Scene> scene, std::vector<Frame> frames) {
+  const std::lock_guard lock(left_mutex_);
+  left_.emplace_back(std::move(scene), std::move(frames));
+}
+
+void DeviceObject::drop_left() {
+  decltype(left_) left;
+  {
+    const std::lock_guard lock(left_mutex_);
+    left.swap(left_);
+  }
+  for (const auto& [scene, frames] : left)
+    if (scene && scene.get() == prepared) prepared = nullptr;
+}
+
+void DeviceObject::keep_memory_for(int width, int height) {
+  if (width == kept_width_ && height == kept_height_) return;
+  held_pool.reset();
+  held_pool.emplace(device->pool());
+  kept_width_ = width;
+  kept_height_ = height;
+}
+
+void DeviceObject::tell_error(const Error& error) {
+  UmbErrorCallback callback = nullptr;
+  void* user = nullptr;
+  {
+    const std::lock_guard lock(callbacks_);
+    callback = on_error_;
+    user = error_user_;
+  }
+  if (callback) callback(user, UmbError(error.kind), error.message.c_str());
+}
+
+void DeviceObject::tell_warning(const std::string& message) {
+  UmbLogCallback callback = nullptr;
+  void* user = nullptr;
+  {
+    const std::lock_guard lock(callbacks_);
+    callback = on_log_;
+    user = log_user_;
+  }
+  if (callback) callback(user, message.c_str());
+}
+
+void DeviceObject::set_error_callback(UmbErrorCallback callback, void* user) {
+  const std::lock_guard lock(callbacks_);
+  on_error_ = callback;
+  error_user_ = user;
+}
+
+void DeviceObject::set_log_callback(UmbLogCallback callback, void* user) {
+  const std::lock_guard lock(callbacks_);
+  on_log_ = callback;
+  log_user_ = user;
+}
+
+}  // namespace umbrage
+
+using namespace umbrage;  // the functions below are C's
+
+int umbGetVersion(void) { return UMB_VERSION; }
+
+UmbError umbGetError(const char** message) { return thread_errors().take(message); }
+
+UmbDevice umbNewDevice(const char* name, int threads) {
+  return make_object<UmbDevice>("umbNewDevice", [&] { return DeviceObject::make(name, threads); });
+}
+
+void umbRetainDevice(UmbDevice device) { retain_object<DeviceObject>(device); }
+void umbReleaseDevice(UmbDevice device) { release_object<DeviceObject>(device); }
+
+const char* umbGetDeviceDescription(UmbDevice device) {
+  const auto object = object_of<DeviceObject>(device);
+  return object ? object->description.c_str() : nullptr;
+}
+
+uint64_t umbGetDeviceMemory(UmbDevice device) {
+  const auto object = object_of<DeviceObject>(device);
+  return object ? vulkan_memory(*object->device).device_bytes : 0;
+}
+
+UmbError umbSetDeviceErrorCallback(UmbDevice device, UmbErrorCallback callback, void* user) {
+  return call_on<DeviceObject>(device, "umbSetDeviceErrorCallback", [&](DeviceObject& object) {
+    object.set_error_callback(callback, user);
+    return Result<void>();
+  });
+}
+
+UmbError umbSetDeviceLogCallback(UmbDevice device, UmbLogCallback callback, void* user) {
+  return call_on<DeviceObject>(device, "umbSetDeviceLogCallback", [&](DeviceObject& object) {
+    object.set_log_callback(callback, user);
+    return Result<void>();
+  });
+}
+
+UmbError umbGetDeviceError(UmbDevice device, const char** message) {
+  const auto object = object_of<DeviceObject>(device);
+  return object ? object->errors.take(message) : umbGetError(message);
+}

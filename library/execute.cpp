@@ -1,0 +1,325 @@
+// Executing a job: from its parameters to its outputs, and what is kept for the next time.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "library/job.h"
+#include "library/shared.h"
+#include "renderer/hdri.h"
+#include "renderer/models.h"
+#include "renderer/passes.h"
+#include "scene/ground.h"
+
+namespace umbrage {
+namespace {
+
+const std::vector<std::string> kColor = {"color.r", "color.g", "color.b", "color.a"};
+
+/// What an effect makes, without the planes by which its own passes hand on to each other.
+std::vector<std::string> passes_made(const Effect& effect, const ParameterBytes& params) {
+  std::vector<std::string> planes;
+  for (const Pass& pass : effect.passes) {
+    if (pass.needed && !pass.needed(params)) continue;
+    for (const std::string_view input : pass.inputs) std::erase(planes, input);
+    for (const std::string_view plane : pass.outputs)
+      if (layer_of_plane(plane) == 0 && pass_of(plane) != "color") planes.emplace_back(plane);
+  }
+  std::vector<std::string> names;
+  for (const PassPlanes& group : grouped_planes(planes)) names.push_back(group.name);
+  return names;
+}
+
+/// The image that lights a scene.
+std::string image_key(const Recipe& recipe, long version) {
+  const Hdri& hdri = recipe.hdri;
+  return hdri.lights() ? fmt::format("{} {} {} {}", version, hdri.file, hdri.rotation_deg, hdri.intensity)
+                       : fmt::format("{}", version);
+}
+
+/// What the light of a scene without lights depends on, besides the first picture's camera.
+std::string light_key(const Recipe& recipe) {
+  return fmt::format("{} {} {} {}", image_key(recipe, 0), recipe.look->name, recipe.occlusion,
+                     recipe.light_size_deg.value_or(-1.0f));
+}
+
+/// Whether outputs can be what a picture of that size makes. Errors: kUsage.
+Result<void> check_outputs(std::span<const Output> outputs, int width, int height) {
+  for (const Output& output : outputs) {
+    const SharedImage& image = output.image;
+    if (!image.data) continue;
+    if (image.width != width || image.height != height)
+      return usage_error("the output '{}' has {} x {} pixels: the picture has {} x {}", output.pass, image.width,
+                         image.height, width, height);
+    if (image.type == PixelType::kUint32 && !is_id(output.pass))
+      return usage_error("the output '{}' cannot be of 32-bit integers: ids alone are", output.pass);
+    if (output.pass == "color" ? image.channels == 3 || image.channels == 4
+                               : image.channels == int(channels_of(output.pass).size()))
+      continue;
+    return usage_error("the output '{}' cannot have {} channels: it has {}", output.pass, image.channels,
+                       output.pass == "color" ? "3 or 4" : std::to_string(channels_of(output.pass).size()));
+  }
+  return {};
+}
+
+}  // namespace
+
+JobObject::~JobObject() { device_->leave(std::move(furnished_), std::move(captures_)); }
+
+Result<Request> JobObject::full_request() const {
+  Request request = request_;
+  for (const auto& [name, value] : settings_) request.settings.push_back(name + "=" + value);
+  for (const Output& output : outputs_)
+    if (output.pass != "color") request.passes.push_back(output.pass);
+  if (renders()) return request;
+  const auto depth =
+      std::find_if(images_.begin(), images_.end(), [](const NamedImage& named) { return named.name == "depth"; });
+  if (depth != images_.end()) {
+    request.width = depth->image.width;
+    request.height = depth->image.height;
+  }
+  return request;
+}
+
+Result<Recipe> JobObject::recipe_of(const Request& request) const {
+  auto recipe = renders() ? make_recipe(request) : make_shading_recipe(request);
+  if (!recipe || outputs_.empty()) return recipe;
+  const bool color = std::any_of(outputs_.begin(), outputs_.end(), [](const Output& o) { return o.pass == "color"; });
+  std::vector<std::string_view> besides;
+  if (request.strokes) besides.assign(edge_planes().begin(), edge_planes().end());
+  if (!color && renders()) keep_passes_alone(*recipe, besides);
+  return recipe;
+}
+
+Result<ParameterBytes> JobObject::lines_of(const Request& request, const Recipe& recipe) {
+  return request.strokes ? line_parameters(recipe) : ParameterBytes();
+}
+
+Result<void> JobObject::check() const {
+  const auto request = full_request();
+  if (!request) return request.error();
+  const auto recipe = recipe_of(*request);
+  if (!recipe) return recipe.error();
+  if (const auto wanted_lines = lines_of(*request, *recipe); !wanted_lines) return wanted_lines.error();
+  return check_outputs(outputs_, request->width, request->height);
+}
+
+Result<void> JobObject::execute() {
+  const auto request = full_request();
+  if (!request) return request.error();
+  auto recipe = recipe_of(*request);
+  if (!recipe) return recipe.error();
+  const auto wanted_lines = lines_of(*request, *recipe);
+  if (!wanted_lines) return wanted_lines.error();
+  const ParameterBytes& of_lines = *wanted_lines;
+  if (auto fine = check_outputs(outputs_, request->width, request->height); !fine) return fine;
+  const DeviceObject::Turn turn(*device_);
+  if (auto begun = turn.begun(); !begun) return begun;
+  device_->keep_memory_for(request->width, request->height);
+  const KeptPlanes kept(device_->device->pool());
+  const auto frame = renders() ? rendered(*recipe) : shaded(*request, *recipe);
+  if (!frame) return frame.error();
+  Lines traced;
+  if (!of_lines.empty()) {
+    auto found = traced_lines(*device_->device, *frame, of_lines);
+    if (!found) return found.error();
+    traced = std::move(*found);
+    if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
+      for (Line& line : traced.lines) line.object = int(callers_id(ids->second, float(line.object)));
+  }
+  if (auto done = hand_out(*frame, outputs_.empty() ? usual_outputs(*recipe) : outputs_); !done) return done;
+  lines = std::move(traced);
+  line_color = of_lines.empty() ? std::array<float, 3>() : umbrage::line_color(of_lines);
+  line_opacity = of_lines.empty() ? 0.0f : umbrage::line_opacity(of_lines);
+  return {};
+}
+
+Result<void> JobObject::prepare() {
+  const auto request = full_request();
+  if (!request) return request.error();
+  auto recipe = recipe_of(*request);
+  if (!recipe || !renders()) return recipe ? Result<void>() : recipe.error();
+  const DeviceObject::Turn turn(*device_);
+  if (auto begun = turn.begun(); !begun) return begun;
+  if (auto ready = make_scene_ready(*recipe, before_drawing()); !ready) return ready;
+  return prepare_device(before_drawing());
+}
+
+ProgressMonitor JobObject::before_drawing() const {
+  if (!progress) return {};
+  return [this](double) { return progress(0.0); };
+}
+
+Result<Frame> JobObject::rendered(Recipe recipe) {
+  const ProgressMonitor before = before_drawing();
+  if (auto ready = make_scene_ready(recipe, before); !ready) return ready.error();
+  const std::string key = light_key(recipe);
+  if (const auto lit = lightings_.find(key); lit != lightings_.end()) recipe.capture.lighting = lit->second;
+  const auto plan = make_plan(recipe, *furnished_, device_->device->threads(), before);
+  if (!plan) return plan.error();
+  auto frame = drawn(*plan);
+  if (frame) lightings_.emplace(key, plan->lighting());
+  return frame;
+}
+
+Result<void> JobObject::make_scene_ready(Recipe& recipe, const ProgressMonitor& before) {
+  if (recipe.hdri.file == hdri_.file) recipe.hdri.panorama = hdri_.panorama;
+  if (!recipe.hdri.panorama) {
+    const auto warnings = read_hdri(recipe.hdri, before);
+    if (!warnings) return warnings.error();
+    for (const std::string& warning : *warnings) device_->tell_warning(warning);
+  }
+  hdri_ = recipe.hdri;
+  const std::string key = image_key(recipe, scene_->version());
+  if (furnished_ && key == furnished_for_) {
+    if (auto viewed = choose_view(recipe); !viewed) return viewed;
+    if (wants_ground(*furnished_, lacks_ground_, recipe) == (furnished_->ground_object >= 0)) return {};
+  }
+  auto copied = scene_->copied();
+  if (!copied) return copied.error();
+  if (scene_->version() != furnished_version_) lightings_.clear();
+  captured_plan_.reset();
+  device_->leave(std::move(furnished_), std::move(captures_));
+  captures_.clear();
+  furnished_ = std::make_unique<Scene>(std::move(*copied));
+  furnished_for_.clear();
+  views_ = furnished_->views;
+  if (auto viewed = choose_view(recipe); !viewed) return viewed;
+  lacks_ground_ = lacks_ground(*furnished_);
+  furnish(*furnished_, recipe);
+  furnished_for_ = key;
+  furnished_version_ = scene_->version();
+  return {};
+}
+
+Result<void> JobObject::choose_view(const Recipe& recipe) {
+  furnished_->views = views_;
+  return recipe.camera_index ? use_camera(*recipe.camera_index, *furnished_) : Result<void>();
+}
+
+Result<void> JobObject::prepare_device(const ProgressMonitor& before) {
+  if (device_->prepared == furnished_.get()) return {};
+  device_->prepared = nullptr;
+  if (auto ready = device_->device->prepare(*furnished_, before); !ready) return ready;
+  ++counters.hierarchies_built;
+  device_->prepared = furnished_.get();
+  return {};
+}
+
+Result<Frame> JobObject::drawn(const Plan& plan) {
+  StageTimes times;
+  Device& device = *device_->device;
+  if (plan.averages()) {  // captures of many samples would fill the memory
+    captured_plan_.reset();
+    captures_.clear();
+    if (auto ready = prepare_device(before_drawing()); !ready) return ready.error();
+    counters.captures_made += plan.recipe.frames;
+    auto drawn = draw(device, *furnished_, plan, times, progress);
+    return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
+  }
+  if (!captured_plan_ || !same_captures(*captured_plan_, plan)) {
+    captures_.clear();
+    captured_plan_.reset();
+    if (auto ready = prepare_device(before_drawing()); !ready) return ready.error();
+    auto made = capture(device, plan, times, before_drawing());
+    if (!made) return made.error();
+    captures_ = std::move(*made);
+    captured_plan_ = plan;
+    ++counters.captures_made;
+  }
+  auto drawn = draw_captured(device, *furnished_, plan, captures_, times, progress);
+  return drawn ? Result<Frame>(std::move(drawn->frame)) : drawn.error();
+}
+
+Result<Frame> JobObject::shaded(const Request& request, const Recipe& recipe) {
+  for (const Output& output : outputs_)  // images are read where they lie until all outputs are written
+    for (const NamedImage& named : images_)
+      if (overlap(output.image, named.image))
+        return usage_error("the output '{}' shares memory with the image '{}'", output.pass, named.name);
+  auto shared = device_->arena.execute([&] { return gbuffer_of(request, images_); });
+  if (!shared) return shared.error();
+  counters.planes_copied += shared->copied;
+  ids_ = std::move(shared->ids);
+  StageTimes times;
+  return shade_planes(*device_->device, std::move(shared->gbuffer), recipe, times, progress);
+}
+
+std::vector<Output> JobObject::usual_outputs(const Recipe& recipe) const {
+  std::vector<std::string> passes = {"color"};
+  if (recipe.own_look) {
+    const auto& effects = recipe.own_look->effects;
+    if (std::find(effects.begin(), effects.end(), "output") == effects.end()) passes.clear();
+    for (const std::string& name :
+         passes_made(*find_effect(effects.back()), params_of(recipe.settings, effects.back())))
+      passes.push_back(name);
+  }
+  std::vector<Output> outputs;
+  for (const std::string& pass : passes) outputs.push_back({.pass = pass, .image = {}, .own = {}});
+  return outputs;
+}
+
+Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted) {
+  Device& device = *device_->device;
+  std::vector<std::string> names;
+  std::vector<Output> outputs;
+  for (Output& output : wanted)
+    if (output.pass == "color")
+      outputs.push_back(std::move(output));
+    else
+      names.push_back(output.pass);
+  std::vector<std::vector<std::string>> planes(outputs.size(), kColor);
+  const std::vector<std::string> there = device.plane_names(frame);
+  if (!outputs.empty() && std::find(there.begin(), there.end(), "color.r") == there.end())
+    return usage_error("these effects make no picture: the output 'color' takes a look, or the effect 'output'");
+  if (!names.empty()) {
+    const auto chosen = chosen_planes(names, there, frame.info);
+    if (!chosen) return chosen.error();
+    for (const PassPlanes& pass : *chosen) {
+      const auto set = std::find_if(wanted.begin(), wanted.end(), [&](const Output& o) { return o.pass == pass.name; });
+      outputs.push_back(set != wanted.end() ? std::move(*set) : Output{.pass = pass.name, .image = {}, .own = {}});
+      planes.push_back(pass.planes);
+    }
+  }
+  for (std::size_t k = 0; k < outputs.size(); ++k)
+    if (outputs[k].image.data) planes[k].resize(std::size_t(outputs[k].image.channels));
+  // From here on memory of the last time serves again, and what was there is gone.
+  std::vector<Output> last = std::move(made_);
+  made_.clear();
+  for (Output& output : outputs)
+    for (Output& before : last)
+      if (before.pass == output.pass) output.own = std::move(before.own);
+  for (std::size_t k = 0; k < outputs.size(); ++k)
+    if (auto done = fill(frame, planes[k], outputs[k]); !done) return done;
+  made_ = std::move(outputs);
+  return {};
+}
+
+Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>& planes, Output& output) {
+  Device& device = *device_->device;
+  SharedImage& to = output.image;
+  const auto known = renders() ? ids_.end() : ids_.find(of_first_layer(output.pass));
+  if (!to.data) {
+    to = {.data = nullptr,
+          .type = known != ids_.end() ? PixelType::kUint32 : PixelType::kFloat32,
+          .width = frame.info.inner_width(),
+          .height = frame.info.inner_height(),
+          .channels = int(planes.size())};
+    output.own.resize(std::size_t(to.width) * std::size_t(to.height) * planes.size());
+    to.data = output.own.data();
+    to = with_strides(to);
+  }
+  const bool whole_numbers = to.type != PixelType::kFloat32 && to.type != PixelType::kFloat16;
+  const bool ids = is_id(output.pass) && (known != ids_.end() || whole_numbers);
+  return device.visit(frame, planes, [&](std::size_t channel, const Plane& plane) {
+    if (!ids) return device_->arena.execute([&] { write_channel(plane, int(channel), to); });
+    for (int y = 0; y < to.height; ++y)
+      for (int x = 0; x < to.width; ++x) {
+        const float place = plane.at(x, y);
+        write_id(to, x, y,
+                 known != ids_.end() ? callers_id(known->second, place)
+                 : place >= 0.0f     ? std::uint32_t(place)
+                                     : ~std::uint32_t(0));
+      }
+  });
+}
+
+}  // namespace umbrage

@@ -1,0 +1,325 @@
+// Jobs: their parameters, inputs and outputs.
+#include "library/job.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/suggest.h"
+#include "library/shared.h"
+#include "renderer/passes.h"
+
+namespace umbrage {
+namespace {
+
+const Option* find_parameter_row(const std::string& name, bool renders) {
+  for (const Option& row : options())
+    if (row.field == name && is_parameter(row, renders ? "render" : "shade")) return &row;
+  return nullptr;
+}
+
+/// Whether the field is text that is no number.
+bool is_word(const Option& row) {
+  return std::holds_alternative<FieldOf<std::string>>(row.where) && row.form != OptionForm::kLength;
+}
+
+std::string number_text(std::span<const double> numbers) {
+  std::string text;
+  for (const double number : numbers) text += fmt::format("{}{:.9g}", text.empty() ? "" : ",", number);
+  return text;
+}
+
+Result<void> set_row(const Option& row, const std::string& text, Request& request) {
+  if (text.empty()) {
+    reset_option(row, request);
+    return {};
+  }
+  return set_option(row, text, request);
+}
+
+Result<void> set_row(const Option& row, std::span<const double> numbers, Request& request) {
+  if (is_word(row) || numbers.empty()) return usage_error("`{}` takes a string, not numbers", row.field);
+  if (std::holds_alternative<FieldOf<bool>>(row.where)) return usage_error("`{}` takes true or false", row.field);
+  if (row.form == OptionForm::kSize || row.field == "height") {  // one side of it
+    if (numbers.size() != 1 || numbers[0] != std::floor(numbers[0]) || std::abs(numbers[0]) > 1e9)
+      return usage_error("`{}` takes a whole number", row.field);
+    std::get<FieldOf<int>>(row.where)(request) = int(numbers[0]);
+    return check_option(row, request);
+  }
+  return set_option(row, number_text(numbers) + (row.form == OptionForm::kPercent ? "%" : ""), request);
+}
+
+/// Whether an effect's parameter takes that text. Errors: kUsage.
+Result<void> check_setting(const std::string& assignment) {
+  EffectSettings settings = initial_settings(handed_in());
+  return apply_setting(settings, assignment, handed_in());
+}
+
+Error unknown_parameter(const std::string& name, bool renders) {
+  std::vector<std::string_view> names;
+  for (const Option& row : options())
+    if (is_parameter(row, renders ? "render" : "shade")) names.push_back(row.field);
+  return usage_error("there is no parameter '{}'{}", name, suggestion(name, names));
+}
+
+}  // namespace
+
+bool is_parameter(const Option& row, std::string_view owner) {
+  if (std::holds_alternative<std::monostate>(row.where) || row.group == "Device") return false;
+  if (owner == "scene") return row.group == "Scene";
+  if (row.group == "Scene" || row.field == "model" || row.field == "settings" || row.field == "passes") return false;
+  return owner == "render" ? row.group != "G-buffer" : (row.commands & kShade) != 0 || row.field == "strokes";
+}
+
+std::string JobObject::asked(const char*) const {
+  const auto request = full_request();
+  return request ? fmt::format("a picture of {} x {} pixels", request->width, request->height) : "a picture";
+}
+
+Result<void> JobObject::set(const std::string& name, const std::string& text) {
+  if (const Option* row = find_parameter_row(name, renders())) {
+    Request changed = request_;
+    if (auto set = set_row(*row, text, changed); !set) return set;
+    request_ = std::move(changed);
+    if (name == "hdri_file") hdri_ = {};  // read anew
+    return {};
+  }
+  const std::string owner = name.substr(0, name.find('.'));
+  if (owner == name || owner == "camera") return unknown_parameter(name, renders());
+  if (auto fine = check_setting(name + "=" + text); !fine) return fine;
+  settings_[name] = text;
+  return {};
+}
+
+Result<void> JobObject::set(const std::string& name, std::span<const double> numbers) {
+  const Option* row = find_parameter_row(name, renders());
+  if (!row) return set(name, number_text(numbers));
+  Request changed = request_;
+  if (auto set = set_row(*row, numbers, changed); !set) return set;
+  request_ = std::move(changed);
+  return {};
+}
+
+Result<void> JobObject::set(const std::string& name, bool value) {
+  const Option* row = find_parameter_row(name, renders());
+  if (row && !std::holds_alternative<FieldOf<bool>>(row->where))
+    return usage_error("`{}` is not true or false", row->field);
+  return set(name, std::string(value ? "true" : "false"));
+}
+
+Result<void> JobObject::reset(const char* name) {
+  if (!name) {
+    request_ = {};
+    settings_.clear();
+    return {};
+  }
+  if (const Option* row = find_parameter_row(name, renders())) {
+    reset_option(*row, request_);
+    return {};
+  }
+  if (settings_.erase(name) > 0) return {};
+  // One that is not set stays as it is, if there is one.
+  const auto setting = parse_setting(std::string(name) + "=", handed_in());
+  return setting ? Result<void>() : unknown_parameter(name, renders());
+}
+
+Result<void> JobObject::set_image(const std::string& name, const UmbImage* image) {
+  if (renders()) return usage_error("a job that renders a scene takes no image '{}'", name);
+  std::optional<SharedImage> shared;
+  if (image) {
+    const auto channels = channels_of(name);
+    if (channels.empty()) return unknown_image(name);
+    UmbImage whole = *image;
+    if (whole.channels == 0) whole.channels = int(channels.size());
+    auto made = shared_image("the image '" + name + "'", whole);
+    if (!made) return made.error();
+    if (!made->data) return usage_error("the image '{}' has no values", name);
+    shared = *made;
+  }
+  std::erase_if(images_, [&](const NamedImage& named) { return named.name == name; });
+  if (shared) images_.push_back({name, *shared});
+  return {};
+}
+
+Result<void> JobObject::set_output(const std::string& name, const UmbImage* image) {
+  std::optional<SharedImage> shared;
+  if (image && image->data) {
+    if (name == "all") return usage_error("the output 'all' is many images: it takes no memory of one");
+    UmbImage whole = *image;
+    if (whole.channels == 0) whole.channels = umbGetPassChannels(name.c_str());
+    auto made = shared_image("the output '" + name + "'", whole);
+    if (!made) return made.error();
+    if (overlaps_itself(*made)) return usage_error("pixels of the output '{}' share memory with each other", name);
+    for (const Output& other : outputs_)
+      if (other.pass != name && overlap(*made, other.image))
+        return usage_error("the outputs '{}' and '{}' share memory", name, other.pass);
+    shared = *made;
+  }
+  if (name != "color" && name != "all" && channels_of(name).empty()) return unknown_image(name);
+  std::erase_if(outputs_, [&](const Output& output) { return output.pass == name; });
+  if (image) outputs_.push_back({.pass = name, .image = shared.value_or(SharedImage())});
+  return {};
+}
+
+Result<UmbImage> JobObject::output(const std::string& name) const {
+  for (const Output& output : made_)
+    if (output.pass == name) return as_umb(output.image);
+  return usage_error("the last execution has made no '{}'", name);
+}
+
+const char* JobObject::output_name(int index) const {
+  return index >= 0 && std::size_t(index) < made_.size() ? kept_text(made_[std::size_t(index)].pass) : nullptr;
+}
+
+}  // namespace umbrage
+
+using namespace umbrage;  // the functions below are C's
+
+namespace {
+
+Result<std::shared_ptr<Object>> new_job(UmbDevice device, UmbScene scene, bool renders) {
+  auto of_device = object_of<DeviceObject>(device);
+  if (!of_device) return usage_error("a job needs a device: it is NULL, or was released");
+  auto of_scene = object_of<SceneObject>(scene);
+  if (renders && !of_scene) return usage_error("a render job needs a scene: it is NULL, or was released");
+  return std::shared_ptr<Object>(std::make_shared<JobObject>(std::move(of_device), std::move(of_scene)));
+}
+
+/// Sets a parameter, given as text or as numbers.
+template <class Value>
+UmbError set_parameter(UmbJob job, const char* call, const char* name, const Value& value) {
+  return call_on<JobObject>(job, call, [&](JobObject& object) { return object.set(text_of(name), value); });
+}
+
+UmbError set_number(UmbJob job, const char* call, const char* name, double value) {
+  return set_parameter(job, call, name, std::span<const double>(&value, 1));
+}
+
+}  // namespace
+
+UmbJob umbNewRenderJob(UmbDevice device, UmbScene scene) {
+  return make_object<UmbJob>("umbNewRenderJob", [&] { return new_job(device, scene, true); });
+}
+
+UmbJob umbNewShadeJob(UmbDevice device) {
+  return make_object<UmbJob>("umbNewShadeJob", [&] { return new_job(device, nullptr, false); });
+}
+
+void umbRetainJob(UmbJob job) { retain_object<JobObject>(job); }
+void umbReleaseJob(UmbJob job) { release_object<JobObject>(job); }
+
+UmbError umbGetJobError(UmbJob job, const char** message) {
+  const auto object = object_of<JobObject>(job);
+  return object ? object->errors.take(message) : umbGetError(message);
+}
+
+UmbError umbSetJobProgressCallback(UmbJob job, UmbProgressCallback callback, void* user) {
+  return call_on<JobObject>(job, "umbSetJobProgressCallback", [&](JobObject& object) {
+    object.progress = monitor_of(callback, user);
+    return Result<void>();
+  });
+}
+
+UmbError umbSetJobString(UmbJob job, const char* name, const char* value) {
+  return set_parameter(job, "umbSetJobString", name, text_of(value));
+}
+
+UmbError umbSetJobBool(UmbJob job, const char* name, bool value) {
+  return set_parameter(job, "umbSetJobBool", name, value);
+}
+
+UmbError umbSetJobInt(UmbJob job, const char* name, int value) { return set_number(job, "umbSetJobInt", name, value); }
+
+UmbError umbSetJobFloat(UmbJob job, const char* name, float value) {
+  return set_number(job, "umbSetJobFloat", name, double(value));
+}
+
+UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int count) {
+  return call_on<JobObject>(job, "umbSetJobFloats", [&](JobObject& object) -> Result<void> {
+    if (!values || count < 1) return usage_error("`{}` has no values", text_of(name));
+    const std::vector<double> numbers(values, values + count);
+    return object.set(text_of(name), numbers);
+  });
+}
+
+UmbError umbResetJobParameter(UmbJob job, const char* name) {
+  return call_on<JobObject>(job, "umbResetJobParameter", [&](JobObject& object) { return object.reset(name); });
+}
+
+UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* image) {
+  return call_on<JobObject>(job, "umbSetJobImage",
+                            [&](JobObject& object) { return object.set_image(text_of(name), image); });
+}
+
+UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image) {
+  return call_on<JobObject>(job, "umbSetJobOutput",
+                            [&](JobObject& object) { return object.set_output(text_of(name), image); });
+}
+
+UmbError umbCheckJob(UmbJob job) {
+  return call_on<JobObject>(job, "umbCheckJob", [](JobObject& object) { return object.check(); });
+}
+
+UmbError umbPrepareJob(UmbJob job) {
+  return call_on<JobObject>(job, "umbPrepareJob", [](JobObject& object) { return object.prepare(); });
+}
+
+UmbError umbExecuteJob(UmbJob job) {
+  return call_on<JobObject>(job, "umbExecuteJob", [](JobObject& object) { return object.execute(); });
+}
+
+UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image) {
+  return call_on<JobObject>(job, "umbGetJobOutput", [&](JobObject& object) -> Result<void> {
+    const auto output = object.output(text_of(name));
+    if (!output) return output.error();
+    if (!image) return usage_error("umbGetJobOutput: image cannot be NULL");
+    *image = *output;
+    return {};
+  });
+}
+
+const char* umbGetJobOutputName(UmbJob job, int index) {
+  const auto object = object_of<JobObject>(job);
+  return object ? object->output_name(index) : nullptr;
+}
+
+size_t umbGetJobStrokeCount(UmbJob job) {
+  const auto object = object_of<JobObject>(job);
+  return object ? object->lines.lines.size() : 0;
+}
+
+UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
+  return call_on<JobObject>(job, "umbGetJobStroke", [&](JobObject& object) -> Result<void> {
+    const auto& lines = object.lines.lines;
+    if (index >= lines.size() || !stroke)
+      return usage_error("there is no stroke {}: there are {}", index, lines.size());
+    const Line& line = lines[index];
+    static_assert(sizeof(LinePoint) == sizeof(UmbStrokePoint));
+    *stroke = {reinterpret_cast<const UmbStrokePoint*>(line.points.data()), line.points.size(), int32_t(line.kind),
+               uint32_t(line.object), line.closed ? 1 : 0};
+    return {};
+  });
+}
+
+UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity) {
+  return call_on<JobObject>(job, "umbGetJobStrokeColor", [&](JobObject& object) -> Result<void> {
+    if (!rgb || !opacity) return usage_error("umbGetJobStrokeColor: rgb and opacity cannot be NULL");
+    std::copy_n(object.line_color.begin(), 3, rgb);
+    *opacity = object.line_opacity;
+    return {};
+  });
+}
+
+int64_t umbGetJobCounter(UmbJob job, const char* name) {
+  const auto object = object_of<JobObject>(job);
+  if (!object) return -1;
+  const std::string_view which = name ? name : "";
+  const Counters& counters = object->counters;
+  if (which == "devices_opened") return counters.devices_opened;
+  if (which == "hierarchies_built") return counters.hierarchies_built;
+  if (which == "captures_made") return counters.captures_made;
+  if (which == "planes_copied") return counters.planes_copied;
+  return -1;
+}

@@ -1,0 +1,155 @@
+// What there is: looks, effects, devices, and all parameters.
+#include <fmt/format.h>
+
+#include <array>
+#include <list>
+
+#include "devices/vulkan/vulkan_device.h"
+#include "generators/builtin.h"
+#include "io/image_file.h"
+#include "library/job.h"
+#include "library/object.h"
+#include "library/shared.h"
+#include "looks/looks.h"
+#include "renderer/passes.h"
+#include "renderer/recipe.h"
+
+namespace umbrage {
+namespace {
+
+struct Entry {
+  std::string name, summary;
+};
+
+std::vector<Entry> devices() {
+  std::vector<Entry> all = {{"cpu", "kernels in SIMD lanes, rays by Embree"}};
+  if (const auto gpus = vulkan_gpus())
+    for (const VulkanGpu& gpu : *gpus)
+      if (gpu.usable) all.push_back({gpu.name, gpu.summary});
+  return all;
+}
+
+Result<std::vector<Entry>> entries(int list) {
+  std::vector<Entry> all;
+  switch (list) {
+    case UMB_LIST_LOOKS:
+      for (const Look* look : looks()) all.push_back({std::string(look->name), std::string(look->summary)});
+      return all;
+    case UMB_LIST_EFFECTS:
+      for (const Effect* effect : effects()) all.push_back({std::string(effect->name), std::string(effect->summary)});
+      return all;
+    case UMB_LIST_OCCLUSIONS:
+      for (const std::string_view name : occlusion_names(handed_in())) {
+        const Effect* effect = find_named<Effect>(every_effect(), name);
+        all.push_back({std::string(name), effect ? std::string(effect->summary) : "no occlusion"});
+      }
+      return all;
+    case UMB_LIST_DEVICES:
+      return devices();
+    case UMB_LIST_SCENES:
+      for (const BuiltinScene& scene : builtin_scenes())
+        all.push_back({fmt::format("scene:{}", scene.name), std::string(scene.summary)});
+      return all;
+    case UMB_LIST_FILE_FORMATS:
+      for (const std::string& format : import_formats()) all.push_back({"." + format, "model, read"});
+      for (const ImageFormat& format : image_formats())
+        all.push_back({fmt::format(".{}", format.extension), fmt::format("{}, written", format.summary)});
+      all.push_back({".svg", "strokes, written"});
+      return all;
+    default:
+      return usage_error("there is no list {}: see UmbList", list);
+  }
+}
+
+std::string_view type_of(const Option& row) {
+  if (!row.choices.empty()) return "choice";
+  if (row.form == OptionForm::kLength) return "length";
+  if (row.form == OptionForm::kRotation) return "float9";
+  if (row.form == OptionForm::kWindow) return "float4";
+  constexpr std::array<std::string_view, 10> kTypes = {"",      "bool",   "int",    "float", "int",
+                                                       "float", "string", "string", "float", "float3"};
+  return kTypes[row.where.index()];
+}
+
+std::string joined(const auto& words) {
+  std::string text;
+  for (const std::string_view word : words) text += (text.empty() ? "" : " ") + std::string(word);
+  return text;
+}
+
+UmbParameter parameter_of(const Option& row) {
+  return {kept_text(row.field),
+          kept_text(type_of(row)),
+          kept_text(row.form == OptionForm::kSize ? "width of the picture, pixels" : row.help),
+          "",
+          kept_text(row.initial),
+          kept_text(joined(row.choices)),
+          row.min,
+          row.max};
+}
+
+UmbParameter parameter_of(const Effect& effect, const Parameter& row) {
+  constexpr std::array<std::string_view, 5> kTypes = {"float", "int", "bool", "choice", "length"};
+  const ParameterBytes initial = initial_parameters(effect.parameters, effect.params_size);
+  return {kept_text(fmt::format("{}.{}", effect.name, row.name)),
+          kept_text(kTypes[std::size_t(row.type)]),
+          kept_text(row.help),
+          kept_text(row.unit),
+          kept_text(parameter_text(row, initial)),
+          kept_text(joined(row.choices)),
+          row.least,
+          row.most};
+}
+
+Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
+  std::vector<UmbParameter> all;
+  if (owner == "render" || owner == "shade" || owner == "scene") {
+    for (const Option& row : options())
+      if (is_parameter(row, owner)) all.push_back(parameter_of(row));
+    return all;
+  }
+  const Effect* effect = find_named<Effect>(every_effect(), owner);
+  if (!effect) return usage_error("'{}' has no parameters: render, shade, scene and effects have", owner);
+  for (const Parameter& row : effect->parameters) all.push_back(parameter_of(*effect, row));
+  return all;
+}
+
+}  // namespace
+}  // namespace umbrage
+
+using namespace umbrage;  // the functions below are C's
+
+UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary) {
+  bool there = false;
+  const UmbError code = call_alone("umbGetListEntry", [&]() -> Result<void> {
+    const auto all = entries(list);
+    if (!all) return all.error();
+    there = index >= 0 && std::size_t(index) < all->size();
+    if (there && name) *name = kept_text((*all)[std::size_t(index)].name);
+    if (there && summary) *summary = kept_text((*all)[std::size_t(index)].summary);
+    return {};
+  });
+  return code == UMB_ERROR_NONE && !there ? UMB_ERROR_USAGE : code;
+}
+
+int umbGetPassChannels(const char* pass) {
+  int count = 0;
+  call_alone("umbGetPassChannels", [&]() -> Result<void> {
+    count = text_of(pass) == "color" ? 4 : int(channels_of(text_of(pass)).size());
+    return {};
+  });
+  return count;
+}
+
+UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter) {
+  bool there = false;
+  const UmbError code = call_alone("umbGetParameter", [&]() -> Result<void> {
+    const auto all = parameters_of(text_of(owner));
+    if (!all) return all.error();
+    if (!parameter) return usage_error("umbGetParameter: parameter cannot be NULL");
+    there = index >= 0 && std::size_t(index) < all->size();
+    if (there) *parameter = (*all)[std::size_t(index)];
+    return {};
+  });
+  return code == UMB_ERROR_NONE && !there ? UMB_ERROR_USAGE : code;
+}

@@ -1,0 +1,206 @@
+// Meshes from memory: their buffers, materials, textures and places.
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <span>
+
+#include "core/srgb.h"
+#include "library/scene.h"
+#include "library/shared.h"
+
+namespace umbrage {
+namespace {
+
+/// A caller's buffer as an image of one row for each element.
+struct Buffer {
+  const std::byte* data = nullptr;
+  PixelType type = PixelType::kFloat32;
+  int channels = 0;
+  std::ptrdiff_t stride = 0;
+
+  template <class T>
+  T at(std::size_t element, int channel) const {
+    T value;
+    std::memcpy(&value, data + stride * std::ptrdiff_t(element) + std::ptrdiff_t(sizeof(T)) * channel, sizeof(T));
+    return value;
+  }
+};
+
+Result<void> expect(const Buffer& buffer, const std::string& name, std::initializer_list<PixelType> types, int channels,
+                    int max_channels) {
+  if (std::find(types.begin(), types.end(), buffer.type) == types.end())
+    return usage_error("the buffer '{}' cannot be of {}", name, name_of(buffer.type));
+  if (buffer.channels < channels || buffer.channels > max_channels)
+    return usage_error("the buffer '{}' cannot have {} channels: it takes {}", name, buffer.channels, channels);
+  return {};
+}
+
+/// Copies floats, `channels` of each element, to vectors of as many.
+template <class Vector>
+void copy_floats(const Buffer& buffer, std::size_t count, std::vector<Vector>& to) {
+  to.resize(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    float* values = reinterpret_cast<float*>(&to[k]);
+    for (std::size_t c = 0; c < sizeof(Vector) / sizeof(float); ++c) values[c] = buffer.at<float>(k, int(c));
+  }
+}
+
+Result<void> set_indices(const Buffer& buffer, Mesh& mesh) {
+  const auto index = [&](std::size_t triangle, int corner) -> std::uint32_t {
+    if (buffer.type == PixelType::kUint8) return buffer.at<std::uint8_t>(triangle, corner);
+    if (buffer.type == PixelType::kUint16) return buffer.at<std::uint16_t>(triangle, corner);
+    return buffer.at<std::uint32_t>(triangle, corner);
+  };
+  std::vector<std::uint32_t> indices(mesh.indices.size());
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    indices[k] = index(k / 3, int(k % 3));
+    if (indices[k] >= mesh.positions.size())
+      return usage_error("triangle {} has the vertex {}: the mesh has {}", k / 3, indices[k], mesh.positions.size());
+  }
+  mesh.indices = std::move(indices);
+  return {};
+}
+
+void set_colors(const Buffer& buffer, Mesh& mesh) {
+  mesh.colors.resize(mesh.positions.size());
+  for (std::size_t k = 0; k < mesh.colors.size(); ++k)
+    for (int c = 0; c < 3; ++c)
+      mesh.colors[k][c] = buffer.type == PixelType::kFloat32 ? buffer.at<float>(k, c)
+                          : buffer.type == PixelType::kUint8
+                              ? linear_from_srgb(float(buffer.at<std::uint8_t>(k, c)) / 255.0f)
+                              : linear_from_srgb(float(buffer.at<std::uint16_t>(k, c)) / 65535.0f);
+}
+
+Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMesh& shared) {
+  constexpr auto kFloat = PixelType::kFloat32;
+  Mesh& mesh = shared.mesh;
+  const std::size_t count = mesh.positions.size();
+  if (name == "position") {
+    if (auto fine = expect(buffer, name, {kFloat}, 3, 3); !fine) return fine;
+    copy_floats(buffer, count, mesh.positions);
+    shared.has_positions = true;
+  } else if (name == "normal") {
+    if (auto fine = expect(buffer, name, {kFloat}, 3, 3); !fine) return fine;
+    copy_floats(buffer, count, mesh.normals);
+    for (glm::vec3& n : mesh.normals) n = unit_or_zero(n);
+  } else if (name == "uv") {
+    if (auto fine = expect(buffer, name, {kFloat}, 2, 2); !fine) return fine;
+    copy_floats(buffer, count, mesh.uvs);
+  } else if (name == "radius") {
+    if (!mesh.points) return usage_error("the buffer 'radius' is for points: the mesh has triangles");
+    if (auto fine = expect(buffer, name, {kFloat}, 1, 1); !fine) return fine;
+    copy_floats(buffer, count, mesh.radii);
+    for (const float r : mesh.radii)
+      if (!(r > 0.0f) || !std::isfinite(r)) return usage_error("a point's radius cannot be {}: it is above 0", r);
+  } else if (name == "color") {
+    if (auto fine = expect(buffer, name, {kFloat, PixelType::kUint8, PixelType::kUint16}, 3, 4); !fine) return fine;
+    set_colors(buffer, mesh);
+  } else if (name == "index") {
+    if (mesh.points) return usage_error("the mesh has no triangles that an index buffer could make");
+    if (auto fine = expect(buffer, name, {PixelType::kUint8, PixelType::kUint16, PixelType::kUint32}, 3, 3); !fine)
+      return fine;
+    if (auto set = set_indices(buffer, mesh); !set) return set;
+    shared.has_indices = true;
+  } else {
+    return usage_error("a mesh has no buffer '{}': it has position, normal, color, uv, radius and index", name);
+  }
+  return {};
+}
+
+Result<void> set_floats(const std::string& name, std::span<const float> values, Material& material) {
+  const std::size_t count = name == "albedo" || name == "emission" ? 3 : 1;
+  const bool known = count == 3 || name == "specular" || name == "shininess" || name == "alpha_cutoff";
+  if (!known)
+    return usage_error("a mesh has no parameter '{}': it has albedo, emission, specular, shininess and alpha_cutoff",
+                       name);
+  if (values.size() != count) return usage_error("'{}' of a mesh takes {} numbers, not {}", name, count, values.size());
+  for (const float v : values)
+    if (!(v >= 0.0f) || !std::isfinite(v)) return usage_error("'{}' of a mesh cannot be {}: it is 0 or more", name, v);
+  if (name == "albedo") material.albedo = {values[0], values[1], values[2]};
+  if (name == "emission") material.emission = {values[0], values[1], values[2]};
+  if (name == "specular") material.specular_strength = std::min(values[0], 1.0f);
+  if (name == "shininess") material.specular_exponent = values[0];
+  if (name == "alpha_cutoff") {
+    material.alpha_mask = true;
+    material.alpha_cutoff = values[0];
+  }
+  return {};
+}
+
+Result<Texture> texture_of(const std::string& name, const UmbImage& from) {
+  const auto image = shared_image("the texture '" + name + "'", from);
+  if (!image) return image.error();
+  if (image->type != PixelType::kUint8 || image->channels < 3 || image->channels > 4)
+    return usage_error("the texture '{}' takes 3 or 4 channels of 8 bits", name);
+  Texture texture{.name = name, .width = image->width, .height = image->height, .rgba = {}};
+  texture.rgba.reserve(std::size_t(texture.width) * std::size_t(texture.height) * 4);
+  for (int y = 0; y < texture.height; ++y)
+    for (int x = 0; x < texture.width; ++x)
+      for (int c = 0; c < 4; ++c)
+        texture.rgba.push_back(c < image->channels ? load<std::uint8_t>(*image, c, x, y) : std::uint8_t(255));
+  return texture;
+}
+
+/// Changes a mesh of a scene; `change` gets the mesh.
+template <class Change>
+UmbError change_mesh(UmbScene scene, int mesh, const char* call, const Change& change) {
+  return call_on<SceneObject>(scene, call, [&](SceneObject& object) -> Result<void> {
+    const auto found = object.mesh(mesh);
+    if (!found) return found.error();
+    if (Result<void> done = change(**found); !done) return done;
+    object.changed();
+    return {};
+  });
+}
+
+}  // namespace
+}  // namespace umbrage
+
+using namespace umbrage;  // the functions below are C's
+
+UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type, int channels,
+                          ptrdiff_t stride) {
+  return change_mesh(scene, mesh, "umbSetMeshBuffer", [&](SharedMesh& shared) -> Result<void> {
+    if (!data) return usage_error("the buffer '{}' is NULL", text_of(name));
+    const auto known = pixel_type(type);
+    if (!known) return known.error();
+    const auto packed = std::ptrdiff_t(size_of(*known)) * channels;
+    return set_buffer(text_of(name),
+                      {static_cast<const std::byte*>(data), *known, channels, stride != 0 ? stride : packed}, shared);
+  });
+}
+
+UmbError umbSetMeshFloats(UmbScene scene, int mesh, const char* name, const float* values, int count) {
+  return change_mesh(scene, mesh, "umbSetMeshFloats", [&](SharedMesh& shared) -> Result<void> {
+    if (!values || count < 0) return usage_error("'{}' of a mesh has no values", text_of(name));
+    return set_floats(text_of(name), {values, std::size_t(count)}, shared.material);
+  });
+}
+
+UmbError umbSetMeshTexture(UmbScene scene, int mesh, const char* name, const UmbImage* image) {
+  return change_mesh(scene, mesh, "umbSetMeshTexture", [&](SharedMesh& shared) -> Result<void> {
+    const std::string which = text_of(name);
+    if (which != "albedo" && which != "emission")
+      return usage_error("a mesh has no texture '{}': it has albedo and emission", which);
+    if (!image) return usage_error("the texture '{}' is NULL", which);
+    auto texture = texture_of(which, *image);
+    if (!texture) return texture.error();
+    (which == "albedo" ? shared.albedo : shared.emission) = std::move(*texture);
+    return {};
+  });
+}
+
+UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mesh[12]) {
+  return change_mesh(scene, mesh, "umbAddMeshInstance", [&](SharedMesh& shared) -> Result<void> {
+    if (!world_from_mesh) return usage_error("the place of an instance is NULL");
+    glm::mat4 matrix(1.0f);
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 4; ++column) {
+        const float value = world_from_mesh[4 * row + column];
+        if (!std::isfinite(value)) return usage_error("the place of an instance holds a number that is not finite");
+        matrix[column][row] = value;
+      }
+    shared.instances.push_back(matrix);
+    return {};
+  });
+}

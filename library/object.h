@@ -1,0 +1,112 @@
+// Object: what a handle of the C interface stands for; its references, its errors, and the border around each call.
+//
+// Handles are numbers in a table of all objects that live: one that was released, or is none, is found out.
+#pragma once
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "core/guarded.h"
+#include "core/result.h"
+#include "umbrage/umbrage.h"
+
+namespace umbrage {
+
+/// An error until somebody asks: the first of an object, whose calls follow from each other; the last of a thread.
+class ErrorSlot {
+ public:
+  explicit ErrorSlot(bool keeps_first) : keeps_first_(keeps_first) {}
+  UmbError note(Error error);
+  /// Gives it away. The text lives until the next call.
+  UmbError take(const char** message);
+
+ private:
+  std::mutex mutex_;
+  const bool keeps_first_;
+  Error error_;
+  bool there_ = false;
+  std::string taken_;
+};
+
+/// Of calls that have no object.
+ErrorSlot& thread_errors();
+
+class DeviceObject;
+
+class Object {
+ public:
+  virtual ~Object() = default;
+  /// What a call is for, where memory is short: the call's name, or "a picture of 64 x 48 pixels".
+  virtual std::string asked(const char* call) const { return call; }
+  /// Notes an error and tells the device's callback.
+  UmbError fail(Error error);
+
+  ErrorSlot errors{true};
+  std::atomic<long> references{1};
+
+ protected:
+  /// Whose callback is told.
+  virtual DeviceObject* teller() = 0;
+};
+
+/// Makes an object known. Returns its handle, a number that no other object gets.
+void* add_object(std::shared_ptr<Object> object);
+/// The object of a handle; null where there is none.
+std::shared_ptr<Object> find_object(const void* handle);
+/// Takes a reference of an object that is there.
+void release_found(const void* handle);
+
+/// The object of that kind; null where the handle is none.
+template <class T>
+std::shared_ptr<T> object_of(const void* handle) {
+  return std::dynamic_pointer_cast<T>(find_object(handle));
+}
+
+template <class T>
+void retain_object(const void* handle) {
+  if (const auto object = object_of<T>(handle)) ++object->references;
+}
+template <class T>
+void release_object(const void* handle) {
+  if (object_of<T>(handle)) release_found(handle);
+}
+
+/// Runs a call that has no object. Errors are the thread's.
+template <class Work>
+UmbError call_alone(const char* call, const Work& work) {
+  Result<void> done = guarded([&] { return std::string(call); }, work);
+  return done ? UMB_ERROR_NONE : thread_errors().note(std::move(done.error()));
+}
+
+/// Runs a call on an object, by the name of its function. Errors are the object's.
+template <class T, class Work>
+UmbError call_on(const void* handle, const char* call, const Work& work) {
+  std::shared_ptr<T> object;
+  const UmbError found = call_alone(call, [&]() -> Result<void> {
+    object = object_of<T>(handle);
+    if (!object) return usage_error("{}: the handle is NULL, or was released, or is of another kind", call);
+    return {};
+  });
+  if (found != UMB_ERROR_NONE) return found;
+  Result<void> done = guarded([&] { return object->asked(call); }, [&]() -> Result<void> { return work(*object); });
+  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));
+}
+
+/// Makes an object; `make` gives a Result of it. Null on an error, which is the thread's.
+template <class Handle, class Make>
+Handle make_object(const char* call, const Make& make) {
+  Handle handle = nullptr;
+  call_alone(call, [&]() -> Result<void> {
+    auto made = make();
+    if (!made) return made.error();
+    handle = reinterpret_cast<Handle>(add_object(std::move(*made)));
+    return {};
+  });
+  return handle;
+}
+
+/// Text of a caller's; null is empty.
+inline std::string text_of(const char* text) { return text ? text : ""; }
+
+}  // namespace umbrage

@@ -1,0 +1,199 @@
+#include "library/scene.h"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+
+#include "library/job.h"
+#include "renderer/models.h"
+#include "renderer/recipe.h"
+#include "scene/finish.h"
+
+namespace umbrage {
+namespace {
+
+bool is_whole(const SharedMesh& shared) {
+  return shared.has_positions && (shared.has_indices || shared.mesh.indices.empty());
+}
+
+/// The mesh at a place.
+Mesh placed(const Mesh& mesh, const glm::mat4& world_from_mesh) {
+  Mesh at = mesh;
+  const glm::mat3 turn(world_from_mesh);
+  const glm::mat3 of_normals = glm::transpose(glm::inverse(turn));
+  const float scale = std::cbrt(std::abs(glm::determinant(turn)));
+  for (glm::vec3& p : at.positions) p = glm::vec3(world_from_mesh * glm::vec4(p, 1.0f));
+  for (glm::vec3& n : at.normals)
+    if (const glm::vec3 v = of_normals * n; glm::length(v) > 0.0f) n = glm::normalize(v);
+  for (float& r : at.radii) r *= scale;
+  // A mirrored triangle turns its back.
+  if (glm::determinant(turn) < 0.0f)
+    for (std::size_t k = 0; k + 2 < at.indices.size(); k += 3) std::swap(at.indices[k + 1], at.indices[k + 2]);
+  return at;
+}
+
+/// A scene of one mesh, at all of its places.
+Scene scene_of(const SharedMesh& shared) {
+  Scene scene;
+  scene.name = shared.mesh.name;
+  scene.materials.push_back(shared.material);
+  const auto add = [&](const Texture& texture, int& index) {
+    if (texture.rgba.empty()) return;
+    index = int(scene.textures.size());
+    scene.textures.push_back(texture);
+  };
+  add(shared.albedo, scene.materials[0].texture);
+  add(shared.emission, scene.materials[0].emission_texture);
+  if (shared.instances.empty()) scene.meshes.push_back(shared.mesh);
+  for (const glm::mat4& instance : shared.instances) {
+    scene.meshes.push_back(placed(shared.mesh, instance));
+    scene.meshes.back().object = int(scene.meshes.size()) - 1;
+  }
+  return scene;
+}
+
+}  // namespace
+
+Result<void> SceneObject::set_parameter(const std::string& name, const char* value) {
+  const Option* row = nullptr;
+  for (const Option& option : options())
+    if (is_parameter(option, "scene") && option.field == name) row = &option;
+  if (!row)
+    return usage_error(
+        "a scene has no parameter '{}': it has up, crease_angle_deg, point_size, point_sprites and scene_index", name);
+  Request changed = request_;
+  if (value) {
+    if (auto set = set_option(*row, value, changed); !set) return set;
+  } else {
+    reset_option(*row, changed);
+  }
+  request_ = std::move(changed);
+  return {};
+}
+
+Result<void> SceneObject::load(const std::string& model) {
+  const auto settings = import_settings(request_);
+  if (!settings) return settings.error();
+  if (progress && !progress(0.0)) return interrupted();
+  auto scene = load_scene(model, *settings, progress);
+  if (!scene) return scene.error();
+  for (const std::string& warning : scene->warnings) device_->tell_warning(warning);
+  if (has_models_)
+    append_scene(std::move(*scene), models_);
+  else
+    models_ = std::move(*scene);
+  has_models_ = true;
+  changed();
+  return {};
+}
+
+Result<int> SceneObject::add_mesh(const std::string& name, std::size_t vertices, std::size_t triangles) {
+  constexpr std::size_t kMaxCount = std::size_t(1) << 31;
+  if (vertices == 0 || vertices >= kMaxCount || triangles >= kMaxCount)
+    return usage_error("a mesh cannot have {} vertices and {} triangles: 1 to {} vertices", vertices, triangles,
+                       kMaxCount - 1);
+  const auto settings = import_settings(request_);
+  if (!settings) return settings.error();
+  SharedMesh shared{.settings = *settings};
+  shared.mesh.name = name;
+  shared.mesh.points = triangles == 0;
+  shared.mesh.positions.resize(vertices);
+  shared.mesh.indices.resize(3 * triangles);
+  meshes_.push_back(std::move(shared));
+  changed();
+  return int(meshes_.size()) - 1;
+}
+
+Result<SharedMesh*> SceneObject::mesh(int index) {
+  if (index < 0 || std::size_t(index) >= meshes_.size())
+    return usage_error("the scene has no mesh {}: umbAddMesh made {}", index, meshes_.size());
+  return &meshes_[std::size_t(index)];
+}
+
+Result<Scene> SceneObject::copied() {
+  Scene all;
+  bool is_empty = !has_models_;
+  if (has_models_) all = models_;
+  for (std::size_t k = 0; k < meshes_.size(); ++k) {
+    const SharedMesh& shared = meshes_[k];
+    if (!is_whole(shared))
+      return usage_error("mesh {} of the scene lacks its {}", k, shared.has_positions ? "indices" : "positions");
+    Scene part = scene_of(shared);
+    if (shared.settings.up != glm::vec3(0.0f)) part.up = shared.settings.up;
+    finish_scene(part, shared.settings.crease_angle_deg, shared.settings.points);
+    if (part.meshes.empty()) continue;
+    if (is_empty)
+      all = std::move(part);
+    else
+      append_scene(std::move(part), all);
+    is_empty = false;
+  }
+  if (is_empty) return usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it");
+  return all;
+}
+
+}  // namespace umbrage
+
+using namespace umbrage;  // the functions below are C's
+
+UmbScene umbNewScene(UmbDevice device) {
+  return make_object<UmbScene>("umbNewScene", [&]() -> Result<std::shared_ptr<Object>> {
+    auto of = object_of<DeviceObject>(device);
+    if (!of) return usage_error("umbNewScene: the device is NULL, or was released");
+    return std::shared_ptr<Object>(std::make_shared<SceneObject>(std::move(of)));
+  });
+}
+
+void umbRetainScene(UmbScene scene) { retain_object<SceneObject>(scene); }
+void umbReleaseScene(UmbScene scene) { release_object<SceneObject>(scene); }
+
+UmbError umbGetSceneError(UmbScene scene, const char** message) {
+  const auto object = object_of<SceneObject>(scene);
+  return object ? object->errors.take(message) : umbGetError(message);
+}
+
+UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user) {
+  return call_on<SceneObject>(scene, "umbSetSceneProgressCallback", [&](SceneObject& object) {
+    object.progress = monitor_of(callback, user);
+    return Result<void>();
+  });
+}
+
+UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value) {
+  return call_on<SceneObject>(scene, "umbSetSceneParameter",
+                              [&](SceneObject& object) { return object.set_parameter(text_of(name), value); });
+}
+
+UmbError umbLoadModel(UmbScene scene, const char* model) {
+  return call_on<SceneObject>(scene, "umbLoadModel", [&](SceneObject& object) { return object.load(text_of(model)); });
+}
+
+int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangles) {
+  int index = -1;
+  call_on<SceneObject>(scene, "umbAddMesh", [&](SceneObject& object) -> Result<void> {
+    const auto added = object.add_mesh(text_of(name), vertices, triangles);
+    if (!added) return added.error();
+    index = *added;
+    return {};
+  });
+  return index;
+}
+
+UmbError umbGetSceneBounds(UmbScene scene, float lower[3], float upper[3]) {
+  return call_on<SceneObject>(scene, "umbGetSceneBounds", [&](SceneObject& object) -> Result<void> {
+    if (!lower || !upper) return usage_error("umbGetSceneBounds: lower and upper cannot be NULL");
+    const auto whole = object.copied();
+    if (!whole) return whole.error();
+    for (int k = 0; k < 3; ++k) {
+      lower[k] = whole->bounds_min[k];
+      upper[k] = whole->bounds_max[k];
+    }
+    return {};
+  });
+}
+
+int umbGetSceneCameraCount(UmbScene scene) {
+  const auto object = object_of<SceneObject>(scene);
+  return object ? object->camera_count() : 0;
+}

@@ -1,0 +1,65 @@
+// SceneObject: a scene of the C interface, as models and meshes from memory are added to it.
+#pragma once
+#include <glm/mat4x4.hpp>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "library/device.h"
+#include "renderer/options.h"
+#include "scene/readers/import.h"
+#include "scene/scene.h"
+
+namespace umbrage {
+
+/// A mesh from memory, as its buffers are set.
+struct SharedMesh {
+  ImportSettings settings;  ///< as they were when it was added
+  Mesh mesh;
+  Material material;
+  Texture albedo, emission;  ///< without pixels: none
+  bool has_positions = false, has_indices = false;
+  std::vector<glm::mat4> instances;
+};
+
+class SceneObject final : public Object {
+ public:
+  explicit SceneObject(std::shared_ptr<DeviceObject> device) : device_(std::move(device)) {}
+
+  /// The models and all meshes that are whole, finished. A copy: what a picture adds to it is that picture's.
+  /// Errors: kUsage for an empty scene, and meshes that are not whole.
+  Result<Scene> copied();
+  /// Changes with each change.
+  long version() const { return version_; }
+
+  Result<void> set_parameter(const std::string& name, const char* value);
+  Result<void> load(const std::string& model);
+  Result<int> add_mesh(const std::string& name, std::size_t vertices, std::size_t triangles);
+  Result<SharedMesh*> mesh(int index);
+  void changed() { ++version_; }
+  int camera_count() const {
+    return int(!models_.cameras.empty() ? models_.cameras.size() : meshes_.empty() ? models_.views.size() : 0);
+  }
+
+  ProgressMonitor progress;
+
+ protected:
+  DeviceObject* teller() override { return device_.get(); }
+
+ private:
+  std::shared_ptr<DeviceObject> device_;
+  Request request_;  // how what follows is read
+  Scene models_;
+  bool has_models_ = false;
+  std::vector<SharedMesh> meshes_;
+  long version_ = 0;
+};
+
+/// A caller's callback as a monitor.
+inline ProgressMonitor monitor_of(UmbProgressCallback callback, void* user) {
+  if (!callback) return {};
+  return [callback, user](double done) { return callback(user, done); };
+}
+
+}  // namespace umbrage

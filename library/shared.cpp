@@ -1,0 +1,137 @@
+#include "library/shared.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <utility>
+
+#include "renderer/options.h"
+
+namespace umbrage {
+namespace {
+
+/// The first byte of an image's pixels, and the one after the last.
+std::pair<std::intptr_t, std::intptr_t> bytes_of(const SharedImage& image) {
+  auto first = reinterpret_cast<std::intptr_t>(image.data), last = first;
+  const auto reach = [&](std::ptrdiff_t stride, int count) {
+    const std::ptrdiff_t far = stride * (count - 1);
+    (far < 0 ? first : last) += far;
+  };
+  reach(image.channel_stride, image.channels);
+  reach(image.pixel_stride, image.width);
+  reach(image.row_stride, image.height);
+  return {first, last + std::ptrdiff_t(size_of(image.type))};
+}
+
+}  // namespace
+
+const char* kept_text(std::string_view text) {
+  static std::mutex& mutex = *new std::mutex;
+  static auto& texts = *new std::map<std::string, std::unique_ptr<std::string>, std::less<>>;
+  const std::lock_guard lock(mutex);
+  auto found = texts.find(text);
+  if (found == texts.end()) found = texts.emplace(std::string(text), std::make_unique<std::string>(text)).first;
+  return found->second->c_str();
+}
+
+Result<PixelType> pixel_type(int type) {
+  if (type >= UMB_TYPE_FLOAT32 && type <= UMB_TYPE_UINT32) return PixelType(type);
+  return usage_error("there is no type {}: see UmbType", type);
+}
+
+std::string_view name_of(PixelType type) {
+  switch (type) {
+    case PixelType::kFloat32:
+      return "32-bit floats";
+    case PixelType::kFloat16:
+      return "16-bit floats";
+    case PixelType::kUint8:
+      return "8-bit integers";
+    case PixelType::kUint16:
+      return "16-bit integers";
+    case PixelType::kUint32:
+      return "32-bit integers";
+  }
+  return "";
+}
+
+Result<SharedImage> shared_image(std::string_view what, const UmbImage& image) {
+  const auto type = pixel_type(image.type);
+  if (!type) return usage_error("{}: {}", what, type.error().message);
+  for (const int side : {image.width, image.height})
+    if (side < 1 || side > kLargestSide)
+      return usage_error("{} cannot have {} x {} pixels: 1 to {} each", what, image.width, image.height, kLargestSide);
+  constexpr int kMaxChannels = 64;
+  if (image.channels < 1 || image.channels > kMaxChannels)
+    return usage_error("{} cannot have {} channels: 1 to {}", what, image.channels, kMaxChannels);
+  constexpr std::ptrdiff_t kMaxStride = std::ptrdiff_t(1) << 40;
+  for (const std::ptrdiff_t stride : {image.channel_stride, image.pixel_stride, image.row_stride})
+    if (stride > kMaxStride || stride < -kMaxStride) return usage_error("{} cannot have a stride of {}", what, stride);
+  return with_strides({.data = image.data,
+                       .type = *type,
+                       .width = image.width,
+                       .height = image.height,
+                       .channels = image.channels,
+                       .channel_stride = image.channel_stride,
+                       .pixel_stride = image.pixel_stride,
+                       .row_stride = image.row_stride});
+}
+
+UmbImage as_umb(const SharedImage& image) {
+  return {image.data,     int32_t(image.type),  image.width,        image.height,
+          image.channels, image.channel_stride, image.pixel_stride, image.row_stride};
+}
+
+namespace {
+
+/// Whether a number of one channel of `a` shares a byte with one of a channel of `b`, `byte` after it, where both
+/// images have the same strides.
+bool channels_meet(const SharedImage& a, const SharedImage& b, std::ptrdiff_t byte) {
+  const auto size_a = std::ptrdiff_t(size_of(a.type)), size_b = std::ptrdiff_t(size_of(b.type));
+  for (std::ptrdiff_t dy = -(a.height - 1); dy < b.height; ++dy) {
+    const std::ptrdiff_t rest = byte + a.row_stride * dy;
+    // The columns between which the distance changes its sign, and one to either side.
+    const std::ptrdiff_t near = -rest / a.pixel_stride;
+    for (std::ptrdiff_t dx = near - 2; dx <= near + 2; ++dx) {
+      const std::ptrdiff_t apart = rest + a.pixel_stride * dx;
+      if (dx > -a.width && dx < b.width && apart < size_a && -apart < size_b) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+bool overlap(const SharedImage& a, const SharedImage& b) {
+  if (!a.data || !b.data) return false;
+  const auto [a_first, a_end] = bytes_of(a);
+  const auto [b_first, b_end] = bytes_of(b);
+  if (a_end <= b_first || b_end <= a_first) return false;
+  // Images of one array may lie between each other's pixels.
+  if (a.pixel_stride != b.pixel_stride || a.row_stride != b.row_stride || a.pixel_stride == 0) return true;
+  const auto start = [](const SharedImage& image, int channel) {
+    return reinterpret_cast<std::intptr_t>(image.data) + image.channel_stride * channel;
+  };
+  for (int i = 0; i < a.channels; ++i)
+    for (int j = 0; j < b.channels; ++j)
+      if (channels_meet(a, b, start(b, j) - start(a, i))) return true;
+  return false;
+}
+
+bool overlaps_itself(const SharedImage& image) {
+  std::array<std::pair<std::ptrdiff_t, int>, 3> steps = {{{std::abs(image.channel_stride), image.channels},
+                                                          {std::abs(image.pixel_stride), image.width},
+                                                          {std::abs(image.row_stride), image.height}}};
+  std::sort(steps.begin(), steps.end());
+  auto needed = std::ptrdiff_t(size_of(image.type));
+  for (const auto& [stride, count] : steps) {
+    if (count > 1 && stride < needed) return true;
+    needed += stride * (count - 1);
+  }
+  return false;
+}
+
+}  // namespace umbrage

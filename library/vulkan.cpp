@@ -1,0 +1,201 @@
+// The C interface for a caller's own Vulkan device.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/guarded.h"
+#include "core/registry.h"
+#include "devices/vulkan/gpu.h"
+#include "devices/vulkan/vulkan_device.h"
+#include "effects/effects.h"
+#include "library/device.h"
+#include "renderer/isa_setting.h"
+#include "renderer/lens.h"
+#include "renderer/recipe.h"
+#include "umbrage/vulkan.h"
+
+namespace umbrage {
+
+class VulkanShadingObject final : public Object {
+ public:
+  explicit VulkanShadingObject(std::unique_ptr<Device> of) : device(std::move(of)) {}
+  std::string asked(const char*) const override { return "a G-buffer of " + size; }
+
+  std::unique_ptr<Device> device;
+  std::string size = "no pixels";  ///< of the G-buffer that is shaded
+
+ protected:
+  DeviceObject* teller() override { return nullptr; }
+};
+
+namespace {
+
+const std::vector<std::string> kDepth = {"depth"};
+const std::vector<std::string> kNormal = {"normal.x", "normal.y", "normal.z"};
+const std::vector<std::string> kAlbedo = {"albedo.r", "albedo.g", "albedo.b"};
+const std::vector<std::string> kLit = {"lit.r", "lit.g", "lit.b"};
+
+DeviceImage device_image(const UmbVulkanImage& image) {
+  return {image.image, image.format, image.layout, image.layout_after};
+}
+
+int depth_role(DepthMeaning kind) {
+  switch (kind) {
+    case DepthMeaning::kView:
+      return kViewDepthRole;
+    case DepthMeaning::kRay:
+      return kRayDepthRole;
+    case DepthMeaning::kWindow:
+      return kWindowDepthRole;
+    case DepthMeaning::kReversed:
+      break;
+  }
+  return kReversedDepthRole;
+}
+
+Lens lens_of(const UmbVulkanGBuffer& g) {
+  return {.width = g.width,
+          .height = g.height,
+          .depth_kind = DepthMeaning(g.depth_kind),
+          .near_plane = g.near_plane,
+          .far_plane = g.far_plane != 0.0f ? g.far_plane : std::numeric_limits<float>::infinity(),
+          .orthographic = g.orthographic != 0,
+          .left = g.left,
+          .right = g.right,
+          .bottom = g.bottom,
+          .top = g.top,
+          .scene_radius = g.scene_radius};
+}
+
+PictureInfo info_of(const Lens& lens) {
+  PictureInfo info;
+  set_lens(lens, info);
+  info.scene_radius = lens.scene_radius;
+  // Without a look at the depths: what the planes say, as far as the scene reaches.
+  const bool planes = has_planes(lens.depth_kind);
+  constexpr float kNearest = 1e-3f;
+  info.depth_min = planes ? lens.near_plane : kNearest * lens.scene_radius;
+  info.depth_max = planes && std::isfinite(lens.far_plane) ? lens.far_plane : info.depth_min + 2.0f * lens.scene_radius;
+  return info;
+}
+
+Result<void> check(const UmbVulkanGBuffer& g, const Lens& lens) {
+  if (!g.depth.image) return usage_error("a G-buffer needs an image of depth");
+  if (g.depth_kind < UMB_DEPTH_VIEW || g.depth_kind > UMB_DEPTH_REVERSED)
+    return usage_error("there is no kind of depth {}: see UmbDepthKind", g.depth_kind);
+  if (auto fine = check_lens(lens); !fine) return fine;
+  if (!(lens.scene_radius > 0.0f)) return usage_error("`scene_radius` cannot be {}: it is above 0", lens.scene_radius);
+  return {};
+}
+
+std::vector<std::string> texts_of(const char* const* texts, int count) {
+  std::vector<std::string> all;
+  for (int k = 0; texts && k < count; ++k) all.push_back(text_of(texts[k]));
+  return all;
+}
+
+bool is_rotation(const float (&m)[9]) {
+  return std::any_of(std::begin(m), std::end(m), [](float v) { return v != 0.0f; });
+}
+
+Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVulkanWork& request) {
+  const Lens lens = lens_of(g);
+  if (auto fine = check(g, lens); !fine) return fine;
+  std::vector<const Effect*> wanted;
+  for (const std::string& name : texts_of(request.effects, request.effect_count)) {
+    const auto effect = require_named("effect", effects(), name);
+    if (!effect) return effect.error();
+    wanted.push_back(*effect);
+  }
+  const auto initial = effect_settings(texts_of(request.settings, request.setting_count));
+  if (!initial) return initial.error();
+  const EffectSettings& settings = *initial;
+
+  wait_for(device, request.wait);
+  auto frame = empty_frame(device, info_of(lens));
+  if (!frame) return frame.error();
+  const ImageMeaning depth{.role = depth_role(lens.depth_kind),
+                           .orthographic = lens.orthographic,
+                           .near_depth = lens.near_plane,
+                           .far_depth = lens.far_plane,
+                           .left = lens.left,
+                           .right = lens.right,
+                           .bottom = lens.bottom,
+                           .top = lens.top};
+  if (auto read = read_image(device, device_image(g.depth), depth, kDepth, *frame); !read) return read;
+  if (g.normal.image) {
+    ImageMeaning turned{.role = kNormalRole};
+    constexpr float kSame[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    std::copy_n(is_rotation(g.view_from_normal) ? g.view_from_normal : kSame, 9, turned.turn);
+    if (auto read = read_image(device, device_image(g.normal), turned, kNormal, *frame); !read) return read;
+  } else {
+    const Effect& normals = *find_effect("normals");
+    if (auto done = device.run(normals, params_of(settings, normals.name), *frame); !done) return done.error();
+  }
+  if (g.albedo.image)
+    if (auto read = read_image(device, device_image(g.albedo), {}, kAlbedo, *frame); !read) return read;
+  if (g.light.image)
+    if (auto read = read_image(device, device_image(g.light), {}, kLit, *frame); !read) return read;
+  for (const Effect* effect : wanted)
+    if (auto done = device.run(*effect, params_of(settings, effect->name), *frame); !done) return done.error();
+  if (!request.outputs && request.output_count > 0) return usage_error("the outputs are NULL");
+  for (int k = 0; k < request.output_count; ++k) {
+    const UmbVulkanOutput& output = request.outputs[k];
+    const auto planes = texts_of(output.planes, output.plane_count);
+    if (planes.empty() || planes.size() > 4)
+      return usage_error("an output takes one to four planes, not {}", planes.size());
+    if (auto written = write_image(device, *frame, planes, device_image(output.image)); !written) return written;
+  }
+  return hand_over(device, request.signal);
+}
+
+Result<std::shared_ptr<Object>> new_shading(const UmbVulkanContext* context) {
+  if (!context || !context->get_instance_proc_addr || !context->instance || !context->physical_device ||
+      !context->device || !context->queue)
+    return usage_error("a Vulkan context needs all of its handles");
+  if (auto valid = check_isa_setting(); !valid) return valid.error();
+  auto device = make_vulkan_device_on({context->get_instance_proc_addr, context->instance, context->physical_device,
+                                       context->device, context->queue, context->queue_family});
+  if (!device) return device.error();
+  return std::shared_ptr<Object>(std::make_shared<VulkanShadingObject>(std::move(*device)));
+}
+
+}  // namespace
+}  // namespace umbrage
+
+using namespace umbrage;  // the functions below are C's
+
+UmbVulkanShading umbNewVulkanShading(const UmbVulkanContext* context) {
+  return make_object<UmbVulkanShading>("umbNewVulkanShading", [&] { return new_shading(context); });
+}
+
+void umbRetainVulkanShading(UmbVulkanShading shading) { retain_object<VulkanShadingObject>(shading); }
+void umbReleaseVulkanShading(UmbVulkanShading shading) { release_object<VulkanShadingObject>(shading); }
+
+UmbError umbGetVulkanShadingError(UmbVulkanShading shading, const char** message) {
+  const auto object = object_of<VulkanShadingObject>(shading);
+  return object ? object->errors.take(message) : umbGetError(message);
+}
+
+UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* gbuffer, const UmbVulkanWork* work) {
+  const UmbError code =
+      call_on<VulkanShadingObject>(shading, "umbShadeVulkanImages", [&](VulkanShadingObject& object) -> Result<void> {
+        if (!gbuffer || !work) return usage_error("umbShadeVulkanImages: gbuffer and work cannot be NULL");
+        object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
+        return shade_images(*object.device, *gbuffer, *work);
+      });
+  if (code != UMB_ERROR_NONE)
+    if (const auto object = object_of<VulkanShadingObject>(shading)) drop(*object->device);
+  return code;
+}
+
+UmbError umbFinishVulkanShading(UmbVulkanShading shading) {
+  return call_on<VulkanShadingObject>(shading, "umbFinishVulkanShading",
+                                      [](VulkanShadingObject& object) { return object.device->finish(); });
+}
+
+uint64_t umbGetVulkanShadingMemory(UmbVulkanShading shading) {
+  const auto object = object_of<VulkanShadingObject>(shading);
+  return object ? vulkan_memory(*object->device).device_bytes : 0;
+}

@@ -1,0 +1,57 @@
+#include "renderer/lens.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "renderer/options.h"
+
+namespace umbrage {
+
+Lens lens_of(const Request& request) {
+  const GBufferSettings& g = request.gbuffer;
+  const auto& kinds = option_of("depth_kind").choices;
+  const auto kind = std::find(kinds.begin(), kinds.end(), g.depth_kind) - kinds.begin();
+  return {.width = request.width,
+          .height = request.height,
+          .depth_kind = DepthMeaning(kind),
+          .near_plane = g.near_plane,
+          .far_plane = g.far_plane != 0.0f ? g.far_plane : std::numeric_limits<float>::infinity(),
+          .orthographic = g.orthographic,
+          .left = g.window[0],
+          .right = g.window[1],
+          .bottom = g.window[2],
+          .top = g.window[3],
+          .scene_radius = g.scene_radius};
+}
+
+Result<void> check_lens(const Lens& lens) {
+  for (const int side : {lens.width, lens.height})
+    if (side < 1 || side > kLargestSide)
+      return usage_error("a G-buffer cannot be {} pixels wide or high: 1 to {} can", side, kLargestSide);
+  const bool planes = has_planes(lens.depth_kind);
+  if (planes && !(lens.near_plane > 0.0f && std::isfinite(lens.near_plane) && lens.far_plane > lens.near_plane))
+    return usage_error("`near_plane` {} and `far_plane` {} cannot be: 0 < near_plane < far_plane can", lens.near_plane,
+                       lens.far_plane);
+  if (planes && lens.orthographic && !std::isfinite(lens.far_plane))
+    return usage_error("an orthographic G-buffer needs a `far_plane` that is not at infinity");
+  const bool sound = std::isfinite(lens.left) && std::isfinite(lens.right) && std::isfinite(lens.bottom) &&
+                     std::isfinite(lens.top) && lens.right != lens.left && lens.top != lens.bottom;
+  if (!sound)
+    return usage_error("the camera's window cannot be {} to {} and {} to {}: it has a size", lens.left, lens.right,
+                       lens.bottom, lens.top);
+  if (!std::isfinite(lens.scene_radius)) return usage_error("`scene_radius` cannot be {}", lens.scene_radius);
+  return {};
+}
+
+void set_lens(const Lens& lens, PictureInfo& info) {
+  info.width = lens.width;
+  info.height = lens.height;
+  info.camera.projection = lens.orthographic ? Projection::kOrthographic : Projection::kPerspective;
+  info.camera.left = lens.left;
+  info.camera.right = lens.right;
+  info.camera.bottom = lens.bottom;
+  info.camera.top = lens.top;
+}
+
+}  // namespace umbrage

@@ -1,0 +1,317 @@
+#include "renderer/shared_gbuffer.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "core/suggest.h"
+#include "renderer/lens.h"
+#include "renderer/passes.h"
+#include "renderer/rows.h"
+
+namespace umbrage {
+namespace {
+
+constexpr std::size_t kMaxIds = 1 << 24;  // whole numbers that floats hold
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+/// The distance along the view axis of one pixel, infinity where there is nothing.
+class ViewDepth {
+ public:
+  explicit ViewDepth(const Lens& r) : r_(r) {}
+
+  float at(float value, int x, int y) const {
+    if (!std::isfinite(value)) return kNothing;
+    const float n = r_.near_plane, f = r_.far_plane;
+    switch (r_.depth_kind) {
+      case DepthMeaning::kView:
+        return value > 0.0f ? value : kNothing;
+      case DepthMeaning::kRay: {
+        if (!(value > 0.0f)) return kNothing;
+        if (r_.orthographic) return value;
+        const float across = r_.left + (r_.right - r_.left) * (float(x) + 0.5f) / float(r_.width);
+        const float up = r_.top + (r_.bottom - r_.top) * (float(y) + 0.5f) / float(r_.height);
+        return value / std::sqrt(1.0f + across * across + up * up);
+      }
+      case DepthMeaning::kWindow:
+        if (value >= 1.0f) return kNothing;
+        if (r_.orthographic) return n + std::max(value, 0.0f) * (f - n);
+        return std::isfinite(f) ? n * f / (f - std::max(value, 0.0f) * (f - n)) : n / (1.0f - std::max(value, 0.0f));
+      case DepthMeaning::kReversed:
+        if (value <= 0.0f) return kNothing;
+        if (r_.orthographic) return f - std::min(value, 1.0f) * (f - n);
+        return std::isfinite(f) ? n * f / (n + std::min(value, 1.0f) * (f - n)) : n / std::min(value, 1.0f);
+    }
+    return kNothing;
+  }
+
+ private:
+  const Lens& r_;
+};
+
+Result<void> check(const Request& request, const Lens& lens) {
+  if (auto fine = check_lens(lens); !fine) return fine;
+  if (!(lens.right > lens.left && lens.top > lens.bottom))
+    return usage_error("the camera's window cannot be {} to {} and {} to {}: right lies beyond left, top above bottom",
+                       lens.left, lens.right, lens.bottom, lens.top);
+  if (lens.scene_radius < 0.0f)
+    return usage_error("`scene_radius` cannot be {}: it is above 0, or 0 to be found", lens.scene_radius);
+  for (const float v : request.gbuffer.view_from_normal)
+    if (!std::isfinite(v)) return usage_error("`view_from_normal` holds a number that is not finite");
+  return {};
+}
+
+/// What is said of an image. Errors: kUsage.
+Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, const NamedImage& named) {
+  const SharedImage& image = named.image;
+  const auto channels = channels_of(named.name);
+  if (channels.empty()) return unknown_image(named.name);
+  if (!image.data) return usage_error("the image '{}' has no pixels", named.name);
+  if (image.width != lens.width || image.height != lens.height)
+    return usage_error("the image '{}' has {} x {} pixels: the picture has {} x {}", named.name, image.width,
+                       image.height, lens.width, lens.height);
+  // Alpha may come with a colour, and is not read.
+  if (image.channels < int(channels.size()))
+    return usage_error("the image '{}' cannot have {} channels: it takes {}", named.name, image.channels,
+                       channels.size());
+  if (image.type == PixelType::kUint32 && !is_id(named.name))
+    return usage_error("the image '{}' cannot be of 32-bit integers: ids alone are", named.name);
+  if (std::any_of(images.begin(), images.end(), [&](const NamedImage& other) {
+        return is_id(named.name) && of_first_layer(other.name) == of_first_layer(named.name) &&
+               is_whole(other.image.type) != is_whole(image.type);
+      }))
+    return usage_error("the image '{}' and that of another layer cannot be of integers and of floats", named.name);
+  if (std::count_if(images.begin(), images.end(), [&](const NamedImage& other) { return other.name == named.name; }) >
+      1)
+    return usage_error("there are two images '{}'", named.name);
+  return {};
+}
+
+bool holds_ids(const NamedImage& named) { return is_id(named.name) && is_whole(named.image.type); }
+
+/// Floats do not tell all ids of 32 bits apart: planes hold their places in a list of those that there are. All layers
+/// share it.
+std::vector<std::uint32_t> ids_of(std::span<const NamedImage> images, std::string_view name) {
+  std::vector<std::uint32_t> ids;
+  for (const NamedImage& named : images)
+    if (holds_ids(named) && of_first_layer(named.name) == name)
+      read_ids(named.image, [&](int, int, std::uint32_t id) {
+        if (ids.empty() || ids.back() != id) ids.push_back(id);
+      });
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// Whether the pixels of an image lie as those of planes do: then they need not be copied.
+bool lies_as_planes(const NamedImage& named, int channels) {
+  const SharedImage& image = named.image;
+  const auto size = std::ptrdiff_t(sizeof(float));
+  return image.type == PixelType::kFloat32 && image.pixel_stride == size && image.width % kRowAlignment == 0 &&
+         image.row_stride == size * image.width && reinterpret_cast<std::uintptr_t>(image.data) % sizeof(float) == 0 &&
+         (channels == 1 || image.channel_stride % size == 0);
+}
+
+/// Makes the planes of an image, as views of it where that can be.
+void add_image(const NamedImage& named, const SharedIds& ids, Image& layer) {
+  const auto channels = channels_of(named.name);
+  const std::string name(of_first_layer(named.name));
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    Plane& plane = layer.add(name + channels[c]);
+    if (lies_as_planes(named, int(channels.size()))) {
+      plane =
+          Plane::view(reinterpret_cast<const float*>(place_of(named.image, int(c), 0, 0)), layer.width, layer.height);
+      continue;
+    }
+    plane = Plane(layer.width, layer.height);
+    if (!holds_ids(named)) {
+      read_channel(named.image, int(c), plane);
+      continue;
+    }
+    const std::vector<std::uint32_t>& known = ids.find(name)->second;
+    read_ids(named.image, [&](int x, int y, std::uint32_t id) {
+      plane.at(x, y) = float(std::lower_bound(known.begin(), known.end(), id) - known.begin());
+    });
+  }
+}
+
+/// Whether a test holds for every pixel of a row: test(x, y). Each pixel is tested, so that vectors of them can be.
+template <class Test>
+bool holds_everywhere(const Plane& plane, const Test& test) {
+  std::atomic<bool> all = true;
+  for_rows(plane.height, [&](int y) {
+    int wrong = 0;
+    for (int x = 0; x < plane.width; ++x) wrong |= int(!test(x, y));
+    if (wrong != 0) all = false;
+  });
+  return all;
+}
+
+/// Gives a plane memory of its own before it is written.
+void own(Plane& plane) {
+  if (plane.is_view()) plane = Plane(plane);
+}
+
+/// Makes depth distances along the view axis.
+void take_depth(const Lens& lens, Plane& depth) {
+  const ViewDepth view_depth(lens);
+  if (lens.depth_kind == DepthMeaning::kView && holds_everywhere(depth, [&](int x, int y) {
+        return depth.row(y)[x] > 0.0f;  // infinity, too
+      }))
+    return;
+  own(depth);
+  for_rows(depth.height, [&](int y) {
+    for (int x = 0; x < depth.width; ++x) depth.at(x, y) = view_depth.at(depth.at(x, y), x, y);
+  });
+}
+
+/// Turns normals to view space and makes them unit vectors; what is no direction is zero.
+void turn_normals(const std::vector<float>& turn, Image& layer) {
+  constexpr float kUnit = 2e-6f;  // by how much the squared length of a unit vector may differ from 1
+  Plane &nx = layer.plane("normal.x"), &ny = layer.plane("normal.y"), &nz = layer.plane("normal.z");
+  const bool turned = turn != GBufferSettings().view_from_normal;
+  const auto is_unit = [](const glm::vec3& n) { return std::abs(glm::dot(n, n) - 1.0f) <= kUnit; };
+  const auto at = [&](int x, int y) { return glm::vec3(nx.row(y)[x], ny.row(y)[x], nz.row(y)[x]); };
+  if (!turned && holds_everywhere(nx, [&](int x, int y) {
+        const glm::vec3 n = at(x, y);
+        const float square = glm::dot(n, n);
+        return (std::abs(square - 1.0f) <= kUnit) | ((n.x == 0.0f) & (n.y == 0.0f) & (n.z == 0.0f));
+      }))
+    return;
+  for (Plane* plane : {&nx, &ny, &nz}) own(*plane);
+  for_rows(nx.height, [&](int y) {
+    for (int x = 0; x < nx.width; ++x) {
+      const glm::vec3 n = at(x, y);
+      glm::vec3 v = n;
+      if (turned)
+        v = {turn[0] * n.x + turn[1] * n.y + turn[2] * n.z, turn[3] * n.x + turn[4] * n.y + turn[5] * n.z,
+             turn[6] * n.x + turn[7] * n.y + turn[8] * n.z};
+      const float length = glm::length(v);
+      if (!is_unit(v)) v = length > 0.0f && std::isfinite(length) ? v / length : glm::vec3(0.0f);
+      nx.at(x, y) = v.x;
+      ny.at(x, y) = v.y;
+      nz.at(x, y) = v.z;
+    }
+  });
+}
+
+/// Fills in how far the scene reaches, from the first layer's depth.
+void measure_extent(const Lens& request, const Plane& depth, PictureInfo& info) {
+  constexpr int kSamples = 1 << 16;   // pixels that tell the extent: more tell no more
+  constexpr double kOutliers = 0.01;  // share of the pixels, on either side, that may lie anywhere
+  std::vector<float> nearest_of_row(std::size_t(depth.height)), farthest_of_row(std::size_t(depth.height));
+  for_rows(depth.height, [&](int y) {
+    float nearest = kNothing, farthest = 0.0f;
+    for (int x = 0; x < depth.width; ++x) {
+      const float d = depth.row(y)[x];
+      nearest = std::min(nearest, d);
+      farthest = std::max(farthest, d < kNothing ? d : 0.0f);
+    }
+    nearest_of_row[std::size_t(y)] = nearest;
+    farthest_of_row[std::size_t(y)] = farthest;
+  });
+  const float nearest = *std::min_element(nearest_of_row.begin(), nearest_of_row.end());
+  const float farthest = *std::max_element(farthest_of_row.begin(), farthest_of_row.end());
+  const int every = std::max(1, int(std::sqrt(double(depth.width) * depth.height / kSamples)));
+  std::vector<float> along[3];
+  for (int y = 0; y < depth.height; y += every)
+    for (int x = 0; x < depth.width; x += every) {
+      const float d = depth.at(x, y);
+      if (!std::isfinite(d)) continue;
+      const float scale = request.orthographic ? 1.0f : d;
+      along[0].push_back(scale * (request.left + (request.right - request.left) * float(x) / float(depth.width)));
+      along[1].push_back(scale * (request.top + (request.bottom - request.top) * float(y) / float(depth.height)));
+      along[2].push_back(d);
+    }
+  if (request.scene_radius > 0.0f) info.scene_radius = request.scene_radius;
+  if (!(nearest <= farthest)) return;  // nothing is seen: as good as any
+  info.depth_min = nearest;
+  info.depth_max = farthest;
+  if (request.scene_radius > 0.0f) return;
+  std::array<float, 3> squares{};
+  tbb::parallel_for(std::size_t(0), std::size_t(3), [&](std::size_t axis) {
+    std::vector<float>& values = along[axis];
+    if (values.empty()) return;
+    const auto at = [&](double share) {
+      const auto place = values.begin() + long(share * double(values.size() - 1));
+      std::nth_element(values.begin(), place, values.end());
+      return *place;
+    };
+    const float size = at(1.0 - kOutliers) - at(kOutliers);
+    squares[axis] = size * size;
+  });
+  const float square = squares[0] + squares[1] + squares[2];
+  // One pixel, or all of them in one place: what there is to see is as large as it is far.
+  info.scene_radius = square > 0.0f ? 0.5f * std::sqrt(square) : farthest;
+}
+
+}  // namespace
+
+Error unknown_image(const std::string& name) {
+  std::vector<std::string> names;
+  for (const PassPlanes& group : grouped_planes(known_planes())) names.push_back(group.name);
+  return usage_error("no effect reads or makes an image '{}'{}", name, suggestion(name, names));
+}
+
+bool is_id(std::string_view pass) {
+  const std::string_view name = of_first_layer(pass);
+  return name == "object_id" || name == "material_id";
+}
+
+Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedImage> images) {
+  const Lens lens = lens_of(request);
+  if (auto fine = check(request, lens); !fine) return fine.error();
+  SharedGBuffer shared;
+  GBuffer& gbuffer = shared.gbuffer;
+  int layers = 1;
+  for (const NamedImage& named : images) {
+    if (auto fine = check_image(lens, images, named); !fine) return fine.error();
+    layers = std::max(layers, layer_of_plane(named.name) + 1);
+  }
+  if (layers > kMostMixedLayers)
+    return usage_error("there are {} layers: at most {} can be shaded", layers, kMostMixedLayers);
+  for (int layer = 0; layer < layers; ++layer) {
+    const std::string depth = layer_plane(layer, "depth");
+    if (std::none_of(images.begin(), images.end(), [&](const NamedImage& named) { return named.name == depth; }))
+      return usage_error("a G-buffer needs an image '{}'", depth);
+    gbuffer.layers.emplace_back(request.width, request.height);
+    if (layer > 0) gbuffer.info.more_layers.push_back({.kind = LayerKind::kBehind, .of = layer - 1, .camera = {}});
+  }
+  for (const char* name : {"object_id", "material_id"})
+    if (auto ids = ids_of(images, name); !ids.empty()) {
+      if (ids.size() > kMaxIds)
+        return usage_error("{} has {} ids: at most {} can be told apart", name, ids.size(), kMaxIds);
+      shared.ids[name] = std::move(ids);
+    }
+  for (const NamedImage& named : images)
+    add_image(named, shared.ids, gbuffer.layers[std::size_t(layer_of_plane(named.name))]);
+  for (Image& layer : gbuffer.layers) {
+    Plane& depth = layer.plane("depth");
+    take_depth(lens, depth);
+    if (layer.find("normal.x")) turn_normals(request.gbuffer.view_from_normal, layer);
+    for (const auto& [name, ids] : shared.ids)
+      if (Plane* plane = layer.find(name)) {
+        own(*plane);
+        for (int y = 0; y < depth.height; ++y)
+          for (int x = 0; x < depth.width; ++x)
+            if (!std::isfinite(depth.at(x, y))) plane->at(x, y) = -1.0f;
+      }
+  }
+  for (const Image& layer : gbuffer.layers)
+    shared.copied +=
+        std::count_if(layer.planes.begin(), layer.planes.end(), [](const Plane& p) { return !p.is_view(); });
+  PictureInfo& info = gbuffer.info;
+  set_lens(lens, info);
+  for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
+  measure_extent(lens, gbuffer.layers[0].plane("depth"), info);
+  return shared;
+}
+
+std::uint32_t callers_id(std::span<const std::uint32_t> known, float place) {
+  return place >= 0.0f && std::size_t(place) < known.size() ? known[std::size_t(place)] : 0;
+}
+
+}  // namespace umbrage
