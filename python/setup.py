@@ -1,0 +1,48 @@
+"""Makes the wheel: scripts/wheel puts the library beside the package first."""
+import os
+import re
+
+from setuptools import Distribution, setup
+from wheel.bdist_wheel import bdist_wheel
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+class Wheel(bdist_wheel):  # type: ignore[misc]
+    """For any Python 3, but for one kind of machine: it holds a library and no module that is compiled."""
+
+    def get_tag(self):  # type: ignore[no-untyped-def]
+        return ("py3", "none", super().get_tag()[2])
+
+
+class Binary(Distribution):  # type: ignore[misc]
+    def has_ext_modules(self) -> bool:
+        return True
+
+
+def version() -> str:
+    """That of the C interface."""
+    with open(os.environ["UMBRAGE_HEADER"]) as header:
+        return ".".join(re.findall(r"define UMB_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", header.read()))
+
+
+def needs() -> str:
+    """The system's packages, which scripts/wheel has looked up."""
+    with open(os.path.join(HERE, "umbrage", "NEEDS")) as names:
+        return names.read().strip()
+
+
+setup(
+    name="umbrage",
+    version=version(),
+    description="Screen-space shading for 3D models and G-buffers",
+    long_description=f"Besides NumPy it needs what these packages of Debian 12 hold: {needs()}.",
+    license="MIT",
+    python_requires=">=3.8",
+    install_requires=["numpy>=1.17"],
+    packages=["umbrage"],
+    package_data={"umbrage": ["py.typed", "NEEDS", "libumbrage.so.1", "umbrage-import"]},
+    zip_safe=False,
+    distclass=Binary,
+    cmdclass={"bdist_wheel": Wheel},
+)

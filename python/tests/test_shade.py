@@ -1,0 +1,248 @@
+"""Arrays become shaded: types, strides, memory that is not copied, cameras, outputs."""
+import math
+import unittest
+
+import numpy as np
+
+import umbrage
+from support import SIZE, SOLIDS, plane_depth
+from umbrage import _arrays
+
+
+class OnlyDlpack:
+    """An array that knows DLPack alone."""
+
+    def __init__(self, array: np.ndarray) -> None:
+        self._array = array
+
+    def __dlpack__(self, **how: object) -> object:
+        return self._array.__dlpack__(**how)  # type: ignore[attr-defined]
+
+    def __dlpack_device__(self) -> object:
+        return self._array.__dlpack_device__()  # type: ignore[attr-defined]
+
+
+class OnlyInterface:
+    def __init__(self, array: np.ndarray) -> None:
+        self._kept = array
+        self.__array_interface__ = array.__array_interface__
+
+
+class OnAGpu(OnlyDlpack):
+    def __dlpack_device__(self) -> object:
+        return (2, 0)
+
+
+def shade(*arrays: object, **arguments: object) -> umbrage.Picture:
+    return umbrage.shade(*arrays, device="cpu", **arguments)  # type: ignore[arg-type]
+
+
+class Inputs(unittest.TestCase):
+    def setUp(self) -> None:
+        self.depth = plane_depth()
+        self.expected = shade(self.depth).picture
+
+    def test_strides_and_kinds(self) -> None:
+        d = self.depth
+        wide = np.zeros((32, 48, 3), np.float32)
+        wide[..., 1] = d
+        alone = np.zeros((33 * 100,), np.uint8)
+        offset = alone[1 : 1 + 4 * 48 * 16].view()
+        unaligned = np.ndarray((16, 48), np.float32, offset, strides=(4 * 48, 4))
+        unaligned[:] = d[:16]
+        for array in (
+            d[::-1].copy()[::-1],
+            d[:, ::-1].copy()[:, ::-1],
+            np.asfortranarray(d),
+            wide[..., 1],
+            np.repeat(np.repeat(d, 2, axis=0), 3, axis=1)[::2, ::3],
+            d[:, :, np.newaxis],
+            d.astype(np.float64),
+            d.astype(">f4"),
+            d.tolist(),
+            memoryview(d),
+            OnlyDlpack(d),
+            OnlyInterface(d),
+            np.ma.masked_array(d),
+        ):
+            np.testing.assert_array_equal(shade(array).picture, self.expected)
+        np.testing.assert_array_equal(shade(unaligned).picture, shade(d[:16].copy()).picture)
+        half = d.astype(np.float16)
+        np.testing.assert_array_equal(shade(half).picture, shade(half.astype(np.float32)).picture)
+        deep = (d * 10000).astype(np.uint16)
+        np.testing.assert_array_equal(shade(deep).picture, shade(deep / np.float32(65535)).picture)
+
+    def test_nothing_is_copied_that_fits(self) -> None:
+        d = self.depth
+        for array in (d, d[::-1], d[:, ::-1], d.T, d[::2, ::3], d.astype(np.float16), OnlyDlpack(d), memoryview(d)):
+            taken = _arrays.image_array(array, "depth")
+            image = _arrays.image_of(taken)
+            whole = np.asarray(array if not isinstance(array, OnlyDlpack) else d)
+            self.assertEqual(image.data, whole.ctypes.data)
+            self.assertEqual((image.row_stride, image.pixel_stride), whole.strides)
+        ids = np.arange(6, dtype=np.int32).reshape(2, 3)
+        self.assertEqual(_arrays.image_of(_arrays.image_array(ids, "object_id")).data, ids.ctypes.data)
+
+    def test_the_library_reads_in_place(self) -> None:
+        shader = umbrage.Shader(device="cpu", look="ao")
+        normals = np.zeros((3, 32, 48), np.float32)
+        normals[2] = 1
+        for _ in range(2):
+            shader.shade(self.depth, normals.transpose(1, 2, 0))
+        self.assertEqual(shader.counter("planes_copied"), 0)
+
+    def test_one_value_for_all_pixels(self) -> None:
+        # The library takes a stride of 0 for a packed one.
+        albedo = np.broadcast_to(np.array([1, 0.5, 0], np.float32), (32, 48, 3))
+        whole = shade(self.depth, albedo=albedo.copy()).picture
+        np.testing.assert_array_equal(shade(self.depth, albedo=albedo).picture, whole)
+        np.testing.assert_array_equal(shade(self.depth, albedo=(1, 0.5, 0)).picture, whole)
+        self.assertTrue((whole != self.expected).any())
+
+    def test_a_rendered_gbuffer(self) -> None:
+        names = ("depth", "normal", "albedo", "object_id")
+        rendered = umbrage.render(SOLIDS, size=SIZE, device="cpu", passes=names, camera={"view_angle_deg": 30})
+        shaded = shade(*(rendered[name] for name in names[:3]), object_id=rendered["object_id"], fov=30, look="cartoon",
+                       passes=("normal", "object_id"), strokes=True)
+        there = np.isfinite(rendered["depth"])
+        np.testing.assert_allclose(shaded["normal"], rendered["normal"], atol=1e-6)
+        np.testing.assert_array_equal(shaded["object_id"][there], rendered["object_id"][there])
+        self.assertFalse(shaded["object_id"][~there].any())
+        self.assertTrue(shaded.strokes)
+        signed = shade(rendered["depth"], object_id=rendered["object_id"].astype(np.int64) % 1000, passes="object_id")
+        np.testing.assert_array_equal(signed["object_id"][there], (rendered["object_id"] % 1000)[there])
+        other = shade(rendered["depth"], images={"normal": rendered["normal"].transpose(2, 0, 1).copy().transpose(1, 2, 0),
+                                                 "layer1.depth": rendered["depth"] * 1.1})
+        self.assertEqual(other.picture.shape, (32, 48, 4))
+
+    def test_nothing_where_depth_is_nan(self) -> None:
+        holes = np.full((32, 48), np.nan, np.float32)
+        self.assertTrue((shade(holes, transparent=True).picture[..., 3] == 0).all())
+        masked = np.ma.masked_less(self.depth, 2.9)
+        filled = np.where(self.depth < 2.9, np.inf, self.depth)
+        np.testing.assert_array_equal(shade(masked).picture, shade(filled).picture)
+
+
+class Arguments(unittest.TestCase):
+    def setUp(self) -> None:
+        self.depth = plane_depth()
+
+    def test_cameras(self) -> None:
+        top = math.tan(math.radians(30))
+        window = (-top * 1.5, top * 1.5, -top, top)
+        wide = shade(self.depth, fov=60).picture
+        np.testing.assert_array_equal(wide, shade(self.depth, window=window).picture)
+        self.assertTrue((wide != shade(self.depth).picture).any())
+        np.testing.assert_array_equal(shade(self.depth).picture, shade(self.depth, fov=40).picture)
+        shade(self.depth, orthographic=True, window=(-1.5, 1.5, -1, 1))
+        near, far = 1.0, 10.0
+        buffer = far * (self.depth - near) / (self.depth * (far - near))
+        seen = shade(buffer, depth_kind="window", near=near, far=far, passes="depth")["depth"]
+        np.testing.assert_allclose(seen, self.depth, rtol=1e-4)
+        self.assertEqual(shade(self.depth, view_from_normal=np.eye(3)).height, 32)
+
+    def test_effects(self) -> None:
+        made = shade(self.depth, effects=("bitmask", "denoise"))
+        self.assertEqual(list(made), ["ao"])
+        with self.assertRaises(umbrage.UsageError):
+            made.picture
+        self.assertIsNone(made._repr_png_())
+        np.testing.assert_array_equal(shade(self.depth, effects="bitmask,denoise", passes="ao")["ao"], made["ao"])
+        self.assertEqual(list(shade(self.depth, effects=("bitmask",), passes=("ao", "normal"))), ["ao", "normal"])
+
+    def test_a_shader_is_used_again(self) -> None:
+        shader = umbrage.Shader(fov=60, device="cpu")
+        alone = shader.shade(self.depth).picture
+        colored = shader.shade(self.depth, albedo=(1, 0, 0)).picture
+        self.assertTrue((alone != colored).any())
+        np.testing.assert_array_equal(shader.shade(self.depth).picture, alone)  # albedo did not stay
+        self.assertEqual(shader.shade(self.depth[:20, :20]).picture.shape, (20, 20, 4))
+        shader.set("look", "ao")
+        self.assertTrue((shader.shade(self.depth).picture != alone).any())
+
+    def test_out(self) -> None:
+        expected = shade(self.depth, passes="ao")
+        for dtype in (np.uint8, np.float32, np.float16, np.uint16):
+            out = np.zeros((32, 48, 4), dtype)
+            self.assertIs(shade(self.depth, out=out).picture, out)
+            np.testing.assert_array_equal(out, shade(self.depth, dtype=dtype).picture)
+        ao = np.zeros((32, 96), np.float32)[:, ::-2]
+        made = shade(self.depth, out={"ao": ao})
+        np.testing.assert_array_equal(ao, expected["ao"])
+        np.testing.assert_array_equal(made.picture, expected.picture)
+        raw = bytearray(32 * 48 * 4)
+        shade(self.depth, out=memoryview(raw).cast("B", (32, 48, 4)))
+        self.assertEqual(bytes(raw), expected.picture.tobytes())
+
+
+class Mistakes(unittest.TestCase):
+    def refused(self, text: str, *arrays: object, **arguments: object) -> None:
+        with self.assertRaisesRegex(umbrage.UsageError, text) as caught:
+            shade(*arrays, **arguments)
+        self.assertEqual(caught.exception.code, 2)
+
+    def test_inputs(self) -> None:
+        d = plane_depth()
+        self.refused("shape", d[0])
+        self.refused("squeeze", d[np.newaxis, np.newaxis])
+        self.refused("one channel", np.zeros((32, 48, 3), np.float32))
+        self.refused("channels first", d, np.zeros((3, 32, 48), np.float32))
+        self.refused("48 x 31", d, np.zeros((31, 48, 3), np.float32))
+        self.refused("channels", d, np.zeros((32, 48, 2), np.float32))
+        self.refused("0 x 0|0 pixels|no values", np.zeros((0, 0), np.float32))
+        self.refused("0 pixels|no values", np.zeros((0, 48), np.float32))
+        self.refused("20000", np.broadcast_to(np.float32(1), (1, 20000)))
+        self.refused("complex", d.astype(np.complex64))
+        self.refused("int64", d.astype(np.int64))
+        self.refused("object", np.array([[None]]))
+        self.refused("shape", "depth")
+        self.refused("cannot be of", [["depth"]])
+        self.refused("CPU", OnAGpu(d))
+        self.refused("ids have 32 bits", d, object_id=np.full((32, 48), 2**40))
+        self.refused("whole numbers", d, object_id=np.full((32, 48), "a"))
+        self.refused("two images", d, images={"depth": d})
+        self.refused("normal", d, images={"normals": d})
+        self.refused("layer1|layer2", d, images={"layer2.depth": d})
+
+    def test_outputs(self) -> None:
+        d = plane_depth()
+        read_only = np.zeros((32, 48, 4), np.uint8)
+        read_only.flags.writeable = False
+        self.refused("written", d, out=read_only)
+        self.refused("share memory", d, out=np.lib.stride_tricks.as_strided(np.zeros(9999, np.uint8), (32, 48, 4), (48, 1, 1)))
+        self.refused("cannot be of float64", d, out=np.zeros((32, 48, 4)))
+        self.refused("no array", d, out=[[1]])
+        self.refused("pixels", d, out=np.zeros((32, 47, 4), np.uint8))
+        self.refused("channels", d, out=np.zeros((32, 48, 2), np.uint8))
+        self.refused("32-bit", d, out=np.zeros((32, 48, 4), np.uint32))
+        both = np.zeros((32, 48), np.float32)
+        self.refused("share memory", d, out={"ao": both, "depth": both})
+        self.refused("aoo", d, out={"aoo": both})
+        self.refused("still read", d, out={"ao": d})
+        rgbd = np.zeros((32, 48, 4), np.float32)
+        rgbd[..., 3] = d
+        self.refused("still read", rgbd[..., 3], out=rgbd)
+        made = shade(rgbd[..., 3], out={"normal": rgbd[..., :3]})  # beside each other
+        np.testing.assert_array_equal(made["normal"], shade(d, passes="normal")["normal"])
+
+    def test_arguments(self) -> None:
+        d = plane_depth()
+        self.refused("fov", d, fov=180)
+        self.refused("fov", d, fov=60, window=(-1, 1, -1, 1))
+        self.refused("window", d, window=(1, -1, -1, 1))
+        self.refused("window", d, window=(1, -1))
+        self.refused("window", d, orthographic=True)
+        self.refused("depth_kind", d, depth_kind="z")
+        self.refused("near", d, near=math.inf)
+        self.refused("dtype", d, dtype="int8")
+        self.refused("dtype", d, dtype="nothing")
+        self.refused("bitmask", d, effects="bitmusk")
+        self.refused("look", d, look=3)
+        self.refused("threads", d, threads=-1)
+        self.refused("threads", d, threads="all")
+        self.refused("null character", d, look="ao\0")
+        self.refused("nix", d, nix=1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,174 @@
+"""Arrays of any library, as images and buffers of the C interface. Nothing is copied where the library can read it."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
+
+from ._errors import UsageError
+from ._native import Image
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+_TYPES = {"float32": 1, "float16": 2, "uint8": 3, "uint16": 4, "uint32": 5}
+_SIDE_MAX = 2**31 - 1  # what the C interface holds; it refuses less
+_ONE_CHANNEL = frozenset(("depth", "specular", "shininess", "shadow", "object_id", "material_id", "ao"))
+
+
+def is_id(name: str) -> bool:
+    """Whether a pass holds ids."""
+    return name.rsplit(".", 1)[-1] in ("object_id", "material_id")
+
+
+def as_array(values: Any, name: str) -> NDArray[Any]:
+    """Any array as NumPy's, in the same memory where it has some: NumPy arrays, what has `__array_interface__` or the
+    buffer protocol, CPU tensors by `__array__` or DLPack. Errors: UsageError."""
+    import numpy as np
+
+    if type(values) is np.ndarray:
+        return values
+    where = getattr(values, "__dlpack_device__", None)
+    if where is not None and not isinstance(values, np.ndarray) and int(where()[0]) not in (1, 3):  # CPU, pinned
+        raise UsageError(f"`{name}` lies in another device's memory: move it to the CPU first, such as by x.cpu()")
+    mask = getattr(values, "mask", None)
+    if mask is not None and hasattr(values, "filled"):  # a masked array: there is nothing where it is masked
+        values = values.filled(np.inf if values.dtype.kind == "f" else 0)
+    try:
+        if (
+            hasattr(values, "__dlpack__")
+            and not hasattr(values, "__array__")
+            and not hasattr(values, "__array_interface__")
+            and hasattr(np, "from_dlpack")
+        ):
+            return np.asarray(np.from_dlpack(values))
+        return np.asarray(values)
+    except (TypeError, ValueError, RuntimeError, BufferError) as error:
+        raise UsageError(f"`{name}` is no array: {error}") from error
+
+
+def _is_usable(array: NDArray[Any]) -> bool:
+    """Whether the library can read its numbers. It takes a stride of 0 for a packed one."""
+    return array.dtype.isnative and all(s != 0 or n == 1 for s, n in zip(array.strides, array.shape))
+
+
+def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None) -> NDArray[Any]:
+    """An input as an array (height, width) or (height, width, channels) of a type that the library reads. A colour or a
+    number stands for all pixels where `shape`, (height, width), is known. Errors: UsageError."""
+    import numpy as np
+
+    array = as_array(values, name)
+    if shape is not None and array.ndim < 2:
+        number = array.astype(np.float32) if array.dtype.kind in "iu" and not is_id(name) else array
+        array = np.broadcast_to(number, shape + array.shape)
+    if array.ndim not in (2, 3):
+        hint = " Drop sides of 1 by numpy.squeeze" if 1 in array.shape else ""
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width) or (height, width, channels).{hint}")
+    channels = 1 if array.ndim == 2 else array.shape[2]
+    if channels != 1 and name.rsplit(".", 1)[-1] in _ONE_CHANNEL:
+        raise UsageError(f"`{name}` has the shape {array.shape}: it has one channel, (height, width)")
+    if channels > 4 and array.shape[0] in (1, 3, 4):
+        raise UsageError(f"`{name}` has the shape {array.shape}, channels first: turn it by numpy.moveaxis(x, 0, -1)")
+    kind = array.dtype.kind
+    if is_id(name):
+        array = _ids(array, name)
+    elif array.dtype.name == "uint32" or (kind in "iu" and array.dtype.name not in _TYPES):
+        raise UsageError(
+            f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16, or convert it to float32"
+        )
+    elif kind == "b" or (kind == "f" and array.dtype.itemsize not in (2, 4)):
+        array = array.astype(np.float32)
+    elif kind not in "fu":
+        raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16")
+    return array if _is_usable(array) else np.array(array, dtype=array.dtype.newbyteorder("="), order="C")
+
+
+def _ids(array: NDArray[Any], name: str) -> NDArray[Any]:
+    """Ids as unsigned integers, or as floats."""
+    import numpy as np
+
+    kind, size = array.dtype.kind, array.dtype.itemsize
+    if kind == "f":
+        return array.astype(np.float32, copy=False)
+    if kind == "b":
+        return array.view(np.uint8)
+    if kind not in "iu":
+        raise UsageError(f"`{name}` cannot be of {array.dtype.name}: ids are whole numbers")
+    if kind == "u" and size <= 4:
+        return array
+    if kind == "i" and size == 4 and array.dtype.isnative:
+        return array.view(np.uint32)  # -1 has all bits set
+    if array.size and (int(array.min()) < -1 or int(array.max()) >= 2**32):
+        raise UsageError(f"`{name}` holds {int(array.min())} to {int(array.max())}: ids have 32 bits")
+    return array.astype(np.uint32)
+
+
+def output_array(values: Any, name: str) -> NDArray[Any]:
+    """The caller's memory for an output. Errors: UsageError where it cannot be written or would be a copy."""
+    if isinstance(values, (list, tuple, int, float, str, bytes)):
+        raise UsageError(f"the output `{name}` is no array")
+    array = as_array(values, name)
+    if array.ndim not in (2, 3):
+        raise UsageError(f"the output `{name}` has the shape {array.shape}: it takes (height, width, channels)")
+    if array.dtype.name not in _TYPES:
+        raise UsageError(f"the output `{name}` cannot be of {array.dtype.name}: it takes {', '.join(_TYPES)}")
+    if not array.flags.writeable:
+        raise UsageError(f"the output `{name}` cannot be written to")
+    if array.size and not _is_usable(array):
+        raise UsageError(f"the output `{name}` has pixels that share memory, or bytes in another order")
+    if _overlaps_itself(array):
+        raise UsageError(f"the output `{name}` has pixels that share memory")
+    return array
+
+
+def _overlaps_itself(array: NDArray[Any]) -> bool:
+    """Whether elements may share bytes: along each axis, by size of stride, an element must lie beyond all before."""
+    reach = array.dtype.itemsize
+    for stride, count in sorted((abs(s), n) for s, n in zip(array.strides, array.shape) if n > 1):
+        if stride < reach:
+            return True
+        reach += stride * (count - 1)
+    return False
+
+
+def share_memory(a: NDArray[Any], b: NDArray[Any]) -> bool:
+    """Whether a byte belongs to both, or that would take long to find out."""
+    import numpy as np
+
+    tries = 100000  # some milliseconds
+    try:
+        return np.may_share_memory(a, b) and np.shares_memory(a, b, max_work=tries)
+    except RuntimeError:  # numpy.TooHardError, wherever this NumPy has it
+        return True
+
+
+def image_of(array: NDArray[Any]) -> Image:
+    """An array of image_array or output_array for the library. The array must live as long as it is used."""
+    strides = [s if n > 1 else array.dtype.itemsize for s, n in zip(array.strides, array.shape)]
+    height, width = (min(n, _SIDE_MAX) for n in array.shape[:2])
+    has_channels = array.ndim == 3
+    return Image(
+        array.ctypes.data if array.size else None,
+        _TYPES[array.dtype.name],
+        width,
+        height,
+        min(array.shape[2], _SIDE_MAX) if has_channels else 1,
+        strides[2] if has_channels else array.dtype.itemsize,
+        strides[1],
+        strides[0],
+    )
+
+
+def copied_image(image: Image) -> NDArray[Any]:
+    """A copy of an output in the library's memory: (height, width), or (height, width, channels) of several."""
+    import ctypes
+
+    import numpy as np
+
+    names: Dict[int, str] = {number: name for name, number in _TYPES.items()}
+    dtype = np.dtype(names[image.type])
+    shape: Tuple[int, ...] = (image.height, image.width)
+    if image.channels > 1:
+        shape += (image.channels,)
+    copy = np.empty(shape, dtype)
+    ctypes.memmove(copy.ctypes.data, image.data, copy.nbytes)
+    return copy

@@ -1,0 +1,298 @@
+"""What renderers and shaders share: a device and a job of the library, and where pictures go."""
+from __future__ import annotations
+
+import os
+import threading
+from contextlib import contextmanager
+from ctypes import byref, c_float
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar, Union
+
+from . import _native as native
+from ._arrays import copied_image, image_of, is_id, output_array
+from ._errors import UsageError
+from ._picture import Picture, strokes_of
+from ._progress import Progress, Watch
+from ._scene import Scene, tell_warnings
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_DTYPES = ("uint8", "uint16", "float16", "float32")
+# Channels of passes, learned when they are first made: then arrays of ours can be written to directly.
+channels_of_passes: Dict[str, int] = {}
+_Self = TypeVar("_Self", bound="Job")
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where the camera stands. What is None is chosen: the model's own view, or else the whole model from slightly above
+    and to the side. World space, scene units, degrees. A dict of these names serves as well."""
+
+    position: Optional[Sequence[float]] = None
+    """The eye."""
+    focal_point: Optional[Sequence[float]] = None
+    """What is looked at."""
+    view_up: Optional[Sequence[float]] = None
+    """What points up in the picture."""
+    direction: Optional[Sequence[float]] = None
+    """In which it looks; not beside position and focal_point."""
+    view_angle_deg: Optional[float] = None
+    """Vertical field of view, 0.1 to 179."""
+    azimuth_deg: Optional[float] = None
+    """Then turned around the model."""
+    elevation_deg: Optional[float] = None
+    """And risen over it."""
+    zoom: Optional[float] = None
+    """Above 1: nearer."""
+    orthographic: Optional[bool] = None
+    """Parallel projection."""
+    index: Optional[int] = None
+    """A camera of the file, from 0; not with position, focal_point or direction."""
+
+
+Where = Union[None, Camera, Mapping[str, Any]]
+
+
+class Job:
+    """A device and a job of the library, for one thread at a time."""
+
+    _kind = "Job"
+
+    def __init__(self, device: str, threads: int, scene: Optional[Scene]) -> None:
+        self._device = native.new_device(device, threads)
+        self._scene = scene
+        made = (
+            native.lib.umbNewShadeJob(self._device.pointer)
+            if scene is None
+            else native.lib.umbNewRenderJob(self._device.pointer, scene.handle.pointer)
+        )
+        self._job = native.Handle(made, "Job")
+        self._lock = threading.Lock()
+        self._user: Optional[int] = None
+        self._has_strokes = False
+        self._values: Dict[str, Any] = {}  # of parameters that were set
+
+    @property
+    def device(self) -> str:
+        """"vulkan:0: NVIDIA ..."."""
+        return (native.lib.umbGetDeviceDescription(self._device.pointer) or b"").decode("utf-8", "replace")
+
+    @property
+    def device_bytes(self) -> int:
+        """Bytes of GPU memory that it holds; 0 on the CPU."""
+        return int(native.lib.umbGetDeviceMemory(self._device.pointer))
+
+    def counter(self, name: str) -> int:
+        """How often something was done so far: "hierarchies_built", "captures_made", "planes_copied" (of inputs) or
+        "devices_opened". Errors: UsageError."""
+        count = int(native.lib.umbGetJobCounter(self._job.pointer, native.bytes_of(name)))
+        if count < 0:
+            raise UsageError(f"there is no counter '{name}'")
+        return count
+
+    def set(self, name: str, value: Any) -> None:
+        """Sets a parameter: one of umbrage.parameters("render") or ("shade"), or of an effect, such as "bitmask.radius".
+        None: as at first. Errors: UsageError."""
+        with self._mine():
+            self._set_all({name: value})
+
+    def close(self) -> None:
+        """Frees what it holds, before Python would."""
+        with self._mine():
+            self._job.close()
+            self._device.close()
+
+    def __enter__(self: _Self) -> _Self:
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self.close()
+
+    def _set(self, name: str, value: Any) -> None:
+        lib, job, key = native.lib, self._job.pointer, native.bytes_of(name)
+        if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a number of NumPy's or torch's
+            value = value.item()
+        if isinstance(value, os.PathLike):
+            value = os.fspath(value)
+        if value is None:
+            code = lib.umbResetJobParameter(job, key)
+        elif isinstance(value, bool):
+            code = lib.umbSetJobBool(job, key, value)
+        elif isinstance(value, str):
+            code = lib.umbSetJobString(job, key, native.bytes_of(value))
+        elif isinstance(value, int):
+            code = lib.umbSetJobInt(job, key, native.int32(value, name))
+        elif isinstance(value, float):
+            code = lib.umbSetJobFloat(job, key, value)
+        else:
+            code = self._set_several(key, name, value)
+        self._job.check(code)
+        self._values[name] = value
+        if name == "strokes":
+            self._has_strokes = bool(value)
+
+    def _set_several(self, key: bytes, name: str, value: Any) -> int:
+        numbers: List[Any] = []
+        try:
+            for row in value.tolist() if hasattr(value, "tolist") else list(value):
+                numbers += row if isinstance(row, (list, tuple)) else [row]
+        except (TypeError, NotImplementedError):  # of what cannot be gone through
+            raise UsageError(f"`{name}` cannot be {value!r}") from None
+        if numbers and all(isinstance(word, str) for word in numbers):
+            return int(native.lib.umbSetJobString(self._job.pointer, key, native.bytes_of(",".join(numbers))))
+        try:
+            array = (c_float * len(numbers))(*[float(number) for number in numbers])
+        except (TypeError, ValueError, OverflowError):
+            raise UsageError(f"`{name}` cannot be {value!r}") from None
+        return int(native.lib.umbSetJobFloats(self._job.pointer, key, array, len(numbers)))
+
+    def _set_all(self, settings: Optional[Mapping[str, Any]], **parameters: Any) -> None:
+        given = {name: value for name, value in parameters.items() if value is not None}
+        given.update(native.mapping(settings, "settings"))
+        for name, value in given.items():
+            if name in ("width", "height"):
+                raise UsageError(f"`{name}` cannot be {value!r}: `size`, or the depth's shape, says it")
+            self._set(name, value)
+
+    @contextmanager
+    def _kept_on_errors(self) -> Iterator[None]:
+        """What is set within stays only if all goes well."""
+        before = dict(self._values)
+        try:
+            yield
+        except BaseException:
+            for name in [name for name, value in self._values.items() if name not in before or before[name] is not value]:
+                self._set(name, before.get(name))
+            raise
+
+    def _set_camera(self, camera: Where) -> None:
+        """Errors: UsageError."""
+        given = native.mapping(vars(camera) if isinstance(camera, Camera) else camera, "camera")
+        for name in Camera.__dataclass_fields__:
+            self._set("camera." + name, given.pop(name, None))
+        if given:
+            names = ", ".join(Camera.__dataclass_fields__)
+            raise UsageError(f"a camera has no '{next(iter(given))}': it has {names}")
+
+    @contextmanager
+    def _mine(self) -> Iterator[None]:
+        """Other threads wait. Errors: UsageError within its own progress callback, and once it is closed."""
+        me = threading.get_ident()
+        if self._user == me:
+            raise UsageError(f"a {self._kind} cannot be used within its own progress callback")
+        with self._lock:
+            if self._job.pointer is None:
+                raise UsageError(f"the {self._kind} was closed")
+            self._user = me
+            try:
+                yield
+            finally:
+                self._user = None
+
+    def _call(self, function: Any, progress: Progress, is_before: bool = False) -> None:
+        """A long call on the job, under progress. Warnings go on to Python's."""
+        lib, job, device = native.lib, self._job.pointer, self._device.pointer
+        told: List[bytes] = []
+        with Watch(progress, is_before) as watch:
+            try:
+                lib.umbSetJobProgressCallback(job, native.tell_generator, watch.generator)
+                lib.umbSetDeviceLogCallback(device, native.append_to_list, told)
+                self._job.check(function(job))
+            finally:
+                lib.umbSetJobProgressCallback(job, native.no_progress, None)
+                lib.umbSetDeviceLogCallback(device, native.no_log, None)
+        tell_warnings(told)
+
+    def _make(self, size: Tuple[int, int], wanted: Dict[str, Optional[NDArray[Any]]], progress: Progress) -> Picture:
+        """Executes. `size`: width, height. `wanted`: arrays by the pass that goes there; None: one of ours. Empty: what
+        comes."""
+        import numpy as np
+
+        lib, job = native.lib, self._job
+        width, height = size
+        arrays: Dict[str, NDArray[Any]] = {}
+        try:
+            for name, array in wanted.items():
+                channels = 1 if is_id(name) else channels_of_passes.get(name, 0)
+                if array is None and width > 0 and height > 0 and channels > 0:
+                    shape = (height, width, channels) if channels > 1 else (height, width)
+                    array = np.empty(shape, np.uint32 if is_id(name) else np.float32)
+                if array is not None:
+                    arrays[name] = array
+                    image = image_of(array)
+                else:
+                    image = native.Image(type=1, width=width, height=height)
+                job.check(lib.umbSetJobOutput(job.pointer, native.bytes_of(name), byref(image)))
+            self._call(lib.umbExecuteJob, progress)
+            made = native.names_of(lib.umbGetJobOutputName, job.pointer)
+            for name in made:
+                if name not in arrays:
+                    arrays[name] = self._taken(name)
+        finally:
+            for name in wanted:
+                lib.umbSetJobOutput(job.pointer, native.bytes_of(name), None)
+        color = arrays.get("color")
+        passes = {name: arrays[name] for name in made if name != "color"}
+        if not self._has_strokes:
+            return Picture(color, passes, [])
+        return Picture(color, passes, *strokes_of(job))
+
+    def _taken(self, name: str) -> NDArray[Any]:
+        """A copy of what the library holds."""
+        import numpy as np
+
+        image = native.Image()
+        self._job.check(native.lib.umbGetJobOutput(self._job.pointer, native.bytes_of(name), byref(image)))
+        channels_of_passes[name] = image.channels
+        array = copied_image(image)
+        if is_id(name) and array.dtype.kind == "f":
+            is_surface = (array >= 0) & (array < 2**32)
+            array = np.where(is_surface, array, 0).astype(np.uint32)
+            array[~is_surface] = 2**32 - 1
+        return array
+
+
+def wanted_outputs(
+    size: Tuple[int, int], dtype: Any, passes: Union[str, Sequence[str]], out: Any, has_color: bool
+) -> Dict[str, Optional[NDArray[Any]]]:
+    """The outputs, each with where it goes, or None."""
+    import numpy as np
+
+    given: Dict[str, Any] = native.mapping(out, "out") if out is None or isinstance(out, Mapping) else {"color": out}
+    wanted: Dict[str, Optional[NDArray[Any]]] = {}
+    if has_color or "color" in given:
+        if "color" not in given:
+            try:
+                kind = np.dtype(dtype)
+            except TypeError:
+                kind = np.dtype(object)
+            if kind.name not in _DTYPES:
+                raise UsageError(f"`dtype` cannot be {dtype!r}: it is {', '.join(_DTYPES)}")
+            width, height = size
+            is_possible = 0 < width <= 1 << 14 and 0 < height <= 1 << 14  # else the library says why it is not
+            wanted["color"] = np.empty((height, width, 4) if is_possible else (0, 0, 4), kind)
+    for name in native.words(passes, "passes"):
+        if name != "color":
+            wanted.setdefault(name)
+    for name, values in given.items():
+        wanted[name] = output_array(values, name)
+    return wanted
+
+
+@contextmanager
+def one_bar(progress: Progress) -> Iterator[Progress]:
+    """One bar for all calls."""
+    from ._progress import Bar
+
+    if progress is not True:
+        yield progress
+        return
+    bar = Bar()
+    try:
+        yield bar
+    finally:
+        bar.close()

@@ -1,0 +1,87 @@
+"""Progress: what is told to a caller's function during long work, and how Ctrl-C and its exceptions end that work."""
+from __future__ import annotations
+
+import sys
+import time
+from types import TracebackType
+from typing import Any, Callable, Generator, List, Optional, Type, Union
+
+Progress = Union[None, bool, Callable[[float], Any]]
+
+
+class Bar:
+    """A bar on standard error: tqdm's where that is installed, else a line of text."""
+
+    def __init__(self) -> None:
+        self._bar: Any = None
+        self._started = time.monotonic()
+        self._percent = -1
+        try:
+            from tqdm.auto import tqdm  # type: ignore[import]
+        except ImportError:
+            return
+        self._bar = tqdm(total=100, unit="%", bar_format="{l_bar}{bar}| {elapsed}<{remaining}")
+
+    def __call__(self, done: float) -> None:
+        percent = int(100 * done)
+        if percent == self._percent:
+            return
+        self._percent = percent
+        if self._bar is not None:
+            self._bar.n = percent
+            self._bar.refresh()
+        elif sys.stderr is not None:
+            sys.stderr.write(f"\rumbrage: {percent:3d} %, {time.monotonic() - self._started:.0f} s")
+            sys.stderr.flush()
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+        elif sys.stderr is not None and self._percent >= 0:
+            sys.stderr.write("\n")
+
+
+class Watch:
+    """Runs calls of the library under a caller's progress.
+
+    Python handles signals when it runs: `generator` runs some 20 times a second, so that Ctrl-C raises within it. What
+    is raised there ends the work, and goes on to the caller when the call of the library has returned.
+    """
+
+    def __init__(self, progress: Progress, is_before: bool = False) -> None:
+        self._bar = Bar() if progress is True else None
+        self._tell: Optional[Callable[[float], Any]] = self._bar or (progress if callable(progress) else None)
+        self._is_before = is_before
+        self._raised: List[BaseException] = []
+        self.generator = self._run()
+        next(self.generator)
+
+    def _run(self) -> Generator[bool, float, None]:
+        go_on = True
+        while True:
+            try:
+                while True:
+                    done = yield go_on and not self._raised
+                    if self._tell is not None and not self._raised:
+                        answer = self._tell(0.0 if self._is_before else done)
+                        go_on = answer is None or bool(answer)
+            except GeneratorExit:
+                return
+            except BaseException as error:  # also KeyboardInterrupt
+                self._raised.append(error)
+
+    def __enter__(self) -> Watch:
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        if self._bar is not None:
+            self._bar.close()
+        if self._raised:
+            raised = self._raised[0]
+            context = raised.__context__
+            try:
+                raise raised
+            finally:
+                raised.__context__ = context  # and not the library's error, which is its consequence

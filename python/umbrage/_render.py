@@ -1,0 +1,161 @@
+"""render, and the renderer behind it, which can be used again and again."""
+from __future__ import annotations
+
+import os
+from typing import Any, Mapping, Optional, Sequence, Tuple, Union
+
+from . import _native as native
+from ._errors import UsageError
+from ._job import Job, Where, one_bar, wanted_outputs
+from ._picture import Picture
+from ._progress import Progress
+from ._scene import SCENE_PARAMETERS, Scene
+
+
+class Renderer(Job):
+    """Draws one model or scene again and again: it is read and made ready once, and memory is used again.
+
+    ::
+
+        with umbrage.Renderer("bunny.obj", size=(640, 480)) as renderer:
+            for k in range(36):
+                renderer.render({"azimuth_deg": 10 * k}).save(f"bunny_{k:02d}.png")
+
+    One thread at a time may use it; others wait. A scene without lights stays lit as its first picture's camera stood.
+    """
+
+    _kind = "Renderer"
+
+    def __init__(
+        self,
+        model: Any,
+        *,
+        size: Tuple[int, int] = (1024, 1024),
+        look: Optional[str] = None,
+        camera: Where = None,
+        passes: Union[str, Sequence[str]] = (),
+        quality: Optional[str] = None,
+        settings: Optional[Mapping[str, Any]] = None,
+        dtype: Any = "uint8",
+        device: str = "auto",
+        threads: int = 0,
+        progress: Progress = None,
+        **parameters: Any,
+    ) -> None:
+        """Arguments and errors are those of umbrage.render; those of a picture are what `render` starts from."""
+        of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
+        if isinstance(model, Scene) and of_scene:
+            raise UsageError(f"`{next(iter(of_scene))}` is the scene's: set it by Scene.set, before what it is for is added")
+        is_read = isinstance(model, (str, os.PathLike))
+        scene = model if isinstance(model, Scene) else Scene(**of_scene) if is_read else Scene.of(model, **of_scene)
+        super().__init__(device, threads, scene)
+        self._size = _size(size)
+        self._camera, self._passes, self._dtype, self._progress = camera, passes, dtype, progress
+        self._set_all(settings, look=look, quality=quality, **parameters)
+        self._place(self._size, camera)
+        self._job.check(native.lib.umbCheckJob(self._job.pointer))  # before the model is read
+        if is_read:
+            scene.add(model, progress=progress)
+
+    def prepare(self, *, progress: Progress = None) -> None:
+        """Does what comes before the first picture: builds the hierarchy that rays are traced in, which render does
+        else. Errors: FileError, DeviceError, what `progress` raises."""
+        with self._mine(), self._used_scene().reading():
+            self._call(native.lib.umbPrepareJob, self._progress if progress is None else progress, is_before=True)
+
+    def render(
+        self,
+        camera: Where = None,
+        *,
+        size: Optional[Tuple[int, int]] = None,
+        passes: Union[None, str, Sequence[str]] = None,
+        dtype: Any = None,
+        out: Any = None,
+        progress: Progress = None,
+        settings: Optional[Mapping[str, Any]] = None,
+        **parameters: Any,
+    ) -> Picture:
+        """One picture. What is None is as the Renderer was made; `settings` and parameters stay for the next ones.
+
+        `out`: an array (height, width, 4) or (height, width, 3) for the picture, or a dict of arrays by pass; any
+        strides. Errors: UsageError, DeviceError, what `progress` raises; outputs are then as they were.
+        """
+        with self._mine(), self._used_scene().reading(), self._kept_on_errors():
+            at = self._size if size is None else _size(size)
+            self._set_all(settings, **parameters)
+            self._place(at, self._camera if camera is None else camera)
+            wanted = wanted_outputs(
+                at, self._dtype if dtype is None else dtype, self._passes if passes is None else passes, out, True
+            )
+            return self._make(at, wanted, self._progress if progress is None else progress)
+
+    def _place(self, size: Tuple[int, int], camera: Where) -> None:
+        self._set("width", size[0])
+        self._set("height", size[1])
+        self._set_camera(camera)
+
+    def _used_scene(self) -> Scene:
+        assert self._scene is not None
+        return self._scene
+
+
+def _size(size: Any) -> Tuple[int, int]:
+    try:
+        width, height = size
+    except (TypeError, ValueError):
+        raise UsageError(f"`size` cannot be {size!r}: it is (width, height)") from None
+    return native.int32(width, "width"), native.int32(height, "height")
+
+
+def render(
+    model: Any,
+    *,
+    size: Tuple[int, int] = (1024, 1024),
+    look: Optional[str] = None,
+    camera: Where = None,
+    passes: Union[str, Sequence[str]] = (),
+    quality: Optional[str] = None,
+    settings: Optional[Mapping[str, Any]] = None,
+    dtype: Any = "uint8",
+    out: Any = None,
+    device: str = "auto",
+    threads: int = 0,
+    progress: Progress = None,
+    **parameters: Any,
+) -> Picture:
+    """Draws a model.
+
+    ::
+
+        umbrage.render("bunny.obj", size=(800, 600), camera={"azimuth_deg": 30}, passes=("depth", "ao")).save("bunny.png")
+
+    model: a path, "scene:NAME", an umbrage.Scene, or what Scene.add takes.
+    size: width, height in pixels, 1 to 16384 each.
+    look: a recipe of umbrage.looks(); default "studio". quality: "draft", "normal", "high", "ultra"; default the look's.
+    camera: a Camera or a dict of its names.
+    passes: planes to hand out besides the picture: "depth", "normal", "ao", ..., or "all".
+    settings: parameters of any name, such as {"bitmask.radius": "15%"}: see umbrage.parameters("bitmask").
+    dtype: of the picture, "uint8", "uint16", "float16" or "float32". Passes are float32, ids uint32.
+    out: an array for the picture, or a dict of arrays by pass: see Renderer.render.
+    device: "cpu", "vulkan", "vulkan:N" or "auto". threads: of the CPU, 0: all.
+    progress: True shows a bar; a function is called with the share that is done, 0 to 1, some 20 times a second, by this
+    thread; it may return False, or raise, to give up. Ctrl-C does so always.
+    Other keywords: parameters of umbrage.parameters("render") or ("scene"), such as `anti_aliasing=4` or `up="+Z"`.
+
+    Errors: UsageError; FileError; DeviceError; Cancelled; what `progress` raises.
+    """
+    with one_bar(progress) as told, Renderer(
+        model,
+        size=size,
+        look=look,
+        camera=camera,
+        passes=passes,
+        quality=quality,
+        settings=settings,
+        dtype=dtype,
+        device=device,
+        threads=threads,
+        progress=told,
+        **parameters,
+    ) as renderer:
+        return renderer.render(out=out)

@@ -1,0 +1,187 @@
+"""shade, and the shader behind it, which can be used again and again."""
+from __future__ import annotations
+
+import math
+from ctypes import byref
+from typing import Any, Mapping, Optional, Sequence, Union
+
+from . import _native as native
+from ._arrays import image_array, image_of, share_memory
+from ._errors import UsageError
+from ._job import Job, wanted_outputs
+from ._picture import Picture
+from ._progress import Progress
+
+
+class Shader(Job):
+    """Shades arrays again and again, with one device and one memory.
+
+    ::
+
+        shader = umbrage.Shader(fov=60, look="studio")
+        for depth in frames:
+            show(shader.shade(depth).picture)
+
+    One thread at a time may use it; others wait.
+    """
+
+    _kind = "Shader"
+
+    def __init__(
+        self,
+        *,
+        fov: Optional[float] = None,
+        window: Optional[Sequence[float]] = None,
+        orthographic: bool = False,
+        depth_kind: str = "view",
+        near: Optional[float] = None,
+        far: Optional[float] = None,
+        look: Optional[str] = None,
+        effects: Union[None, str, Sequence[str]] = None,
+        passes: Union[str, Sequence[str]] = (),
+        quality: Optional[str] = None,
+        settings: Optional[Mapping[str, Any]] = None,
+        dtype: Any = "uint8",
+        device: str = "auto",
+        threads: int = 0,
+        progress: Progress = None,
+        **parameters: Any,
+    ) -> None:
+        """Arguments and errors are those of umbrage.shade."""
+        super().__init__(device, threads, None)
+        if fov is not None and window is not None:
+            raise UsageError("`fov` and `window` say the same: give one of them")
+        if orthographic and window is None:
+            raise UsageError("an orthographic camera takes `window`: left, right, bottom and top, in scene units")
+        self._fov = 40.0 if fov is None else native.number(fov, "fov")
+        if not 0.0 < self._fov < 180.0:
+            raise UsageError(f"`fov` cannot be {fov}: it takes degrees, above 0 and below 180")
+        self._window = window
+        self._effects = native.words(effects, "effects")
+        self._passes, self._dtype, self._progress = passes, dtype, progress
+        if near is not None and not math.isfinite(native.number(near, "near")):
+            raise UsageError(f"`near` cannot be {near}: it is finite")
+        far = None if far is None or native.number(far, "far") == math.inf else far
+        self._set_all(
+            settings,
+            look=look,
+            quality=quality,
+            effects=self._effects or None,
+            depth_kind=depth_kind,
+            near_plane=near,
+            far_plane=far,
+            orthographic=orthographic,
+            window=window,
+            **parameters,
+        )
+
+    def shade(
+        self,
+        depth: Any,
+        normal: Any = None,
+        albedo: Any = None,
+        *,
+        object_id: Any = None,
+        images: Optional[Mapping[str, Any]] = None,
+        out: Any = None,
+        progress: Progress = None,
+    ) -> Picture:
+        """Shades arrays: see umbrage.shade. Errors: UsageError, DeviceError, what `progress` raises; outputs are then as
+        they were."""
+        lib, job = native.lib, self._job
+        inputs = native.mapping(images, "images")
+        for name, values in (("depth", depth), ("normal", normal), ("albedo", albedo), ("object_id", object_id)):
+            if values is not None:
+                if name in inputs:
+                    raise UsageError(f"there are two images '{name}'")
+                inputs[name] = values
+        with self._mine():
+            first = image_array(depth, "depth")
+            height, width = first.shape[:2]
+            arrays = {name: image_array(values, name, (height, width)) for name, values in inputs.items()}
+            has_color = not self._effects or "output" in self._effects
+            wanted = wanted_outputs((width, height), self._dtype, self._passes, out, has_color)
+            for output, memory in wanted.items():
+                for name, array in arrays.items():
+                    if memory is not None and memory.size and share_memory(memory, array):
+                        raise UsageError(f"the output `{output}` and the input `{name}` share memory, which is still read")
+            if self._window is None and height > 0:
+                top = math.tan(math.radians(self._fov) / 2)
+                right = top * width / height
+                self._set("window", (-right, right, -top, top))
+            try:
+                for name, array in arrays.items():
+                    job.check(lib.umbSetJobImage(job.pointer, native.bytes_of(name), byref(image_of(array))))
+                return self._make((width, height), wanted, self._progress if progress is None else progress)
+            finally:
+                for name in arrays:
+                    lib.umbSetJobImage(job.pointer, native.bytes_of(name), None)
+
+
+def shade(
+    depth: Any,
+    normal: Any = None,
+    albedo: Any = None,
+    *,
+    object_id: Any = None,
+    images: Optional[Mapping[str, Any]] = None,
+    fov: Optional[float] = None,
+    window: Optional[Sequence[float]] = None,
+    orthographic: bool = False,
+    depth_kind: str = "view",
+    near: Optional[float] = None,
+    far: Optional[float] = None,
+    look: Optional[str] = None,
+    effects: Union[None, str, Sequence[str]] = None,
+    passes: Union[str, Sequence[str]] = (),
+    quality: Optional[str] = None,
+    settings: Optional[Mapping[str, Any]] = None,
+    dtype: Any = "uint8",
+    out: Any = None,
+    device: str = "auto",
+    threads: int = 0,
+    progress: Progress = None,
+    **parameters: Any,
+) -> Picture:
+    """Shades what somebody else has drawn.
+
+    ::
+
+        picture = umbrage.shade(depth, fov=60).picture                                  # the look "studio"
+        ao = umbrage.shade(depth, normal, effects=("bitmask", "denoise"), passes="ao")["ao"]
+
+    depth: (H, W). `depth_kind` "view": distance along the view axis, any unit; "ray": from the eye; "window": 0 at the
+    plane `near`, 1 at `far`, as depth buffers have it; "reversed": the other way round. NaN and infinity, and 0 of "view"
+    and "ray": there is nothing.
+    normal: (H, W, 3), view space, +x right, +y up, +z towards the eye; default made of the depth. `view_from_normal`,
+    3 x 3, turns others.
+    albedo: (H, W, 3), linear, 0 to 1, or one colour. Alpha, a fourth channel, is not read.
+    object_id: (H, W) of whole numbers. images: other planes by name, such as "emission", "direct" or "layer1.depth".
+    Arrays are of NumPy, torch (CPU), or whatever has the buffer protocol, `__array_interface__` or DLPack; float32,
+    float16, uint8 or uint16, of which 255 and 65535 stand for 1. Those that fit are not copied, with any strides.
+    fov: vertical field of view, degrees; default 40. window: (left, right, bottom, top) at distance 1 in its place, or
+    in scene units for `orthographic`.
+    look: a recipe of umbrage.looks(); default "studio". effects: these alone in its place, one after the other.
+    passes: to hand out besides; with `effects` and no name at all, what the last one of them makes.
+    out: an array (H, W, 4 or 3) for the picture, or a dict of arrays by pass, which are written to.
+    Other arguments and errors are those of render; other keywords parameters of umbrage.parameters("shade").
+    """
+    with Shader(
+        fov=fov,
+        window=window,
+        orthographic=orthographic,
+        depth_kind=depth_kind,
+        near=near,
+        far=far,
+        look=look,
+        effects=effects,
+        passes=passes,
+        quality=quality,
+        settings=settings,
+        dtype=dtype,
+        device=device,
+        threads=threads,
+        progress=progress,
+        **parameters,
+    ) as shader:
+        return shader.shade(depth, normal, albedo, object_id=object_id, images=images, out=out)
