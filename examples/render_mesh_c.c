@@ -8,7 +8,8 @@ int main(int argc, char** argv) {
   static const float kPositions[5][3] = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}, {0, 1.5f, 0}};
   static const uint8_t kIndices[6][3] = {{0, 4, 1}, {1, 4, 2}, {2, 4, 3}, {3, 4, 0}, {0, 1, 2}, {0, 2, 3}};
   static const float kClay[3] = {0.7f, 0.35f, 0.2f};
-  static const float kPlaces[2][12] = {{1, 0, 0, -1.5f, 0, 1, 0, 0, 0, 0, 1, 0}, {0.5f, 0, 0, 1, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0}};
+  static const float kPlaces[2][12] = {{1, 0, 0, -1.5f, 0, 1, 0, 0, 0, 0, 1, 0},
+                                       {0.5f, 0, 0, 1, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0}};
   static uint8_t pixels[240][320][3];
   const char *message = "", *name = "color";
   UmbImage picture = {pixels, UMB_TYPE_UINT8, 320, 240, 3, 0, 0, 0};

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <list>
 
 #include "devices/vulkan/vulkan_device.h"
 #include "generators/builtin.h"

@@ -1,7 +1,6 @@
 // Meshes from memory: their buffers, materials, textures and places.
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <span>
 
 #include "core/srgb.h"

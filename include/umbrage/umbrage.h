@@ -14,12 +14,12 @@
  * other; a scene must not change while a job that uses it executes.
  *
  * Spaces. World space is the scene's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
- * the positive distance along the view axis, +infinity where there is no surface. Normals are unit vectors in view space
- * that face the camera, 0 where there is no surface. Row 0 of an image is the top one. Light is linear Rec. 709. The
- * pass "color" is the finished picture, sRGB, as an 8-bit file holds it, alpha not premultiplied.
+ * the positive distance along the view axis, +infinity where there is no surface. Normals are unit vectors in view
+ * space that face the camera, 0 where there is no surface. Row 0 of an image is the top one. Light is linear Rec. 709.
+ * The pass "color" is the finished picture, sRGB, as an 8-bit file holds it, alpha not premultiplied.
  *
- * Strings are UTF-8. A string that a function returns belongs to the library. It lives as long as its object, unless the
- * function says otherwise. */
+ * Strings are UTF-8. A string that a function returns belongs to the library. It lives as long as its object, unless
+ * the function says otherwise. */
 #ifndef UMBRAGE_UMBRAGE_H
 #define UMBRAGE_UMBRAGE_H
 #include <stdbool.h>
@@ -139,8 +139,8 @@ UMB_API UmbError umbSetMeshFloats(UmbScene scene, int mesh, const char* name, co
  * that name. It is copied. */
 UMB_API UmbError umbSetMeshTexture(UmbScene scene, int mesh, const char* name, const UmbImage* image);
 
-/* Puts the mesh at a place. Without instances it is where its buffers say; with some, at their places alone, each with an
- * object id of its own. `world_from_mesh`: the upper three rows of a matrix, row by row. Errors: UMB_ERROR_USAGE for
+/* Puts the mesh at a place. Without instances it is where its buffers say; with some, at their places alone, each with
+ * an object id of its own. `world_from_mesh`: the upper three rows of a matrix, row by row. Errors: UMB_ERROR_USAGE for
  * numbers that are not finite. */
 UMB_API UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mesh[12]);
 
@@ -175,8 +175,8 @@ UMB_API UmbError umbResetJobParameter(UmbJob job, const char* name);
  * read while the job executes, and must live until then; the UmbImage itself is copied. NULL: none any more. */
 UMB_API UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* image);
 
-/* Where a pass is to be written: "color", "depth", "ao", ..., or "all" of them. A `data` of NULL has the library keep it:
- * see umbGetJobOutput. For integer types numbers are clamped to 0 to 1 and rounded, but for ids: where there is no
+/* Where a pass is to be written: "color", "depth", "ao", ..., or "all" of them. A `data` of NULL has the library keep
+ * it: see umbGetJobOutput. For integer types numbers are clamped to 0 to 1 and rounded, but for ids: where there is no
  * surface these have all bits set, or are 0 if they are the caller's. NULL: not wanted any more. Without any output a
  * job makes "color", or what the last one of its "effects" makes. */
 UMB_API UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image);
@@ -253,8 +253,8 @@ typedef enum UmbList {
 UMB_API UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary);
 
 typedef struct UmbParameter {
-  const char* name;    /* as the setters take it */
-  const char* type;    /* "bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice" */
+  const char* name; /* as the setters take it */
+  const char* type; /* "bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice" */
   const char* help;
   const char* unit;    /* or "" */
   const char* initial; /* what holds where it is not set, in words */
@@ -264,8 +264,8 @@ typedef struct UmbParameter {
 /* How many channels a pass has, of inputs and outputs; 0: no effect reads or makes one of that name. */
 UMB_API int umbGetPassChannels(const char* pass);
 
-/* The parameters of "render", "shade", "scene" or an effect. Errors: UMB_ERROR_USAGE; beyond the last one the same, and no
- * error to be asked for. */
+/* The parameters of "render", "shade", "scene" or an effect. Errors: UMB_ERROR_USAGE; beyond the last one the same, and
+ * no error to be asked for. */
 UMB_API UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter);
 
 #ifdef __cplusplus

@@ -87,9 +87,9 @@ UMB_API void umbReleaseVulkanShading(UmbVulkanShading shading);
 UMB_API UmbError umbGetVulkanShadingError(UmbVulkanShading shading, const char** message);
 
 /* Submits once and returns without waiting. The next call waits for the one before. An effect that works on the host,
- * too, as "outline" does, has what comes before it submitted first, and waits for that. Errors: UMB_ERROR_USAGE for names
- * and formats that there are not, UMB_ERROR_DEVICE where memory is short or the device is lost; after UMB_ERROR_USAGE
- * nothing has been submitted but that. */
+ * too, as "outline" does, has what comes before it submitted first, and waits for that. Errors: UMB_ERROR_USAGE for
+ * names and formats that there are not, UMB_ERROR_DEVICE where memory is short or the device is lost; after
+ * UMB_ERROR_USAGE nothing has been submitted but that. */
 UMB_API UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* gbuffer,
                                       const UmbVulkanWork* work);
 /* Waits for the last one. Errors: UMB_ERROR_DEVICE. */
