@@ -1,20 +1,17 @@
 #include "renderer/lens.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "renderer/options.h"
+#include "renderer/recipe.h"
 
 namespace umbrage {
 
 Lens lens_of(const Request& request) {
   const GBufferSettings& g = request.gbuffer;
-  const auto& kinds = option_of("depth_kind").choices;
-  const auto kind = std::find(kinds.begin(), kinds.end(), g.depth_kind) - kinds.begin();
   return {.width = request.width,
           .height = request.height,
-          .depth_kind = DepthMeaning(kind),
+          .depth_kind = DepthMeaning(choice_of("depth_kind", g.depth_kind)),
           .near_plane = g.near_plane,
           .far_plane = g.far_plane != 0.0f ? g.far_plane : std::numeric_limits<float>::infinity(),
           .orthographic = g.orthographic,

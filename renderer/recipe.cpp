@@ -23,14 +23,6 @@ const Quality* quality_of(const Request& request, const Look& look) {
 
 bool is_lit_by_image(const Request& request) { return !request.hdri_file.empty() && request.hdri_ambient; }
 
-/// The index of a text among what an option takes.
-int choice_of(std::string_view field, std::string_view text) {
-  const auto& choices = option_of(field).choices;
-  const auto found = std::find(choices.begin(), choices.end(), text);
-  if (found == choices.end()) fail_check(fmt::format("{} is no choice of {}", text, field));
-  return int(found - choices.begin());
-}
-
 glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
 
 /// Whether the look's own technique gathers light that surfaces send each other.
@@ -188,6 +180,13 @@ bool by_scene_lights(const Effect& effect, const EffectSettings& settings) {
 bool shows_light(const Recipe& recipe) {
   const Effect* lighting = find_effect(recipe.look->lit_by);
   return lighting && by_scene_lights(*lighting, recipe.settings);
+}
+
+int choice_of(std::string_view field, std::string_view text) {
+  const auto& choices = option_of(field).choices;
+  const auto found = std::find(choices.begin(), choices.end(), text);
+  if (found == choices.end()) fail_check(fmt::format("{} is no choice of {}", text, field));
+  return int(found - choices.begin());
 }
 
 Framing framing_of(const CameraSettings& camera) {

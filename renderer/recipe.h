@@ -62,6 +62,9 @@ Result<Recipe> make_recipe(const Request& request, long most_pixels = kMostPixel
 /// Of what another renderer drew: one frame, of a look or of effects in its place, without lights and framing.
 Result<Recipe> make_shading_recipe(const Request& request);
 
+/// The index of a text among what an option takes, which check_request has found good.
+int choice_of(std::string_view field, std::string_view text);
+
 Framing framing_of(const CameraSettings& camera);
 /// How its model is read. Errors: kUsage.
 Result<ImportSettings> import_settings(const Request& request);
