@@ -21,8 +21,9 @@ TEST(Abi, StructsAreAsRecorded) {
   EXPECT_EQ(sizeof(UmbStroke), 32u);
   EXPECT_EQ(offsetof(UmbStroke, kind), 16u);
   EXPECT_EQ(offsetof(UmbStroke, closed), 24u);
-  EXPECT_EQ(sizeof(UmbParameter), 64u);
-  EXPECT_EQ(offsetof(UmbParameter, min), 48u);
+  EXPECT_EQ(sizeof(UmbParameter), 72u);
+  EXPECT_EQ(offsetof(UmbParameter, name), 8u);
+  EXPECT_EQ(offsetof(UmbParameter, min), 56u);
 }
 
 TEST(Abi, NumbersAreAsRecorded) {

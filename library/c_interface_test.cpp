@@ -473,6 +473,9 @@ TEST(CInterface, ListsWhatThereIs) {
   EXPECT_TRUE(studio);
   EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_NONE);
   UmbParameter parameter{};
+  EXPECT_EQ(umbGetParameter("render", 0, &parameter), UMB_ERROR_USAGE) << "without its size";
+  EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_USAGE);
+  parameter.size = sizeof parameter;
   for (const char* owner : {"render", "shade", "scene", "bitmask"}) {
     int count = 0;
     for (; umbGetParameter(owner, count, &parameter) == UMB_ERROR_NONE; ++count) {
@@ -495,7 +498,31 @@ TEST(CInterface, ListsWhatThereIs) {
     if (choices.empty()) continue;
     EXPECT_EQ(umbSetJobString(o.job, parameter.name, choices.substr(0, choices.find(' ')).c_str()), UMB_ERROR_NONE)
         << parameter.name;
+    if (std::string(parameter.name) == "look") {
+      EXPECT_EQ(std::string(parameter.type), "choice");
+    }
+    if (std::string(parameter.name) == "camera.azimuth_deg") {
+      EXPECT_EQ(std::string(parameter.unit), "deg");
+    }
   }
+}
+
+TEST(CInterface, WarnsOnceOfWhatDoesNothing) {
+  Objects o;
+  Told told;
+  umbSetDeviceLogCallback(
+      o.device, [](void* user, const char* message) { static_cast<Told*>(user)->warnings.emplace_back(message); },
+      &told);
+  add_box(o.scene);
+  make_render_job(o);
+  umbSetJobFloat(o.job, "outline.width", 3.0f);
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  ASSERT_EQ(told.warnings.size(), 1u);
+  EXPECT_NE(told.warnings[0].find("outline.width=3 does nothing: the look ao has no outline"), std::string::npos)
+      << told.warnings[0];
+  umbSetJobString(o.job, "look", "cartoon");
+  EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  EXPECT_EQ(told.warnings.size(), 1u);
 }
 
 TEST(CInterface, ProgressEndsAJobThatMayGoOn) {

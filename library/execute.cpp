@@ -8,6 +8,7 @@
 #include "renderer/hdri.h"
 #include "renderer/models.h"
 #include "renderer/passes.h"
+#include "renderer/unused_settings.h"
 #include "scene/ground.h"
 
 namespace umbrage {
@@ -118,6 +119,7 @@ Result<void> JobObject::execute() {
   const KeptPlanes kept(device_->device->pool());
   const auto frame = renders() ? rendered(*recipe) : shaded(*request, *recipe);
   if (!frame) return frame.error();
+  tell_unused(*request, *recipe);
   Lines traced;
   if (!of_lines.empty()) {
     auto found = traced_lines(*device_->device, *frame, of_lines);
@@ -142,6 +144,13 @@ Result<void> JobObject::prepare() {
   if (auto begun = turn.begun(); !begun) return begun;
   if (auto ready = make_scene_ready(*recipe, before_drawing()); !ready) return ready;
   return prepare_device(before_drawing());
+}
+
+void JobObject::tell_unused(const Request& request, const Recipe& recipe) {
+  auto sentences = unused_settings(request, recipe, furnished_.get(), [](std::string_view) { return true; });
+  if (sentences == told_) return;
+  told_ = std::move(sentences);
+  for (const std::string& sentence : told_) device_->tell_warning(sentence);
 }
 
 ProgressMonitor JobObject::before_drawing() const {

@@ -68,6 +68,8 @@ class JobObject final : public Object {
   Result<Recipe> recipe_of(const Request& request) const;
   /// The parameters of the lines where strokes are wanted; else empty.
   static Result<ParameterBytes> lines_of(const Request& request, const Recipe& recipe);
+  /// Warns of settings that do nothing, but of the same ones once.
+  void tell_unused(const Request& request, const Recipe& recipe);
   Result<Frame> rendered(Recipe recipe);
   Result<Frame> shaded(const Request& request, const Recipe& recipe);
   /// The caller's progress for what comes before the drawing, which is what shares are told of.
@@ -87,9 +89,10 @@ class JobObject final : public Object {
   Request request_;
   std::map<std::string, std::string> settings_;  // of effects, by "effect.parameter"
   std::vector<NamedImage> images_;
-  std::vector<Output> outputs_;  // that are set
-  std::vector<Output> made_;     // by the last execution
-  SharedIds ids_;                // of the last G-buffer
+  std::vector<Output> outputs_;    // that are set
+  std::vector<Output> made_;       // by the last execution
+  SharedIds ids_;                  // of the last G-buffer
+  std::vector<std::string> told_;  // of settings that do nothing
 
   // Of the last picture of a scene:
   std::unique_ptr<Scene> furnished_;

@@ -1,7 +1,10 @@
 // What there is: looks, effects, devices, and all parameters.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstring>
 
 #include "devices/vulkan/vulkan_device.h"
 #include "generators/builtin.h"
@@ -61,7 +64,7 @@ Result<std::vector<Entry>> entries(int list) {
 }
 
 std::string_view type_of(const Option& row) {
-  if (!row.choices.empty()) return "choice";
+  if (!words_of(row).empty()) return "choice";
   if (row.form == OptionForm::kLength) return "length";
   if (row.form == OptionForm::kRotation) return "float9";
   if (row.form == OptionForm::kWindow) return "float4";
@@ -77,12 +80,13 @@ std::string joined(const auto& words) {
 }
 
 UmbParameter parameter_of(const Option& row) {
-  return {kept_text(row.field),
+  return {sizeof(UmbParameter),
+          kept_text(row.field),
           kept_text(type_of(row)),
-          kept_text(row.form == OptionForm::kSize ? "width of the picture, pixels" : row.help),
-          "",
+          kept_text(row.form == OptionForm::kSize ? "width of the picture" : row.help),
+          kept_text(row.unit),
           kept_text(row.initial),
-          kept_text(joined(row.choices)),
+          kept_text(joined(words_of(row))),
           row.min,
           row.max};
 }
@@ -90,7 +94,8 @@ UmbParameter parameter_of(const Option& row) {
 UmbParameter parameter_of(const Effect& effect, const Parameter& row) {
   constexpr std::array<std::string_view, 5> kTypes = {"float", "int", "bool", "choice", "length"};
   const ParameterBytes initial = initial_parameters(effect.parameters, effect.params_size);
-  return {kept_text(fmt::format("{}.{}", effect.name, row.name)),
+  return {sizeof(UmbParameter),
+          kept_text(fmt::format("{}.{}", effect.name, row.name)),
           kept_text(kTypes[std::size_t(row.type)]),
           kept_text(row.help),
           kept_text(row.unit),
@@ -146,8 +151,16 @@ UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter) 
     const auto all = parameters_of(text_of(owner));
     if (!all) return all.error();
     if (!parameter) return usage_error("umbGetParameter: parameter cannot be NULL");
+    constexpr std::size_t kFirstSize = offsetof(UmbParameter, max) + sizeof(double);  // of version 0.1
+    if (parameter->size < kFirstSize)
+      return usage_error("umbGetParameter: the parameter's size cannot be {}: set it to sizeof(UmbParameter)",
+                         parameter->size);
     there = index >= 0 && std::size_t(index) < all->size();
-    if (there) *parameter = (*all)[std::size_t(index)];
+    if (there) {
+      const std::size_t size = parameter->size;
+      std::memcpy(parameter, &(*all)[std::size_t(index)], std::min(size, sizeof(UmbParameter)));
+      parameter->size = size;
+    }
     return {};
   });
   return code == UMB_ERROR_NONE && !there ? UMB_ERROR_USAGE : code;

@@ -5,7 +5,10 @@
 
 #include "core/check.h"
 #include "core/device.h"
+#include "looks/looks.h"
+#include "looks/quality.h"
 #include "renderer/accumulation.h"
+#include "renderer/recipe.h"
 
 namespace umbrage {
 namespace {
@@ -28,6 +31,20 @@ auto& in_camera(Request& request) {
   return request.camera.*member;
 }
 
+std::vector<std::string_view> look_names() {
+  std::vector<std::string_view> names;
+  for (const Look* look : looks()) names.push_back(look->name);
+  return names;
+}
+
+std::vector<std::string_view> quality_names() {
+  std::vector<std::string_view> names;
+  for (const Quality& quality : qualities()) names.push_back(quality.name);
+  return names;
+}
+
+std::vector<std::string_view> technique_names() { return occlusion_names(handed_in()); }
+
 // In the order in which help shows them.
 const std::vector<Option> kOptions = {
     {.field = "crease_angle_deg",
@@ -37,7 +54,8 @@ const std::vector<Option> kOptions = {
      .initial = "80",
      .where = in<&Request::crease_angle_deg>,
      .commands = kScenes | kInfo,
-     .max = 180.0},
+     .max = 180.0,
+     .unit = "deg"},
     {.field = "point_size",
      .option = "point-size",
      .group = "Scene",
@@ -45,7 +63,8 @@ const std::vector<Option> kOptions = {
      .initial = "their spacing",
      .where = in<&Request::point_size>,
      .commands = kScenes | kInfo,
-     .form = OptionForm::kLength},
+     .form = OptionForm::kLength,
+     .unit = "scene units"},
     {.field = "point_sprites",
      .option = "point-sprites",
      .group = "Scene",
@@ -84,14 +103,16 @@ const std::vector<Option> kOptions = {
      .help = "x,y,z of the eye",
      .where = in_camera<&CameraSettings::position>,
      .commands = kScenes,
-     .form = OptionForm::kPosition},
+     .form = OptionForm::kPosition,
+     .unit = "scene units"},
     {.field = "camera.focal_point",
      .option = "camera-focal-point",
      .group = "Camera",
      .help = "x,y,z that is looked at",
      .where = in_camera<&CameraSettings::focal_point>,
      .commands = kScenes,
-     .form = OptionForm::kPosition},
+     .form = OptionForm::kPosition,
+     .unit = "scene units"},
     {.field = "camera.view_up",
      .option = "camera-view-up",
      .group = "Camera",
@@ -113,7 +134,8 @@ const std::vector<Option> kOptions = {
      .where = in_camera<&CameraSettings::view_angle_deg>,
      .commands = kScenes,
      .min = 0.1,
-     .max = 179.0},
+     .max = 179.0,
+     .unit = "deg"},
     {.field = "camera.azimuth_deg",
      .option = "camera-azimuth-angle",
      .group = "Camera",
@@ -122,7 +144,8 @@ const std::vector<Option> kOptions = {
      .where = in_camera<&CameraSettings::azimuth_deg>,
      .commands = kScenes,
      .min = -kAnyAngle,
-     .max = kAnyAngle},
+     .max = kAnyAngle,
+     .unit = "deg"},
     {.field = "camera.elevation_deg",
      .option = "camera-elevation-angle",
      .group = "Camera",
@@ -131,7 +154,8 @@ const std::vector<Option> kOptions = {
      .where = in_camera<&CameraSettings::elevation_deg>,
      .commands = kScenes,
      .min = -kAnyAngle,
-     .max = kAnyAngle},
+     .max = kAnyAngle,
+     .unit = "deg"},
     {.field = "camera.zoom",
      .option = "camera-zoom-factor",
      .group = "Camera",
@@ -153,7 +177,8 @@ const std::vector<Option> kOptions = {
      .help = "reach of occlusion: scene units (0.3) or a share of the scene's radius (5%)",
      .where = in<&Request::occlusion_radius>,
      .commands = kScenes | kShade,
-     .form = OptionForm::kLength},
+     .form = OptionForm::kLength,
+     .unit = "scene units"},
     {.field = "settings",
      .option = "set",
      .group = "Technique",
@@ -167,7 +192,8 @@ const std::vector<Option> kOptions = {
              "shadow rays and averaged pictures",
      .initial = "the look's",
      .where = in<&Request::quality>,
-     .commands = kScenes | kShade},
+     .commands = kScenes | kShade,
+     .names = quality_names},
     {.field = "guard_band",
      .option = "guard-band",
      .group = "Technique",
@@ -176,7 +202,8 @@ const std::vector<Option> kOptions = {
      .where = in<&Request::guard_band>,
      .commands = kScenes,
      .max = 100.0,
-     .form = OptionForm::kPercent},
+     .form = OptionForm::kPercent,
+     .unit = "%"},
     {.field = "layers",
      .option = "layers",
      .group = "Technique",
@@ -203,7 +230,8 @@ const std::vector<Option> kOptions = {
      .commands = kRender | kTune,
      .min = 1,
      .max = kLargestSide,
-     .form = OptionForm::kSize},
+     .form = OptionForm::kSize,
+     .unit = "px"},
     {.field = "height",
      .option = "resolution",
      .group = "",
@@ -211,21 +239,24 @@ const std::vector<Option> kOptions = {
      .where = in<&Request::height>,
      .commands = 0,
      .min = 1,
-     .max = kLargestSide},
+     .max = kLargestSide,
+     .unit = "px"},
     {.field = "look",
      .option = "look",
      .group = "Picture",
      .help = "recipe of the picture: see umbrage list looks",
      .initial = "studio",
      .where = in<&Request::look>,
-     .commands = kRender | kTune | kShade},
+     .commands = kRender | kTune | kShade,
+     .names = look_names},
     {.field = "occlusion",
      .option = "ao",
      .group = "Picture",
      .help = "occlusion technique, or none",
      .initial = "the look's",
      .where = in<&Request::occlusion>,
-     .commands = kRender | kTune | kShade},
+     .commands = kRender | kTune | kShade,
+     .names = technique_names},
     {.field = "occlusion_scale",
      .option = "ao-scale",
      .group = "Picture",
@@ -288,7 +319,8 @@ const std::vector<Option> kOptions = {
      .initial = "0",
      .where = in<&Request::hdri_rotation_deg>,
      .min = -kAnyAngle,
-     .max = kAnyAngle},
+     .max = kAnyAngle,
+     .unit = "deg"},
     {.field = "hdri_intensity",
      .option = "hdri-intensity",
      .group = "Light",
@@ -302,7 +334,8 @@ const std::vector<Option> kOptions = {
      .help = "what the key light spans as the scene sees it, degrees; more: softer shadows",
      .initial = "the light's",
      .where = in<&Request::light_size_deg>,
-     .max = 90.0},
+     .max = 90.0,
+     .unit = "deg"},
     {.field = "device",
      .option = "device",
      .group = "Device",
@@ -370,7 +403,8 @@ const std::vector<Option> kOptions = {
      .initial = "0.1",
      .where = in_gbuffer<&GBufferSettings::near_plane>,
      .commands = kShade,
-     .max = kMaxDistance},
+     .max = kMaxDistance,
+     .unit = "scene units"},
     {.field = "far_plane",
      .option = "far-plane",
      .group = "G-buffer",
@@ -378,7 +412,8 @@ const std::vector<Option> kOptions = {
      .initial = "0",
      .where = in_gbuffer<&GBufferSettings::far_plane>,
      .commands = kShade,
-     .max = kMaxDistance},
+     .max = kMaxDistance,
+     .unit = "scene units"},
     {.field = "view_from_normal",
      .option = "view-from-normal",
      .group = "G-buffer",
@@ -409,7 +444,8 @@ const std::vector<Option> kOptions = {
      .initial = "0",
      .where = in_gbuffer<&GBufferSettings::scene_radius>,
      .commands = kShade,
-     .max = kMaxDistance},
+     .max = kMaxDistance,
+     .unit = "scene units"},
     {.field = "model", .option = "MODEL", .group = "", .help = "", .where = in<&Request::model>, .commands = 0},
 };
 
@@ -424,6 +460,8 @@ std::size_t end_of_quotation(std::string_view message, std::size_t at) {
 }
 
 }  // namespace
+
+std::vector<std::string_view> words_of(const Option& option) { return option.names ? option.names() : option.choices; }
 
 std::span<const Option> options() { return kOptions; }
 

@@ -62,8 +62,10 @@ struct Option {
   unsigned commands = kRender;
   double min = 0.0, max = 0.0;  ///< inclusive range of numbers
   OptionForm form = OptionForm::kPlain;
-  std::vector<std::string_view> choices = {};  ///< all that it takes
-  std::string_view environment = {};           ///< the variable that stands for it on a command line
+  std::string_view unit = {};                          ///< of numbers: "deg", "px", "%", "scene units"
+  std::vector<std::string_view> choices = {};          ///< all that it takes; checked by set_option
+  std::vector<std::string_view> (*names)() = nullptr;  ///< or the names that it takes, which make_recipe checks
+  std::string_view environment = {};                   ///< the variable that stands for it on a command line
 };
 
 std::span<const Option> options();
@@ -73,6 +75,9 @@ const Option& option_of(std::string_view field);
 
 /// A message with what `rename` makes of each field that it names in backquotes; none of them within '...'.
 std::string with_fields_renamed(std::string_view message, std::string (*rename)(const Option&));
+
+/// The words that it takes, of `choices` or `names`; empty where it takes others.
+std::vector<std::string_view> words_of(const Option& option);
 
 /// The numbers that it takes.
 Interval interval_of(const Option& option);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -155,17 +156,52 @@ void own(Plane& plane) {
   if (plane.is_view()) plane = Plane(plane);
 }
 
+/// The nearest and the farthest finite depth; infinity and 0 where there is none.
+struct DepthRange {
+  float nearest = kNothing, farthest = 0.0f;
+
+  void include(const DepthRange& other) {
+    nearest = std::min(nearest, other.nearest);
+    farthest = std::max(farthest, other.farthest);
+  }
+};
+
+/// Of depths above 0, infinity among them. Their bits have the order of their values, and integers make vectors.
+DepthRange range_of(const float* depths, int count) {
+  constexpr auto kInfinity = std::bit_cast<std::int32_t>(kNothing);
+  std::int32_t nearest = kInfinity, farthest = 0;
+  for (int x = 0; x < count; ++x) {
+    const auto bits = std::bit_cast<std::int32_t>(depths[x]);
+    nearest = std::min(nearest, bits);
+    farthest = std::max(farthest, bits < kInfinity ? bits : 0);
+  }
+  return {std::bit_cast<float>(nearest), std::bit_cast<float>(farthest)};
+}
+
 /// Makes depth distances along the view axis.
-void take_depth(const Lens& lens, Plane& depth) {
-  const ViewDepth view_depth(lens);
-  if (lens.depth_kind == DepthMeaning::kView && holds_everywhere(depth, [&](int x, int y) {
-        return depth.row(y)[x] > 0.0f;  // infinity, too
-      }))
-    return;
+DepthRange take_depth(const Lens& lens, Plane& depth) {
+  std::vector<DepthRange> of_rows(std::size_t(depth.height));
+  const auto whole_range = [&] {
+    DepthRange range;
+    for (const DepthRange& row : of_rows) range.include(row);
+    return range;
+  };
+  std::atomic<bool> is_taken = lens.depth_kind == DepthMeaning::kView;
+  if (is_taken)
+    for_rows(depth.height, [&](int y) {
+      int wrong = 0;
+      for (int x = 0; x < depth.width; ++x) wrong |= int(!(depth.row(y)[x] > 0.0f));  // infinity is right
+      if (wrong != 0) is_taken = false;
+      of_rows[std::size_t(y)] = range_of(depth.row(y), depth.width);
+    });
+  if (is_taken) return whole_range();
   own(depth);
+  const ViewDepth view_depth(lens);
   for_rows(depth.height, [&](int y) {
     for (int x = 0; x < depth.width; ++x) depth.at(x, y) = view_depth.at(depth.at(x, y), x, y);
+    of_rows[std::size_t(y)] = range_of(depth.row(y), depth.width);
   });
+  return whole_range();
 }
 
 /// Turns normals to view space and makes them unit vectors; what is no direction is zero.
@@ -198,23 +234,10 @@ void turn_normals(const std::vector<float>& turn, Image& layer) {
   });
 }
 
-/// Fills in how far the scene reaches, from the first layer's depth.
-void measure_extent(const Lens& request, const Plane& depth, PictureInfo& info) {
+/// Fills in how far the scene reaches, from the first layer's depth and the range of it.
+void measure_extent(const Lens& request, const Plane& depth, const DepthRange& range, PictureInfo& info) {
   constexpr int kSamples = 1 << 16;   // pixels that tell the extent: more tell no more
   constexpr double kOutliers = 0.01;  // share of the pixels, on either side, that may lie anywhere
-  std::vector<float> nearest_of_row(std::size_t(depth.height)), farthest_of_row(std::size_t(depth.height));
-  for_rows(depth.height, [&](int y) {
-    float nearest = kNothing, farthest = 0.0f;
-    for (int x = 0; x < depth.width; ++x) {
-      const float d = depth.row(y)[x];
-      nearest = std::min(nearest, d);
-      farthest = std::max(farthest, d < kNothing ? d : 0.0f);
-    }
-    nearest_of_row[std::size_t(y)] = nearest;
-    farthest_of_row[std::size_t(y)] = farthest;
-  });
-  const float nearest = *std::min_element(nearest_of_row.begin(), nearest_of_row.end());
-  const float farthest = *std::max_element(farthest_of_row.begin(), farthest_of_row.end());
   const int every = std::max(1, int(std::sqrt(double(depth.width) * depth.height / kSamples)));
   std::vector<float> along[3];
   for (int y = 0; y < depth.height; y += every)
@@ -227,9 +250,9 @@ void measure_extent(const Lens& request, const Plane& depth, PictureInfo& info) 
       along[2].push_back(d);
     }
   if (request.scene_radius > 0.0f) info.scene_radius = request.scene_radius;
-  if (!(nearest <= farthest)) return;  // nothing is seen: as good as any
-  info.depth_min = nearest;
-  info.depth_max = farthest;
+  if (range.nearest > range.farthest) return;  // nothing is seen: as good as any
+  info.depth_min = range.nearest;
+  info.depth_max = range.farthest;
   if (request.scene_radius > 0.0f) return;
   std::array<float, 3> squares{};
   tbb::parallel_for(std::size_t(0), std::size_t(3), [&](std::size_t axis) {
@@ -245,7 +268,7 @@ void measure_extent(const Lens& request, const Plane& depth, PictureInfo& info) 
   });
   const float square = squares[0] + squares[1] + squares[2];
   // One pixel, or all of them in one place: what there is to see is as large as it is far.
-  info.scene_radius = square > 0.0f ? 0.5f * std::sqrt(square) : farthest;
+  info.scene_radius = square > 0.0f ? 0.5f * std::sqrt(square) : range.farthest;
 }
 
 }  // namespace
@@ -288,9 +311,11 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
     }
   for (const NamedImage& named : images)
     add_image(named, shared.ids, gbuffer.layers[std::size_t(layer_of_plane(named.name))]);
+  DepthRange first_range;
   for (Image& layer : gbuffer.layers) {
     Plane& depth = layer.plane("depth");
-    take_depth(lens, depth);
+    const DepthRange range = take_depth(lens, depth);
+    if (&layer == &gbuffer.layers[0]) first_range = range;
     if (layer.find("normal.x")) turn_normals(request.gbuffer.view_from_normal, layer);
     for (const auto& [name, ids] : shared.ids)
       if (Plane* plane = layer.find(name)) {
@@ -306,7 +331,7 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   PictureInfo& info = gbuffer.info;
   set_lens(lens, info);
   for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
-  measure_extent(lens, gbuffer.layers[0].plane("depth"), info);
+  measure_extent(lens, gbuffer.layers[0].plane("depth"), first_range, info);
   return shared;
 }
 

@@ -1,4 +1,4 @@
-// Hints on standard error: what is odd about a picture, and which settings it does not show.
+// Hints on standard error: what is odd about a picture.
 #pragma once
 #include <string>
 #include <vector>
@@ -19,9 +19,6 @@ struct Seen {
 
 /// The planes that tell it; occlusion only where it is asked for.
 std::vector<std::string> seen_planes(const Recipe& recipe);
-
-/// A sentence for each setting that this picture does not show.
-std::vector<std::string> useless_settings(const RenderOptions& o, const Recipe& recipe, const Scene& scene);
 
 /// Says on standard error what is odd about a picture.
 void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene);

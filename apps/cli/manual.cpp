@@ -23,16 +23,6 @@ struct ManualOptions {
 
 constexpr std::array<std::string_view, 3> kShells = {"bash", "zsh", "fish"};
 
-Words look_names() {
-  Words names;
-  for (const Look* look : looks()) names.emplace_back(look->name);
-  return names;
-}
-Words technique_names() {
-  Words names;
-  for (const std::string_view name : occlusion_names(handed_in())) names.emplace_back(name);
-  return names;
-}
 Words filter_names() {
   Words names;
   for (const Effect* effect : effects())
@@ -42,11 +32,6 @@ Words filter_names() {
 Words effect_names() {
   Words names = {"capture"};
   for (const Effect* effect : effects()) names.emplace_back(effect->name);
-  return names;
-}
-Words quality_names() {
-  Words names;
-  for (const Quality& quality : qualities()) names.emplace_back(quality.name);
   return names;
 }
 /// What --set takes: each parameter, with its choices where it has some.
@@ -75,19 +60,19 @@ Words values_of(const CLI::App& command, std::string_view option) {
   const std::string& name = command.get_name();
   if (option == "WHAT" && name == "list") return {"looks", "effects", "scenes", "devices", "formats"};
   if (option == "SHELL") return {kShells.begin(), kShells.end()};
-  if (option == "look") return look_names();
-  if (option == "ao") return technique_names();
   if (option == "filter") return filter_names();
   if (option == "effect") return effect_names();
   if (option == "set") return parameter_names();
-  if (option == "quality") return quality_names();
   if (option == "device") return {"auto", "cpu", "vulkan"};
   if (option == "isa") return {usable_isas().begin(), usable_isas().end()};
   if (option == "up") return {"+X", "-X", "+Y", "-Y", "+Z", "-Z"};
   if (option == "paper") return {"unsharp", "cartoon", "bleeding"};
   if (option == "input-format") return import_formats();
   for (const Option& row : options())
-    if (row.option == option) return {row.choices.begin(), row.choices.end()};
+    if (row.option == option) {
+      const auto words = words_of(row);
+      return {words.begin(), words.end()};
+    }
   return {};
 }
 

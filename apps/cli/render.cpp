@@ -24,6 +24,7 @@
 #include "renderer/draw.h"
 #include "renderer/lines.h"
 #include "renderer/passes.h"
+#include "renderer/unused_settings.h"
 
 namespace umbrage::cli {
 namespace {
@@ -356,7 +357,10 @@ Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& lin
   if (order.recipe.camera_index)
     if (auto used = use_camera(*order.recipe.camera_index, *scene); !used) return used.error();
   for (const std::string& warning : scene->warnings) warn(warning);
-  for (const std::string& setting : useless_settings(o, order.asked, *scene)) warn(setting);
+  // Settings of a configuration file may be meant for other looks.
+  const auto is_typed = [](std::string_view setting) { return command_line.find(setting) != std::string::npos; };
+  for (const std::string& sentence : unused_settings(o.request, order.asked, &*scene, is_typed))
+    warn(in_options(sentence));
   return scene;
 }
 

@@ -253,10 +253,11 @@ typedef enum UmbList {
 UMB_API UmbError umbGetListEntry(UmbList list, int index, const char** name, const char** summary);
 
 typedef struct UmbParameter {
+  size_t size;      /* set to sizeof(UmbParameter) before the call: later versions add members at the end */
   const char* name; /* as the setters take it */
   const char* type; /* "bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice" */
   const char* help;
-  const char* unit;    /* or "" */
+  const char* unit;    /* "deg", "px", "%", "scene units", or "" for a plain number or text */
   const char* initial; /* what holds where it is not set, in words */
   const char* choices; /* values of a "choice", separated by spaces; or "" */
   double min, max;     /* of numbers; both 0: no range */
@@ -264,8 +265,8 @@ typedef struct UmbParameter {
 /* How many channels a pass has, of inputs and outputs; 0: no effect reads or makes one of that name. */
 UMB_API int umbGetPassChannels(const char* pass);
 
-/* The parameters of "render", "shade", "scene" or an effect. Errors: UMB_ERROR_USAGE; beyond the last one the same, and
- * no error to be asked for. */
+/* The parameters of "render", "shade", "scene" or an effect. Of a smaller `size`, as an older header has it, the first
+ * members are filled. Errors: UMB_ERROR_USAGE; beyond the last one the same, and no error to be asked for. */
 UMB_API UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter);
 
 #ifdef __cplusplus

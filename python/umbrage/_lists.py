@@ -1,7 +1,7 @@
 """What there is: looks, effects, devices and parameters."""
 from __future__ import annotations
 
-from ctypes import byref, c_char_p
+from ctypes import byref, c_char_p, sizeof
 from typing import Dict, NamedTuple, Optional, Tuple
 
 from . import _native as native
@@ -63,7 +63,7 @@ class Parameter(NamedTuple):
 def parameters(owner: str) -> Dict[str, Parameter]:
     """The parameters of "render", "shade", "scene" or an effect, by name. Errors: UsageError."""
     rows: Dict[str, Parameter] = {}
-    row = native.Parameter()
+    row = native.Parameter(size=sizeof(native.Parameter))
     while True:
         code = native.lib.umbGetParameter(native.bytes_of(owner), len(rows), byref(row))
         if code and not rows:

@@ -68,6 +68,7 @@ class Parameter(Structure):
     """UmbParameter."""
 
     _fields_ = [
+        ("size", c_size_t),
         ("name", c_char_p),
         ("type", c_char_p),
         ("help", c_char_p),

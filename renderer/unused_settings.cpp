@@ -1,0 +1,81 @@
+#include "renderer/unused_settings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "effects/effects.h"
+#include "looks/looks.h"
+
+namespace umbrage {
+namespace {
+
+bool contains(const auto& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Whether the picture has the effect. Upsampling belongs to all: what is computed at full resolution now may be
+/// computed at half of it with another quality.
+bool runs(const Recipe& recipe, std::string_view effect) {
+  return effect == recipe.occlusion || effect == "upsample" || contains(recipe.look->effects, effect);
+}
+
+void add_of_effects(const Request& request, const Recipe& recipe, const std::function<bool(std::string_view)>& is_told,
+                    std::vector<std::string>& sentences) {
+  const auto techniques = occlusion_names(handed_in());
+  for (const std::string& setting : request.settings) {
+    const std::string effect = setting.substr(0, setting.find('.'));
+    if (runs(recipe, effect) || !is_told(setting)) continue;
+    if (contains(techniques, effect))
+      sentences.push_back(
+          fmt::format("`settings` {} does nothing: the occlusion of this picture is {}; try "
+                      "`occlusion` {}",
+                      setting, recipe.occlusion == kNoOcclusion ? "off" : recipe.occlusion, effect));
+    else
+      sentences.push_back(
+          fmt::format("`settings` {} does nothing: the look {} has no {}", setting, recipe.look->name, effect));
+  }
+}
+
+void add_of_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
+  const Hdri& hdri = recipe.hdri;
+  if (hdri.file.empty()) {
+    const Request initial;
+    const std::pair<const char*, bool> all[] = {
+        {"hdri_rotation_deg", request.hdri_rotation_deg != initial.hdri_rotation_deg},
+        {"hdri_intensity", request.hdri_intensity != initial.hdri_intensity},
+        {"hdri_ambient", request.hdri_ambient != initial.hdri_ambient}};
+    for (const auto& [field, is_set] : all)
+      if (is_set) sentences.push_back(fmt::format("`{}` does nothing: there is no image; try `hdri_file` sky:", field));
+    return;
+  }
+  const bool shines = std::any_of(recipe.look->effects.begin(), recipe.look->effects.end(), [&](std::string_view name) {
+    const Effect* effect = find_effect(name);
+    return effect && by_scene_lights(*effect, recipe.settings);
+  });
+  if (hdri.skybox || (shines && hdri.ambient)) return;
+  sentences.push_back(hdri.ambient
+                          ? fmt::format("`hdri_file` does nothing: the look {} brings its own light", recipe.look->name)
+                          : "`hdri_file` does nothing: it is to be neither light nor background");
+}
+
+}  // namespace
+
+std::vector<std::string> unused_settings(const Request& request, const Recipe& recipe, const Scene* scene,
+                                         const std::function<bool(std::string_view setting)>& is_told) {
+  std::vector<std::string> sentences;
+  add_of_effects(request, recipe, is_told, sentences);
+  if (recipe.radius && recipe.occlusion == kNoOcclusion)
+    sentences.push_back(
+        fmt::format("`occlusion_radius` {} does nothing: this picture has no occlusion", request.occlusion_radius));
+  add_of_images(request, recipe, sentences);
+  if (scene && scene->point_count() == 0) {
+    const char* field = !request.point_size.empty()       ? "point_size"
+                        : request.point_sprites != "auto" ? "point_sprites"
+                                                          : nullptr;
+    if (field) sentences.push_back(fmt::format("`{}` does nothing: '{}' has no points", field, scene->name));
+  }
+  return sentences;
+}
+
+}  // namespace umbrage
