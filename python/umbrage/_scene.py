@@ -280,7 +280,7 @@ class Scene:
         return render(self, **arguments)
 
     def close(self) -> None:
-        """Frees what it holds, before Python would; what was made with it may go on."""
+        """Frees what it holds, before Python would. Renderers of it end with it."""
         if self._handle.pointer is not None and not native.is_forked():
             with self._changing():
                 self._handle.close()
