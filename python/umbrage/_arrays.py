@@ -77,7 +77,8 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
         array = _ids(array, name)
     elif array.dtype.name == "uint32" or (kind in "iu" and array.dtype.name not in _TYPES):
         raise UsageError(
-            f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16, or convert it to float32"
+            f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16, such as by "
+            "x.astype('float32')"
         )
     elif kind == "b" or (kind == "f" and array.dtype.itemsize not in (2, 4)):
         array = array.astype(np.float32)
@@ -133,11 +134,13 @@ def output_array(values: Any, name: str) -> NDArray[Any]:
     if array.dtype.name not in _TYPES:
         raise UsageError(f"the output `{name}` cannot be of {array.dtype.name}: it takes {', '.join(_TYPES)}")
     if not array.flags.writeable:
-        raise UsageError(f"the output `{name}` cannot be written to")
+        raise UsageError(f"the output `{name}` is read-only: it takes memory that can be written")
     if array.size and not _is_usable(array):
-        raise UsageError(f"the output `{name}` has pixels that share memory, or bytes in another order")
+        raise UsageError(
+            f"the output `{name}` has pixels that share memory, or bytes in another order: it takes an array of its own"
+        )
     if _overlaps_itself(array):
-        raise UsageError(f"the output `{name}` has pixels that share memory")
+        raise UsageError(f"the output `{name}` has pixels that share memory: it takes an array of its own")
     return array
 
 

@@ -50,8 +50,8 @@ class Renderer(Job):
         **parameters: Any,
     ) -> None:
         """Arguments and errors are those of umbrage.render; those of a picture are what `render` starts from."""
-        check_keywords([n for n in parameters if n not in SCENE_PARAMETERS], "render",
-                       _OF_PICTURES + _OF_RENDERERS + SCENE_PARAMETERS)
+        of_pictures = [name for name in parameters if name not in SCENE_PARAMETERS]
+        check_keywords(of_pictures, "render", _OF_PICTURES + _OF_RENDERERS + SCENE_PARAMETERS)
         check_progress(progress)
         of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
         if isinstance(model, Scene) and of_scene:
