@@ -364,7 +364,7 @@ TEST(CppInterface, EmptyAndMovedFromOnesAreHarmless) {
   const umb::Scene other = std::move(scene);
   const umb::Device gone = std::move(device);
   EXPECT_TRUE(moved && other && gone);
-  EXPECT_FALSE(job || scene || device);  // NOLINT(bugprone-use-after-move)
+  EXPECT_FALSE(job || scene || device);
   const auto is_null = [](const auto& call) { return refuses(call, UMB_ERROR_USAGE, "NULL"); };
   EXPECT_TRUE(is_null([&] { job.set("width", 3); }));
   EXPECT_TRUE(is_null([&] { job.execute(); }));
@@ -389,7 +389,8 @@ TEST(CppInterface, EmptyAndMovedFromOnesAreHarmless) {
   umb::Job copy = job;
   copy = moved;
   copy = static_cast<const umb::Job&>(copy);
-  copy = std::move(copy);  // NOLINT
+  umb::Job& same = copy;
+  copy = std::move(same);
   copy.set("width", kWidth);
   copy.set("height", kHeight);
   copy.execute();
