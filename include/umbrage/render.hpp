@@ -1,8 +1,6 @@
 // Requests become pictures: render, shade, FrameRenderer and save. umbrage/umbrage.hpp includes this header.
 #pragma once
 #include <algorithm>
-#include <cstdio>
-#include <exception>
 #include <memory>
 #include <string>
 #include <utility>
@@ -14,39 +12,6 @@
 namespace umb {
 
 namespace detail {
-
-/// A caller's Progress, which may throw what it likes: that ends the work as its false would, and goes on to the caller
-/// once the call has returned.
-class Watch {
- public:
-  explicit Watch(const Progress& progress) : progress_(progress) {}
-  UmbProgressCallback callback() const { return progress_ ? &Watch::call : nullptr; }
-  /// Of work that comes before what shares are told of.
-  UmbProgressCallback callback_before() const { return progress_ ? &Watch::call_before : nullptr; }
-  void rethrow() {
-    if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
-  }
-
- private:
-  static bool call(void* user, double done) { return static_cast<Watch*>(user)->tell(done); }
-  static bool call_before(void* user, double) { return static_cast<Watch*>(user)->tell(0.0); }
-  bool tell(double done) {
-    if (thrown_) return false;
-#ifdef __cpp_exceptions
-    try {
-      return progress_(done);
-    } catch (...) {
-      thrown_ = std::current_exception();
-      return false;
-    }
-#else
-    return progress_(done);
-#endif
-  }
-
-  Progress progress_;
-  std::exception_ptr thrown_;
-};
 
 /// Calls of the C interface, one after the other, up to the first that fails.
 class Calls {
@@ -179,14 +144,9 @@ inline void set_scene(const RenderRequest& r, UmbScene scene, Calls& calls) {
   const auto set = [&](const char* name, const std::string& value) {
     if (!value.empty() && calls.fine()) calls.scene(scene, umbSetSceneParameter(scene, name, value.c_str()));
   };
-  const auto text = [](float v) {
-    char digits[32];
-    std::snprintf(digits, sizeof(digits), "%.9g", double(v));
-    return std::string(digits);
-  };
-  if (r.up) set("up", text((*r.up)[0]) + "," + text((*r.up)[1]) + "," + text((*r.up)[2]));
+  if (r.up) set("up", text_of(r.up->data(), 3));
   if (r.scene_index) set("scene_index", std::to_string(*r.scene_index));
-  if (r.crease_angle_deg) set("crease_angle_deg", text(*r.crease_angle_deg));
+  if (r.crease_angle_deg) set("crease_angle_deg", text_of(&*r.crease_angle_deg, 1));
   set("point_size", r.point_size);
   set("point_sprites", r.point_sprites);
 }
@@ -213,14 +173,7 @@ inline void take(UmbJob job, bool strokes, Picture& picture) {
     else
       made.passes.push_back({name, image.channels, {values, values + count}, {}});
   }
-  for (std::size_t k = 0; strokes && k < umbGetJobStrokeCount(job); ++k) {
-    UmbStroke from{};
-    umbGetJobStroke(job, k, &from);
-    Stroke stroke{StrokeKind(from.kind), int(from.object_id), from.closed != 0, {}};
-    for (std::size_t p = 0; p < from.point_count; ++p)
-      stroke.points.push_back({from.points[p].x, from.points[p].y, from.points[p].width});
-    made.strokes.push_back(std::move(stroke));
-  }
+  if (strokes) made.strokes = strokes_of(job);
   if (strokes) umbGetJobStrokeColor(job, made.stroke_color.data(), &made.stroke_opacity);
   picture = std::move(made);
 }

@@ -148,15 +148,33 @@ class Progress(unittest.TestCase):
     def test_ctrl_c(self) -> None:
         # A shell has programs that it starts in the background ignore it.
         self.addCleanup(signal.signal, signal.SIGINT, signal.signal(signal.SIGINT, signal.default_int_handler))
-        for attempt in range(4):
-            timer = threading.Timer(0.1 + 0.05 * attempt, os.kill, (os.getpid(), signal.SIGINT))
-            started = time.monotonic()
-            with self.assertRaises(KeyboardInterrupt):
-                timer.start()
-                while time.monotonic() - started < 20:
-                    umbrage.render(SOLIDS, size=(512, 512), quality="ultra", device="cpu", threads=1)
-            self.assertLess(time.monotonic() - started, 20)
-            timer.join()
+        with umbrage.Renderer(SOLIDS, size=(512, 512), quality="ultra", device="cpu", threads=1) as renderer:
+            expected = renderer.render(size=(8, 8)).picture
+            for attempt in range(4):
+                timer = threading.Timer(0.05 + 0.05 * attempt, os.kill, (os.getpid(), signal.SIGINT))
+                started = time.monotonic()
+                with self.assertRaises(KeyboardInterrupt):
+                    timer.start()
+                    while time.monotonic() - started < 20:
+                        renderer.render({"azimuth_deg": attempt})
+                self.assertLess(time.monotonic() - started, 20)
+                timer.join()
+                np.testing.assert_array_equal(renderer.render(size=(8, 8)).picture, expected)
+
+    def test_ctrl_c_while_progress_is_told(self) -> None:
+        def interrupts(done: float) -> None:
+            raise KeyboardInterrupt
+
+        scene = umbrage.Scene()
+        with self.assertRaises(KeyboardInterrupt):
+            scene.add(SOLIDS, progress=interrupts)
+        scene.add(SOLIDS)
+        depth = plane_depth()
+        with umbrage.Renderer(scene, size=SIZE, device="cpu") as renderer, umbrage.Shader(device="cpu") as shader:
+            for work in (renderer.render, lambda **how: shader.shade(depth, **how)):
+                with self.assertRaises(KeyboardInterrupt):
+                    work(progress=interrupts)
+                self.assertEqual(work().picture.shape, (32, 48, 4))
 
     def test_other_threads_run_meanwhile(self) -> None:
         ticks = []
@@ -180,11 +198,25 @@ def _render_there(_: int) -> int:
     return int(umbrage.render(SOLIDS, size=SIZE, device="cpu").picture.sum())
 
 
-def _render_forked(queue: object) -> None:
-    try:
-        umbrage.render(SOLIDS, size=SIZE, device="cpu")
-    except umbrage.DeviceError as error:
-        queue.put(str(error))  # type: ignore[attr-defined]
+def _use_forked(queue: object, renderer: umbrage.Renderer, shader: umbrage.Shader, scene: umbrage.Scene) -> None:
+    told = []
+    for work in (
+        lambda: umbrage.render(SOLIDS, size=SIZE, device="cpu"),
+        renderer.render,
+        renderer.prepare,
+        lambda: shader.shade(plane_depth()),
+        lambda: scene.add(SOLIDS),
+        lambda: scene.bounds,
+        umbrage.Scene,
+    ):
+        try:
+            work()
+            told.append("nothing")
+        except umbrage.DeviceError as error:
+            told.append(str(error))
+    with renderer, scene, shader:  # which end here
+        pass
+    queue.put(told)  # type: ignore[attr-defined]
 
 
 class Processes(unittest.TestCase):
@@ -194,13 +226,29 @@ class Processes(unittest.TestCase):
             self.assertEqual(pool.map(_render_there, range(3)), [expected] * 3)
 
     def test_forked_ones_are_told(self) -> None:
-        umbrage.render(SOLIDS, size=SIZE, device="cpu")
         context = multiprocessing.get_context("fork")
-        queue = context.Queue()
-        process = context.Process(target=_render_forked, args=(queue,))
-        process.start()
-        self.assertIn("spawn", queue.get(timeout=30))
-        process.join()
+        with umbrage.Renderer(SOLIDS, size=SIZE, device="cpu") as renderer, umbrage.Shader(device="cpu") as shader:
+            expected = renderer.render().picture
+            queue = context.Queue()
+            process = context.Process(target=_use_forked, args=(queue, renderer, shader, umbrage.Scene.load(SOLIDS)))
+            process.start()
+            told = queue.get(timeout=30)
+            process.join(30)
+            self.assertEqual(process.exitcode, 0)
+            np.testing.assert_array_equal(renderer.render().picture, expected)
+        self.assertEqual(len(told), 7)
+        for text in told:
+            self.assertIn("spawn", text)
+
+    def test_those_that_are_forked_before_its_first_use_render(self) -> None:
+        code = (
+            "import multiprocessing, numpy, umbrage\n"
+            f"def draw(k): return umbrage.render('{SOLIDS}', size=(8, 8), device='cpu').picture.shape\n"
+            "umbrage.looks()\n"  # loads the library
+            "with multiprocessing.get_context('fork').Pool(2) as pool: print(pool.map(draw, range(2)))"
+        )
+        ran = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, timeout=60)
+        self.assertEqual((ran.returncode, ran.stdout.strip()), (0, b"[(8, 8, 4), (8, 8, 4)]"))
 
 
 class Library(unittest.TestCase):

@@ -71,15 +71,21 @@ class Notebook(unittest.TestCase):
         self.assertEqual(names["shaded"]["ao"].shape, (48, 64))
 
     @unittest.skipUnless(
-        importlib.util.find_spec("nbconvert") and importlib.util.find_spec("ipykernel"), "Jupyter is not installed"
+        importlib.util.find_spec("nbclient") and importlib.util.find_spec("ipykernel"), "Jupyter is not installed"
     )
     def test_jupyter_runs_it(self) -> None:
+        words = (
+            "import sys, nbclient, nbformat\n"
+            "notebook = nbclient.NotebookClient(nbformat.read(sys.argv[1], 4), kernel_name='python3').execute()\n"
+            "print(sum('image/png' in output.get('data', {}) for cell in notebook.cells for output in cell.get('outputs', ())))"
+        )
         with tempfile.TemporaryDirectory() as folder:
-            words = ["--to", "notebook", "--execute", "--output-dir", folder, self.FILE]
             environment = dict(os.environ, UMBRAGE_GALLERY_SIZE="64", HOME=folder)
-            subprocess.run([sys.executable, "-m", "nbconvert", *words], env=environment, check=True, stderr=subprocess.PIPE)
-            with open(os.path.join(folder, "gallery.ipynb"), encoding="utf-8") as file:
-                self.assertIn("image/png", file.read())
+            ran = subprocess.run(
+                [sys.executable, "-c", words, self.FILE], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+            )
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+        self.assertGreater(int(ran.stdout), 0)
 
 
 class Types(unittest.TestCase):
@@ -87,9 +93,9 @@ class Types(unittest.TestCase):
     def test_mypy_finds_nothing(self) -> None:
         words = ["--strict", "--python-version", "3.8", os.path.join(ROOT, "python", "umbrage")]
         with tempfile.TemporaryDirectory() as cache:
-            ran = subprocess.run(
-                [sys.executable, "-m", "mypy", "--cache-dir", cache, *words], stdout=subprocess.PIPE, universal_newlines=True
-            )
+            environment = {"MYPY_CACHE_DIR": cache, **os.environ}  # what the build keeps of NumPy's types serves again
+            program = [sys.executable, "-m", "mypy", *words]
+            ran = subprocess.run(program, env=environment, stdout=subprocess.PIPE, universal_newlines=True)
         self.assertEqual(ran.returncode, 0, ran.stdout)
 
 

@@ -1,5 +1,6 @@
 """Models become pictures: equal to the command line's, to the bit; cameras, passes, files, scenes from memory."""
 import os
+import pathlib
 import struct
 import tempfile
 import threading
@@ -44,10 +45,9 @@ def pixels_of_png(data: bytes) -> np.ndarray:
 class Equality(unittest.TestCase):
     def saved(self, picture: umbrage.Picture, ending: str = ".png", **how: object) -> bytes:
         with tempfile.TemporaryDirectory() as folder:
-            file = os.path.join(folder, "picture" + ending)
+            file = pathlib.Path(folder) / ("picture" + ending)
             picture.save(file, **how)  # type: ignore[arg-type]
-            with open(file, "rb") as saved:
-                return saved.read()
+            return file.read_bytes()
 
     def test_files_equal_those_of_the_command_line(self) -> None:
         for words, arguments in (
@@ -245,6 +245,11 @@ class Scenes(unittest.TestCase):
                 off.writelines(f"{x:g} {y:g} {z:g}\n" for x, y, z in CUBE)
                 off.writelines("4 " + " ".join(map(str, quad)) + "\n" for quad in QUADS)
             np.testing.assert_array_equal(umbrage.Scene.load(file).bounds, [(0, 0, 0), (1, 1, 1)])
+            with umbrage.Scene(pathlib.Path(file)) as scene, umbrage.Renderer(scene, size=SIZE, device="cpu") as renderer:
+                scene.close()
+                self.assertEqual(umbrage.render(pathlib.Path(file), size=SIZE, device="cpu").height, 32)
+                with self.assertRaisesRegex(umbrage.UsageError, "the Scene was closed"):
+                    renderer.render()
 
 
 class Lists(unittest.TestCase):

@@ -33,6 +33,13 @@ class OnAGpu(OnlyDlpack):
         return (2, 0)
 
 
+class NeedsGradient:
+    """As a tensor of torch that is differentiated."""
+
+    def __array__(self, dtype: object = None, copy: object = None) -> np.ndarray:
+        raise RuntimeError("Can't call numpy() on Tensor that requires grad. Use tensor.detach().numpy() instead.")
+
+
 def shade(*arrays: object, **arguments: object) -> umbrage.Picture:
     return umbrage.shade(*arrays, device="cpu", **arguments)  # type: ignore[arg-type]
 
@@ -71,6 +78,30 @@ class Inputs(unittest.TestCase):
         np.testing.assert_array_equal(shade(half).picture, shade(half.astype(np.float32)).picture)
         deep = (d * 10000).astype(np.uint16)
         np.testing.assert_array_equal(shade(deep).picture, shade(deep / np.float32(65535)).picture)
+
+    def test_types_of_every_kind_of_array(self) -> None:
+        class OnlyBuffer:  # a memoryview says what it is of, and has the strides
+            def __new__(cls, array: np.ndarray) -> memoryview:  # type: ignore[misc]
+                return memoryview(array)
+
+        for dtype in ("float32", "float16", "float64", "uint8", "uint16"):
+            scale = 80 if dtype.startswith("u") else 1
+            packed = np.round(self.depth * scale).astype(dtype)
+            divisor = {"uint8": 255, "uint16": 65535}.get(dtype, 1)
+            expected = shade(packed.astype(np.float32) / np.float32(divisor)).picture
+            wide = np.repeat(packed, 2, axis=1)
+            for array in (packed, packed[::-1].copy()[::-1], packed[:, ::-1].copy()[:, ::-1], wide[:, ::2]):
+                for carrier in (OnlyDlpack, OnlyInterface, OnlyBuffer):
+                    with self.subTest(dtype=dtype, strides=array.strides, carrier=carrier.__name__):
+                        taken = _arrays.image_array(carrier(array), "depth")
+                        self.assertEqual(taken.dtype, "float32" if dtype == "float64" else dtype)
+                        if dtype != "float64":  # which is converted, and nothing else
+                            self.assertTrue(np.shares_memory(taken, array))
+                        np.testing.assert_array_equal(shade(carrier(array)).picture, expected)
+        for dtype in ("int8", "int16", "int32", "int64", "uint32", "uint64"):
+            for carrier in (OnlyDlpack, OnlyInterface, OnlyBuffer):
+                with self.assertRaisesRegex(umbrage.UsageError, f"`depth` cannot be of {dtype}: it takes float32"):
+                    shade(carrier(self.depth.astype(dtype)))
 
     def test_nothing_is_copied_that_fits(self) -> None:
         d = self.depth
@@ -195,9 +226,10 @@ class Mistakes(unittest.TestCase):
         self.refused("complex", d.astype(np.complex64))
         self.refused("int64", d.astype(np.int64))
         self.refused("object", np.array([[None]]))
-        self.refused("shape", "depth")
+        self.refused("takes an array", "depth")
         self.refused("cannot be of", [["depth"]])
         self.refused("CPU", OnAGpu(d))
+        self.refused("`depth` is no array that can be read", NeedsGradient())
         self.refused("ids have 32 bits", d, object_id=np.full((32, 48), 2**40))
         self.refused("whole numbers", d, object_id=np.full((32, 48), "a"))
         self.refused("two images", d, images={"depth": d})
@@ -211,7 +243,7 @@ class Mistakes(unittest.TestCase):
         self.refused("written", d, out=read_only)
         self.refused("share memory", d, out=np.lib.stride_tricks.as_strided(np.zeros(9999, np.uint8), (32, 48, 4), (48, 1, 1)))
         self.refused("cannot be of float64", d, out=np.zeros((32, 48, 4)))
-        self.refused("no array", d, out=[[1]])
+        self.refused("takes an array", d, out=[[1]])
         self.refused("pixels", d, out=np.zeros((32, 47, 4), np.uint8))
         self.refused("channels", d, out=np.zeros((32, 48, 2), np.uint8))
         self.refused("32-bit", d, out=np.zeros((32, 48, 4), np.uint32))

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 
 from ._errors import UsageError
 from ._native import Image
+from ._suggest import shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,7 +21,7 @@ def is_id(name: str) -> bool:
     return name.rsplit(".", 1)[-1] in ("object_id", "material_id")
 
 
-def as_array(values: Any, name: str) -> NDArray[Any]:
+def as_array(values: Any, name: str, what: str = "an array") -> NDArray[Any]:
     """Any array as NumPy's, in the same memory where it has some: NumPy arrays, what has `__array_interface__` or the
     buffer protocol, CPU tensors by `__array__` or DLPack. Errors: UsageError."""
     import numpy as np
@@ -41,9 +42,12 @@ def as_array(values: Any, name: str) -> NDArray[Any]:
             and hasattr(np, "from_dlpack")
         ):
             return np.asarray(np.from_dlpack(values))
-        return np.asarray(values)
+        array = np.asarray(values)
     except (TypeError, ValueError, RuntimeError, BufferError) as error:
-        raise UsageError(f"`{name}` is no array: {error}") from error
+        raise UsageError(f"`{name}` is no array that can be read: {error}") from error
+    if array.ndim == 0 and array.dtype.kind not in "biufc":
+        raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
+    return array
 
 
 def _is_usable(array: NDArray[Any]) -> bool:
@@ -61,8 +65,8 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
         number = array.astype(np.float32) if array.dtype.kind in "iu" and not is_id(name) else array
         array = np.broadcast_to(number, shape + array.shape)
     if array.ndim not in (2, 3):
-        hint = " Drop sides of 1 by numpy.squeeze" if 1 in array.shape else ""
-        raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width) or (height, width, channels).{hint}")
+        hint = ", and numpy.squeeze drops sides of 1" if 1 in array.shape else ""
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width) or (height, width, channels){hint}")
     channels = 1 if array.ndim == 2 else array.shape[2]
     if channels != 1 and name.rsplit(".", 1)[-1] in _ONE_CHANNEL:
         raise UsageError(f"`{name}` has the shape {array.shape}: it has one channel, (height, width)")
@@ -73,13 +77,31 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
         array = _ids(array, name)
     elif array.dtype.name == "uint32" or (kind in "iu" and array.dtype.name not in _TYPES):
         raise UsageError(
-            f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16, or convert it to float32"
+            f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16, such as by "
+            "x.astype('float32')"
         )
     elif kind == "b" or (kind == "f" and array.dtype.itemsize not in (2, 4)):
         array = array.astype(np.float32)
     elif kind not in "fu":
         raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes float32, float16, uint8 or uint16")
     return array if _is_usable(array) else np.array(array, dtype=array.dtype.newbyteorder("="), order="C")
+
+
+def texture_array(values: Any, name: str) -> NDArray[Any]:
+    """A texture as (height, width, 3 or 4) of uint8: an array, or an image of Pillow. Errors: UsageError."""
+    import numpy as np
+
+    if hasattr(values, "convert") and isinstance(getattr(values, "mode", None), str):  # of Pillow: palettes, grey, ...
+        has_alpha = "A" in values.mode or "a" in values.mode or "transparency" in getattr(values, "info", {})
+        values = values.convert("RGBA" if has_alpha else "RGB")
+    array = as_array(values, name)
+    if array.dtype != np.uint8:
+        raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes uint8, from 0 to 255")
+    if array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 1):
+        array = np.repeat(array.reshape(array.shape[:2] + (1,)), 3, axis=2)
+    if array.ndim != 3 or array.shape[2] not in (3, 4):
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width), or that and 3 or 4 channels")
+    return np.ascontiguousarray(array)
 
 
 def _ids(array: NDArray[Any], name: str) -> NDArray[Any]:
@@ -105,18 +127,20 @@ def _ids(array: NDArray[Any], name: str) -> NDArray[Any]:
 def output_array(values: Any, name: str) -> NDArray[Any]:
     """The caller's memory for an output. Errors: UsageError where it cannot be written or would be a copy."""
     if isinstance(values, (list, tuple, int, float, str, bytes)):
-        raise UsageError(f"the output `{name}` is no array")
+        raise UsageError(f"the output `{name}` takes an array, not {shown(values)}")
     array = as_array(values, name)
     if array.ndim not in (2, 3):
         raise UsageError(f"the output `{name}` has the shape {array.shape}: it takes (height, width, channels)")
     if array.dtype.name not in _TYPES:
         raise UsageError(f"the output `{name}` cannot be of {array.dtype.name}: it takes {', '.join(_TYPES)}")
     if not array.flags.writeable:
-        raise UsageError(f"the output `{name}` cannot be written to")
+        raise UsageError(f"the output `{name}` is read-only: it takes memory that can be written")
     if array.size and not _is_usable(array):
-        raise UsageError(f"the output `{name}` has pixels that share memory, or bytes in another order")
+        raise UsageError(
+            f"the output `{name}` has pixels that share memory, or bytes in another order: it takes an array of its own"
+        )
     if _overlaps_itself(array):
-        raise UsageError(f"the output `{name}` has pixels that share memory")
+        raise UsageError(f"the output `{name}` has pixels that share memory: it takes an array of its own")
     return array
 
 

@@ -12,13 +12,17 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional, 
 from . import _native as native
 from ._arrays import copied_image, image_of, is_id, output_array
 from ._errors import UsageError
+from ._lists import known_parameters
 from ._picture import Picture, strokes_of
-from ._progress import Progress, Watch
+from ._progress import Progress, Watch, check_progress
 from ._scene import Scene, tell_warnings
+from ._suggest import shown, suggestion
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
+_COUNTERS = ("devices_opened", "hierarchies_built", "captures_made", "planes_copied")
 _DTYPES = ("uint8", "uint16", "float16", "float32")
 # Channels of passes, learned when they are first made: then arrays of ours can be written to directly.
 channels_of_passes: Dict[str, int] = {}
@@ -61,6 +65,8 @@ class Job:
     _kind = "Job"
 
     def __init__(self, device: str, threads: int, scene: Optional[Scene]) -> None:
+        if scene is not None:
+            scene.check_open()
         self._device = native.new_device(device, threads)
         self._scene = scene
         made = (
@@ -77,32 +83,41 @@ class Job:
     @property
     def device(self) -> str:
         """"vulkan:0: NVIDIA ..."."""
+        self._check_open()
         return (native.lib.umbGetDeviceDescription(self._device.pointer) or b"").decode("utf-8", "replace")
 
     @property
     def device_bytes(self) -> int:
         """Bytes of GPU memory that it holds; 0 on the CPU."""
+        self._check_open()
         return int(native.lib.umbGetDeviceMemory(self._device.pointer))
 
     def counter(self, name: str) -> int:
         """How often something was done so far: "hierarchies_built", "captures_made", "planes_copied" (of inputs) or
         "devices_opened". Errors: UsageError."""
-        count = int(native.lib.umbGetJobCounter(self._job.pointer, native.bytes_of(name)))
+        self._check_open()
+        count = int(native.lib.umbGetJobCounter(self._job.pointer, native.bytes_of(name, "name")))
         if count < 0:
-            raise UsageError(f"there is no counter '{name}'")
+            raise UsageError(f"there is no counter '{name}'{suggestion(name, _COUNTERS)}")
         return count
 
     def set(self, name: str, value: Any) -> None:
         """Sets a parameter: one of umbrage.parameters("render") or ("shade"), or of an effect, such as "bitmask.radius".
         None: as at first. Errors: UsageError."""
+        native.bytes_of(name, "name")
         with self._mine():
             self._set_all({name: value})
 
     def close(self) -> None:
         """Frees what it holds, before Python would."""
+        if self._job.pointer is None or native.is_forked():
+            return
         with self._mine():
             self._job.close()
             self._device.close()
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"a {self._kind} cannot be pickled or copied: make one in each process")
 
     def __enter__(self: _Self) -> _Self:
         return self
@@ -113,17 +128,20 @@ class Job:
         self.close()
 
     def _set(self, name: str, value: Any) -> None:
-        lib, job, key = native.lib, self._job.pointer, native.bytes_of(name)
+        lib, job, key = native.lib, self._job.pointer, native.bytes_of(name, "name")
         if getattr(value, "shape", None) == () and hasattr(value, "item"):  # a number of NumPy's or torch's
             value = value.item()
         if isinstance(value, os.PathLike):
             value = os.fspath(value)
+        row = known_parameters("shade" if self._scene is None else "render").get(name)
+        if row is not None and value is not None:
+            row.check(value)
         if value is None:
             code = lib.umbResetJobParameter(job, key)
         elif isinstance(value, bool):
             code = lib.umbSetJobBool(job, key, value)
         elif isinstance(value, str):
-            code = lib.umbSetJobString(job, key, native.bytes_of(value))
+            code = lib.umbSetJobString(job, key, native.bytes_of(value, name))
         elif isinstance(value, int):
             code = lib.umbSetJobInt(job, key, native.int32(value, name))
         elif isinstance(value, float):
@@ -135,19 +153,27 @@ class Job:
         if name == "strokes":
             self._has_strokes = bool(value)
 
+    def _check_passes(self, passes: Any) -> None:
+        """Errors: UsageError."""
+        for name in map(lambda word: native.bytes_of(word, "passes"), native.words(passes, "passes")):
+            self._job.check(native.lib.umbSetJobOutput(self._job.pointer, name, byref(native.Image())))
+            native.lib.umbSetJobOutput(self._job.pointer, name, None)
+
     def _set_several(self, key: bytes, name: str, value: Any) -> int:
+        row = known_parameters("shade" if self._scene is None else "render").get(name)
+        wrong = UsageError(f"`{name}` takes {row.values if row else 'a number or a string'}, not {shown(value)}")
         numbers: List[Any] = []
         try:
-            for row in value.tolist() if hasattr(value, "tolist") else list(value):
-                numbers += row if isinstance(row, (list, tuple)) else [row]
+            for each in value.tolist() if hasattr(value, "tolist") else list(value):
+                numbers += each if isinstance(each, (list, tuple)) else [each]
         except (TypeError, NotImplementedError):  # of what cannot be gone through
-            raise UsageError(f"`{name}` cannot be {value!r}") from None
+            raise wrong from None
         if numbers and all(isinstance(word, str) for word in numbers):
-            return int(native.lib.umbSetJobString(self._job.pointer, key, native.bytes_of(",".join(numbers))))
+            return int(native.lib.umbSetJobString(self._job.pointer, key, native.bytes_of(",".join(numbers), name)))
         try:
             array = (c_float * len(numbers))(*[float(number) for number in numbers])
         except (TypeError, ValueError, OverflowError):
-            raise UsageError(f"`{name}` cannot be {value!r}") from None
+            raise wrong from None
         return int(native.lib.umbSetJobFloats(self._job.pointer, key, array, len(numbers)))
 
     def _set_all(self, settings: Optional[Mapping[str, Any]], **parameters: Any) -> None:
@@ -155,7 +181,8 @@ class Job:
         given.update(native.mapping(settings, "settings"))
         for name, value in given.items():
             if name in ("width", "height"):
-                raise UsageError(f"`{name}` cannot be {value!r}: `size`, or the depth's shape, says it")
+                says = "the shape of depth" if self._scene is None else "`size`, (width, height),"
+                raise UsageError(f"`{name}` cannot be set: {says} says it")
             self._set(name, value)
 
     @contextmanager
@@ -171,27 +198,32 @@ class Job:
 
     def _set_camera(self, camera: Where) -> None:
         """Errors: UsageError."""
-        given = native.mapping(vars(camera) if isinstance(camera, Camera) else camera, "camera")
+        given = native.mapping(vars(camera) if isinstance(camera, Camera) else camera, "camera", "a Camera or a dict")
+        for name in given:
+            if name not in Camera.__dataclass_fields__:
+                raise UsageError(f"a camera has no '{name}'{suggestion(name, Camera.__dataclass_fields__)}")
         for name in Camera.__dataclass_fields__:
             self._set("camera." + name, given.pop(name, None))
-        if given:
-            names = ", ".join(Camera.__dataclass_fields__)
-            raise UsageError(f"a camera has no '{next(iter(given))}': it has {names}")
 
     @contextmanager
     def _mine(self) -> Iterator[None]:
-        """Other threads wait. Errors: UsageError within its own progress callback, and once it is closed."""
+        """Other threads wait. Errors: UsageError within its own progress callback, and once it is closed; DeviceError in
+        a forked process."""
+        native.check_process()
         me = threading.get_ident()
         if self._user == me:
             raise UsageError(f"a {self._kind} cannot be used within its own progress callback")
         with self._lock:
-            if self._job.pointer is None:
-                raise UsageError(f"the {self._kind} was closed")
+            self._check_open()
             self._user = me
             try:
                 yield
             finally:
                 self._user = None
+
+    def _check_open(self) -> None:
+        if self._job.pointer is None:
+            raise UsageError(f"the {self._kind} was closed")
 
     def _call(self, function: Any, progress: Progress, is_before: bool = False) -> None:
         """A long call on the job, under progress. Warnings go on to Python's."""
@@ -226,7 +258,7 @@ class Job:
                     image = image_of(array)
                 else:
                     image = native.Image(type=1, width=width, height=height)
-                job.check(lib.umbSetJobOutput(job.pointer, native.bytes_of(name), byref(image)))
+                job.check(lib.umbSetJobOutput(job.pointer, native.bytes_of(name, "name"), byref(image)))
             self._call(lib.umbExecuteJob, progress)
             made = native.names_of(lib.umbGetJobOutputName, job.pointer)
             for name in made:
@@ -234,7 +266,7 @@ class Job:
                     arrays[name] = self._taken(name)
         finally:
             for name in wanted:
-                lib.umbSetJobOutput(job.pointer, native.bytes_of(name), None)
+                lib.umbSetJobOutput(job.pointer, native.bytes_of(name, "name"), None)
         color = arrays.get("color")
         passes = {name: arrays[name] for name in made if name != "color"}
         if not self._has_strokes:
@@ -246,7 +278,7 @@ class Job:
         import numpy as np
 
         image = native.Image()
-        self._job.check(native.lib.umbGetJobOutput(self._job.pointer, native.bytes_of(name), byref(image)))
+        self._job.check(native.lib.umbGetJobOutput(self._job.pointer, native.bytes_of(name, "name"), byref(image)))
         channels_of_passes[name] = image.channels
         array = copied_image(image)
         if is_id(name) and array.dtype.kind == "f":
@@ -254,6 +286,19 @@ class Job:
             array = np.where(is_surface, array, 0).astype(np.uint32)
             array[~is_surface] = 2**32 - 1
         return array
+
+
+def checked_dtype(dtype: Any) -> np.dtype[Any]:
+    """That of a picture. Errors: UsageError."""
+    import numpy as np
+
+    try:
+        kind = np.dtype(dtype)
+    except TypeError:
+        kind = np.dtype(object)
+    if kind.name not in _DTYPES:
+        raise UsageError(f"`dtype` takes one of {', '.join(_DTYPES)}, not {shown(dtype)}")
+    return kind
 
 
 def wanted_outputs(
@@ -266,12 +311,7 @@ def wanted_outputs(
     wanted: Dict[str, Optional[NDArray[Any]]] = {}
     if has_color or "color" in given:
         if "color" not in given:
-            try:
-                kind = np.dtype(dtype)
-            except TypeError:
-                kind = np.dtype(object)
-            if kind.name not in _DTYPES:
-                raise UsageError(f"`dtype` cannot be {dtype!r}: it is {', '.join(_DTYPES)}")
+            kind = checked_dtype(dtype)
             width, height = size
             is_possible = 0 < width <= 1 << 14 and 0 < height <= 1 << 14  # else the library says why it is not
             wanted["color"] = np.empty((height, width, 4) if is_possible else (0, 0, 4), kind)
@@ -288,6 +328,7 @@ def one_bar(progress: Progress) -> Iterator[Progress]:
     """One bar for all calls."""
     from ._progress import Bar
 
+    check_progress(progress)
     if progress is not True:
         yield progress
         return

@@ -2,9 +2,11 @@
 from __future__ import annotations
 
 from ctypes import byref, c_char_p, sizeof
-from typing import Dict, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterable, NamedTuple, Optional, Sequence, Tuple
 
 from . import _native as native
+from ._errors import UsageError
+from ._suggest import shown, suggestion
 
 
 def _list(number: int) -> Dict[str, str]:
@@ -59,21 +61,78 @@ class Parameter(NamedTuple):
     choices: Tuple[str, ...]
     range: Optional[Tuple[float, float]]
 
+    @property
+    def default(self) -> Any:
+        """`initial` as a value that the parameter takes; None where it is chosen when it is needed."""
+        if self.type == "bool":
+            return {"on": True, "true": True, "off": False, "false": False}.get(self.initial)
+        if self.type in ("int", "float", "float3", "float4", "float9"):
+            try:
+                numbers = [int(n) if self.type == "int" else float(n) for n in self.initial.split(",")]
+            except ValueError:
+                return None
+            return tuple(numbers) if len(numbers) > 1 else numbers[0]
+        if self.type == "length":
+            return self.initial if self.initial[:1].isdigit() else None
+        if self.type == "choice":
+            return self.initial if self.initial in self.choices else None
+        return self.initial if self.initial and " " not in self.initial and "'" not in self.initial else None
+
+    def check(self, value: Any) -> None:
+        """Whether a value is of the parameter's type, as far as the library would not say it better. Errors:
+        UsageError."""
+        if self.type == "bool" and not isinstance(value, (bool, str)):
+            raise UsageError(f"`{self.name}` takes True or False, not {shown(value)}")
+        is_text = isinstance(value, str) or (isinstance(value, (list, tuple)) and all(isinstance(v, str) for v in value))
+        if self.type in ("string", "choice") and not is_text:
+            what = f"one of {', '.join(self.choices)}" if self.choices else "a string"
+            raise UsageError(f"`{self.name}` takes {what}, not {shown(value)}")
+        if self.type not in ("bool", "string", "choice") and isinstance(value, (bool, bytes)):
+            raise UsageError(f"`{self.name}` takes {self.values}, not {shown(value)}")
+
+    @property
+    def values(self) -> str:
+        """What it takes, in words."""
+        words = {"int": "a whole number", "length": "a number, or a share such as '5%'", "bool": "True or False"}
+        several = {"float3": "three numbers", "float4": "four numbers", "float9": "nine numbers"}
+        return {**words, **several, "string": "a string", "choice": "a string"}.get(self.type, "a number")
+
 
 def parameters(owner: str) -> Dict[str, Parameter]:
     """The parameters of "render", "shade", "scene" or an effect, by name. Errors: UsageError."""
     rows: Dict[str, Parameter] = {}
     row = native.Parameter(size=sizeof(native.Parameter))
-    while True:
-        code = native.lib.umbGetParameter(native.bytes_of(owner), len(rows), byref(row))
-        if code and not rows:
-            native.check(code)
-        if code:
-            native.lib.umbGetError(None)
-            return rows
+    while native.lib.umbGetParameter(native.bytes_of(owner, "owner"), len(rows), byref(row)) == 0:
         name, kind, about, unit, initial, choices = (
             (text or b"").decode("utf-8", "replace")
             for text in (row.name, row.type, row.help, row.unit, row.initial, row.choices)
         )
         limits = None if row.min == 0 and row.max == 0 else (row.min, row.max)
         rows[name] = Parameter(name, kind, about, unit, initial, tuple(choices.split()), limits)
+    native.lib.umbGetError(None)  # that there are no more
+    if not rows and owner not in effects():
+        owners = ("render", "shade", "scene", *effects())
+        raise UsageError(f"nothing with parameters is called '{owner}'{suggestion(owner, owners)}")
+    return rows
+
+
+_KNOWN: Dict[str, Dict[str, Parameter]] = {}
+
+
+def known_parameters(owner: str) -> Dict[str, Parameter]:
+    """Those of "render", "shade" or "scene", which the library is asked for once."""
+    if owner not in _KNOWN:
+        _KNOWN[owner] = parameters(owner)
+    return _KNOWN[owner]
+
+
+_NOT_SAID_SO = ("width", "height", "near_plane", "far_plane")  # here they have other names, of which callers tell
+
+
+def check_keywords(given: Iterable[str], owner: str, arguments: Sequence[str]) -> None:
+    """Whether keywords are parameters of the owner. `arguments`: what may be meant besides. Errors: UsageError."""
+    for name in given:
+        known = known_parameters(owner)
+        if name not in known and name not in _NOT_SAID_SO and "." not in name:  # those of effects the library knows
+            names = [*arguments, *(each for each in known if "." not in each and each not in _NOT_SAID_SO)]
+            raise UsageError(f"there is no parameter '{name}'{suggestion(name, names)}")

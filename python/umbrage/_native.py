@@ -22,9 +22,10 @@ from ctypes import (
     c_void_p,
     py_object,
 )
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from ._errors import DeviceError, UsageError, error_of
+from ._suggest import shown
 
 _LIBRARY = "libumbrage.so.1"
 # Versions of the C interface that this package speaks: UMB_VERSION from the first on, and below the second.
@@ -195,11 +196,14 @@ def _text(message: Optional[bytes]) -> str:
     return (message or b"").decode("utf-8", "replace")
 
 
-def bytes_of(text: Union[str, bytes]) -> bytes:
-    """A string for the library. Errors: UsageError for a null character, which would end it."""
+def bytes_of(text: Any, name: str) -> bytes:
+    """A string for the library. Errors: UsageError, which calls it by that name, for what is none, and for a null
+    character, which would end it."""
+    if not isinstance(text, (str, bytes)):
+        raise UsageError(f"`{name}` takes a string, not {shown(text)}")
     encoded = text if isinstance(text, bytes) else os.fsencode(text)
     if b"\0" in encoded:
-        raise UsageError(f"{text!r} holds a null character")
+        raise UsageError(f"`{name}` cannot be {shown(text)}, which holds a null character")
     return encoded
 
 
@@ -234,7 +238,7 @@ class Handle:
 
     def close(self) -> None:
         pointer, self.pointer = self.pointer, None
-        if pointer is not None:
+        if pointer is not None and not _forked:  # the threads that it would wait for are not in a forked process
             self._release(pointer)
 
     def __del__(self) -> None:
@@ -244,41 +248,64 @@ class Handle:
             pass
 
 
-def new_device(name: str, threads: int) -> Handle:
-    """Errors: UsageError, DeviceError."""
-    global _used
+def is_forked() -> bool:
+    """Whether objects of the library are another process's."""
+    return _forked
+
+
+def check_process() -> None:
+    """Errors: DeviceError in a process that was forked from one that had used Umbrage."""
     if _forked:
         raise DeviceError(
             "this process was forked from one that had used Umbrage, whose threads it lacks: start processes with "
             'multiprocessing.get_context("spawn")'
         )
+
+
+def new_device(name: str, threads: int) -> Handle:
+    """Errors: UsageError, DeviceError."""
+    global _used
+    check_process()
     _used = True
-    return Handle(lib.umbNewDevice(bytes_of(name), int32(threads, "threads")), "Device")
+    return Handle(lib.umbNewDevice(bytes_of(name, "device"), int32(threads, "threads")), "Device")
 
 
 def int32(number: Any, name: str) -> int:
     """A whole number that fits. Errors: UsageError."""
     try:
+        if isinstance(number, bool):
+            raise TypeError
         whole = number.__index__()
-    except AttributeError:
-        raise UsageError(f"`{name}` takes a whole number, not {number!r}") from None
+    except (AttributeError, TypeError):
+        raise UsageError(f"`{name}` takes a whole number, not {shown(number)}") from None
     return max(-(2**31), min(2**31 - 1, int(whole)))
 
 
 def number(value: Any, name: str) -> float:
     """Errors: UsageError."""
     try:
+        if isinstance(value, bool):
+            raise TypeError
         return float(value)
     except (TypeError, ValueError, OverflowError):
-        raise UsageError(f"`{name}` takes a number, not {value!r}") from None
+        raise UsageError(f"`{name}` takes a number, not {shown(value)}") from None
 
 
-def mapping(value: Any, name: str) -> Dict[str, Any]:
+def is_true(value: Any, name: str) -> bool:
+    """Errors: UsageError."""
+    if getattr(value, "shape", None) == () and hasattr(value, "item"):  # of NumPy
+        value = value.item()
+    if not isinstance(value, bool):
+        raise UsageError(f"`{name}` takes True or False, not {shown(value)}")
+    return value
+
+
+def mapping(value: Any, name: str, what: str = "a dict by name") -> Dict[str, Any]:
     """A caller's dict, copied; None is empty. Errors: UsageError."""
     if value is None:
         return {}
     if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
-        raise UsageError(f"`{name}` takes a dict by name, not {value!r}")
+        raise UsageError(f"`{name}` takes {what}, not {shown(value)}")
     return dict(value)
 
 
@@ -291,7 +318,7 @@ def words(names: Any, name: str) -> List[str]:
     except TypeError:
         parted = [None]
     if not all(isinstance(word, str) for word in parted):
-        raise UsageError(f"`{name}` takes names, not {names!r}")
+        raise UsageError(f"`{name}` takes names, not {shown(names)}")
     return parted
 
 

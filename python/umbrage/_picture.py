@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optiona
 from . import _native as native
 from ._arrays import image_of
 from ._errors import UmbrageWarning, UsageError
+from ._suggest import shown, suggestion
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -79,7 +80,7 @@ class Picture:
         if name == "color" and self._color is not None:
             return self._color
         if name not in self.passes:
-            raise KeyError(f"no pass '{name}' was made, but {', '.join(self.keys()) or 'none'}")
+            raise KeyError(f"no pass '{name}' was made{suggestion(str(name), self.keys())}")
         return self.passes[name]
 
     def __contains__(self, name: object) -> bool:
@@ -107,7 +108,11 @@ class Picture:
         `bits`: 8 or 16, of .png. `half`: 16-bit floats in .exr where they suffice. A picture of 8 bits becomes no better
         by either: ask for dtype="float32" when you render. Errors: UsageError; FileError.
         """
-        file = native.bytes_of(os.fspath(path))
+        try:
+            file = native.bytes_of(os.fspath(path), "path")
+        except TypeError:
+            raise UsageError(f"`path` takes a string or a path, not {shown(path)}") from None
+        native.is_true(half, "half")
         ending = file.lower()
         if ending.endswith(b".svg"):
             self._save_strokes(file)
@@ -116,14 +121,14 @@ class Picture:
         is_deep = ending.endswith((b".exr", b".pfm")) or bits == 16
         if has_color and is_deep and self.picture.dtype == "uint8":
             warnings.warn(
-                f'"{os.fspath(path)}" gets a picture of 8 bits: render with dtype="float32" for all of them',
+                f'"{os.fsdecode(file)}" gets a picture of 8 bits: render with dtype="float32" for all of them',
                 UmbrageWarning,
                 stacklevel=2,
             )
         arrays: List[Tuple[str, NDArray[Any]]] = [("color", self.picture)] if has_color else []
         arrays += self.passes.items()
         count = len(arrays)
-        names = (ctypes.c_char_p * count)(*[native.bytes_of(name) for name, _ in arrays])
+        names = (ctypes.c_char_p * count)(*[native.bytes_of(name, "passes") for name, _ in arrays])
         images = (native.Image * count)(*[image_of(array) for _, array in arrays])
         native.check(native.lib.umbWriteImages(file, names, images, count, native.int32(bits, "bits"), half))
 

@@ -6,7 +6,16 @@ import time
 from types import TracebackType
 from typing import Any, Callable, Generator, List, Optional, Type, Union
 
+from ._errors import UsageError
+from ._suggest import shown
+
 Progress = Union[None, bool, Callable[[float], Any]]
+
+
+def check_progress(progress: Any) -> None:
+    """Errors: UsageError."""
+    if progress is not None and not isinstance(progress, bool) and not callable(progress):
+        raise UsageError(f"`progress` takes True, False or a function of one number, not {shown(progress)}")
 
 
 class Bar:
@@ -49,6 +58,7 @@ class Watch:
     """
 
     def __init__(self, progress: Progress, is_before: bool = False) -> None:
+        check_progress(progress)
         self._bar = Bar() if progress is True else None
         self._tell: Optional[Callable[[float], Any]] = self._bar or (progress if callable(progress) else None)
         self._is_before = is_before

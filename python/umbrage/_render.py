@@ -6,10 +6,15 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native as native
 from ._errors import UsageError
-from ._job import Job, Where, one_bar, wanted_outputs
+from ._job import Job, Where, checked_dtype, one_bar, wanted_outputs
+from ._lists import check_keywords
 from ._picture import Picture
-from ._progress import Progress
+from ._progress import Progress, check_progress
 from ._scene import SCENE_PARAMETERS, Scene
+from ._suggest import shown
+
+_OF_PICTURES = ("size", "camera", "passes", "dtype", "out", "progress", "settings")
+_OF_RENDERERS = ("look", "quality", "device", "threads")
 
 
 class Renderer(Job):
@@ -21,6 +26,8 @@ class Renderer(Job):
             for k in range(36):
                 renderer.render({"azimuth_deg": 10 * k}).save(f"bunny_{k:02d}.png")
 
+    `render` may be called as often as you like, frame after frame, with other cameras, sizes and parameters: what is
+    the same as the last time is kept, and after an error it may go on. A picture is the caller's, and stays as it is.
     One thread at a time may use it; others wait. A scene without lights stays lit as its first picture's camera stood.
     """
 
@@ -43,6 +50,9 @@ class Renderer(Job):
         **parameters: Any,
     ) -> None:
         """Arguments and errors are those of umbrage.render; those of a picture are what `render` starts from."""
+        of_pictures = [name for name in parameters if name not in SCENE_PARAMETERS]
+        check_keywords(of_pictures, "render", _OF_PICTURES + _OF_RENDERERS + SCENE_PARAMETERS)
+        check_progress(progress)
         of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
         if isinstance(model, Scene) and of_scene:
             raise UsageError(f"`{next(iter(of_scene))}` is the scene's: set it by Scene.set, before what it is for is added")
@@ -53,6 +63,8 @@ class Renderer(Job):
         self._camera, self._passes, self._dtype, self._progress = camera, passes, dtype, progress
         self._set_all(settings, look=look, quality=quality, **parameters)
         self._place(self._size, camera)
+        self._check_passes(passes)
+        checked_dtype(dtype)
         self._job.check(native.lib.umbCheckJob(self._job.pointer))  # before the model is read
         if is_read:
             scene.add(model, progress=progress)
@@ -80,6 +92,12 @@ class Renderer(Job):
         `out`: an array (height, width, 4) or (height, width, 3) for the picture, or a dict of arrays by pass; any
         strides. Errors: UsageError, DeviceError, what `progress` raises; outputs are then as they were.
         """
+        for name in parameters:
+            if name in ("device", "threads") + SCENE_PARAMETERS:
+                raise UsageError(f"`{name}` cannot be changed: it is said when the Renderer is made")
+        check_keywords(parameters, "render", _OF_PICTURES + _OF_RENDERERS)
+        check_progress(progress)
+        self._used_scene().check_filled()
         with self._mine(), self._used_scene().reading(), self._kept_on_errors():
             at = self._size if size is None else _size(size)
             self._set_all(settings, **parameters)
@@ -103,7 +121,7 @@ def _size(size: Any) -> Tuple[int, int]:
     try:
         width, height = size
     except (TypeError, ValueError):
-        raise UsageError(f"`size` cannot be {size!r}: it is (width, height)") from None
+        raise UsageError(f"`size` takes (width, height), not {shown(size)}") from None
     return native.int32(width, "width"), native.int32(height, "height")
 
 

@@ -6,19 +6,37 @@ import os
 import threading
 import warnings
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Sequence, Tuple, Union
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence, Tuple, Type, Union
 
 from . import _native as native
-from ._arrays import _TYPES, as_array, image_array, image_of
+from ._arrays import _TYPES, as_array, image_of, texture_array
 from ._errors import UmbrageWarning, UsageError
-from ._progress import Progress, Watch
+from ._foreign import is_model, meshes_of
+from ._progress import Progress, Watch, check_progress
+from ._suggest import shown, suggestion
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ._picture import Picture
 
-SCENE_PARAMETERS = frozenset(("up", "crease_angle_deg", "point_size", "point_sprites", "scene_index"))
+SCENE_PARAMETERS = ("up", "crease_angle_deg", "point_size", "point_sprites", "scene_index")
+_OF_MESHES = (
+    "colors",
+    "normals",
+    "uv",
+    "radii",
+    "name",
+    "albedo",
+    "emission",
+    "specular",
+    "shininess",
+    "texture",
+    "emission_texture",
+    "alpha_cutoff",
+    "instances",
+)
 
 
 def tell_warnings(texts: List[bytes], depth: int = 4) -> None:
@@ -51,24 +69,37 @@ class Scene:
         up: Union[None, str, Sequence[float]] = None,
         **parameters: Any,
     ) -> None:
-        """An empty scene, or one of a mesh: see add_mesh, which takes `colors`, `normals`, `uv` and more.
+        """An empty scene, or one of a mesh: see add_mesh, which takes `colors`, `normals`, `uv` and more. Or
+        `vertices` alone is a model: see add.
 
         `up`: which way is up in the world, "+Z" or three numbers; default +Y. Other parameters of
         umbrage.parameters("scene"), such as `crease_angle_deg`, hold for what is added afterwards.
         Errors: UsageError.
         """
+        mesh = dict(parameters, faces=faces, colors=colors, normals=normals, uv=uv)
+        known = ("vertices", "faces") + SCENE_PARAMETERS + _OF_MESHES
+        for name in mesh:
+            if name not in known:
+                raise UsageError(f"a Scene has no argument '{name}'{suggestion(name, known)}")
         self._device = native.new_device("cpu", 1)  # computes nothing: errors and warnings are told to it
         self._handle = native.Handle(native.lib.umbNewScene(self._device.pointer), "Scene")
         self._lock = threading.Lock()
         self._readers = 0
         self._is_changing = False
-        of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
-        for name, value in dict(of_scene, up=up).items():
-            self.set(name, value)
-        if vertices is not None:
-            self.add_mesh(vertices, faces, colors=colors, normals=normals, uv=uv, **parameters)
-        elif faces is not None or colors is not None or normals is not None or uv is not None or parameters:
-            raise UsageError("a mesh needs `vertices`")
+        self._is_empty = True
+        self.set("up", up)
+        for name in SCENE_PARAMETERS:
+            if mesh.get(name) is not None:
+                self.set(name, mesh[name])
+        given = {name: value for name, value in mesh.items() if value is not None and name not in SCENE_PARAMETERS}
+        if isinstance(vertices, (str, os.PathLike)) or is_model(vertices):
+            if given:
+                raise UsageError(f"`{next(iter(given))}` goes with arrays: {shown(vertices)} is a whole model")
+            self.add(vertices)
+        elif vertices is not None:
+            self.add_mesh(vertices, **given)
+        elif given:
+            raise UsageError(f"`{next(iter(given))}` goes with a mesh, which needs `vertices`")
 
     @classmethod
     def load(cls, path: Union[str, "os.PathLike[str]"], *more: Any, progress: Progress = None, **parameters: Any) -> Scene:
@@ -77,7 +108,7 @@ class Scene:
 
         Errors: UsageError; FileError; what `progress` raises.
         """
-        scene = cls(**parameters)
+        scene = cls(**_of_scenes(parameters))
         for each in (path,) + more:
             scene.add(each, progress=progress)
         return scene
@@ -85,28 +116,36 @@ class Scene:
     @classmethod
     def of(cls, thing: Any, **parameters: Any) -> Scene:
         """A scene of whatever it is: see add."""
-        return thing if isinstance(thing, Scene) and not parameters else cls(**parameters).add(thing)
+        return thing if isinstance(thing, Scene) and not parameters else cls(**_of_scenes(parameters)).add(thing)
 
     def set(self, name: str, value: Any) -> None:
         """Sets a parameter of umbrage.parameters("scene"); None: as at first. Errors: UsageError."""
         if value is not None and not isinstance(value, str):
-            flat = as_array(value, name).ravel().tolist()
+            array = as_array(value, name, "a string or numbers")
+            if array.dtype.kind not in "iuf":
+                raise UsageError(f"`{name}` takes a string or numbers, not {shown(value)}")
+            flat = array.ravel().tolist()
             value = ",".join(format(v, ".9g") if isinstance(v, float) else str(v) for v in flat)
-        text = None if value is None else native.bytes_of(value)
+        text = None if value is None else native.bytes_of(value, name)
         with self._changing():
-            self._handle.check(native.lib.umbSetSceneParameter(self._handle.pointer, native.bytes_of(name), text))
+            self._handle.check(native.lib.umbSetSceneParameter(self._handle.pointer, native.bytes_of(name, "name"), text))
 
     def add(self, thing: Any, *, progress: Progress = None) -> Scene:
         """Adds a model and returns the scene. `thing`: a path; a pair (vertices, faces); a mesh, scene or cloud of
-        trimesh, a mesh or cloud of Open3D, a surface of PyVista, or an object that has the same attributes.
+        trimesh, a mesh or cloud of Open3D, a surface, grid or cloud of PyVista, or an object that has the same
+        attributes. Colours of vertices and faces come with it, and textures of trimesh and Open3D.
 
         Errors: UsageError; FileError; what `progress` raises.
         """
+        check_progress(progress)
         if isinstance(thing, (str, os.PathLike)):
             with self._changing(), Watch(progress, is_before=True) as watch:
-                self._load(native.bytes_of(os.fspath(thing)), watch)
+                self._load(native.bytes_of(os.fspath(thing), "path"), watch)
+                self._is_empty = False
             return self
-        for mesh in _meshes_of(thing):
+        if isinstance(thing, Scene):
+            raise UsageError("a Scene cannot be added to another: add to both what they have in common")
+        for mesh in list(meshes_of(thing)):  # all of them, or none
             self.add_mesh(**mesh)
         return self
 
@@ -137,15 +176,20 @@ class Scene:
         specular: Optional[float] = None,
         shininess: Optional[float] = None,
         texture: Any = None,
+        emission_texture: Any = None,
+        alpha_cutoff: Optional[float] = None,
         instances: Any = None,
     ) -> int:
         """Adds a mesh, or without `faces` a cloud of points, and returns its number. Everything is copied.
 
         vertices: (N, 3) scene units. faces: (M, 3) indices from 0, or (M, K) convex polygons. colors: (N, 3) or (N, 4),
         or one colour for all; uint8 and uint16 are sRGB, floats linear, 0 to 1. normals: (N, 3). uv: (N, 2), (0, 0) is
-        the texture's lower left corner. radii: (N,) of points, scene units. albedo, emission: three linear numbers.
-        specular: peak of the highlight, 0 to 1. shininess: Blinn-Phong exponent. texture: (H, W, 3 or 4) uint8, sRGB,
-        that multiplies the albedo. instances: (K, 3, 4) or (K, 4, 4), places of the mesh, world from mesh.
+        the texture's lower left corner. radii: (N,) of points, scene units. albedo, emission: three linear numbers; default
+        a grey of 0.8, or 1 beside colours or a texture, which it multiplies; and 0.
+        specular: peak of the highlight, 0 to 1. shininess: Blinn-Phong exponent. texture, emission_texture: (H, W),
+        (H, W, 3) or (H, W, 4) uint8, sRGB, or an image of Pillow, which multiply albedo and emission. alpha_cutoff:
+        parts of the texture with less alpha are cut away. instances: (K, 3, 4) or (K, 4, 4), places of the mesh, world
+        from mesh.
         Errors: UsageError, also for numbers that are not finite and indices beyond the vertices.
         """
         import numpy as np
@@ -160,15 +204,34 @@ class Scene:
         triangles = None if faces is None else _triangles(faces, count)
         if triangles is not None:
             buffers.append(("index", triangles))
-        for each, values, sides in (("normal", normals, (3,)), ("uv", uv, (2,)), ("radius", radii, (1,))):
+        for each, argument, values, sides in (
+            ("normal", "normals", normals, (3,)),
+            ("uv", "uv", uv, (2,)),
+            ("radius", "radii", radii, (1,)),
+        ):
             if values is not None:
-                buffers.append((each, _rows(values, each, sides, np.float32, count)))
+                buffers.append((each, _rows(values, argument, sides, np.float32, count)))
         if colors is not None:
             buffers.append(("color", _colors(colors, count)))
-        given = {"albedo": albedo, "emission": emission, "specular": specular, "shininess": shininess}
-        floats = {each: _floats(value, each) for each, value in given.items() if value is not None}
-        named = native.bytes_of(name)
-        skin = None if texture is None else image_array(texture, "texture")
+        is_colored = colors is not None or texture is not None  # they multiply the albedo, which else is a grey of 0.8
+        given = {
+            "albedo": (1.0, 1.0, 1.0) if albedo is None and is_colored else albedo,
+            "emission": emission,
+            "specular": specular,
+            "shininess": shininess,
+            "alpha_cutoff": alpha_cutoff,
+        }
+        floats = {
+            each: _floats(value, each, 3 if each in ("albedo", "emission") else 1)
+            for each, value in given.items()
+            if value is not None
+        }
+        named = native.bytes_of(name, "name")
+        skins = [
+            (of, texture_array(image, argument))
+            for of, argument, image in (("albedo", "texture", texture), ("emission", "emission_texture", emission_texture))
+            if image is not None
+        ]
         places: Any = None if instances is None else _places(instances)
         with self._changing():
             mesh = lib.umbAddMesh(scene.pointer, named, count, 0 if triangles is None else len(triangles))
@@ -184,11 +247,12 @@ class Scene:
             for each, numbers in floats.items():
                 data = numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_float))
                 scene.check(lib.umbSetMeshFloats(scene.pointer, mesh, each.encode(), data, len(numbers)))
-            if skin is not None:
-                scene.check(lib.umbSetMeshTexture(scene.pointer, mesh, b"albedo", ctypes.byref(image_of(skin))))
+            for of, skin in skins:
+                scene.check(lib.umbSetMeshTexture(scene.pointer, mesh, of.encode(), ctypes.byref(image_of(skin))))
             for k in range(0 if places is None else len(places)):
                 data = places[k].ctypes.data_as(ctypes.POINTER(ctypes.c_float))
                 scene.check(lib.umbAddMeshInstance(scene.pointer, mesh, data))
+            self._is_empty = False
         return int(mesh)
 
     @property
@@ -199,6 +263,7 @@ class Scene:
         box = np.empty((2, 3), np.float32)
         corners = [corner.ctypes.data_as(ctypes.POINTER(ctypes.c_float)) for corner in box]
         with self.reading():
+            self.check_filled()
             self._handle.check(native.lib.umbGetSceneBounds(self._handle.pointer, *corners))
         return box
 
@@ -214,6 +279,29 @@ class Scene:
 
         return render(self, **arguments)
 
+    def close(self) -> None:
+        """Frees what it holds, before Python would. Renderers of it end with it."""
+        if self._handle.pointer is not None and not native.is_forked():
+            with self._changing():
+                self._handle.close()
+                self._device.close()
+
+    def __enter__(self) -> Scene:
+        return self
+
+    def __exit__(
+        self, kind: Optional[Type[BaseException]], error: Optional[BaseException], trace: Optional[TracebackType]
+    ) -> None:
+        self.close()
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Scene cannot be pickled or copied: make one in each process")
+
+    def check_filled(self) -> None:
+        """Errors: UsageError for an empty one."""
+        if self._is_empty:
+            raise UsageError("the scene is empty: `add` and `add_mesh` fill it")
+
     @property
     def handle(self) -> native.Handle:
         """The library's scene."""
@@ -222,6 +310,7 @@ class Scene:
     @contextmanager
     def reading(self) -> Iterator[None]:
         """While it is used."""
+        self.check_open()
         with self._lock:
             if self._is_changing:
                 raise UsageError("the scene is being changed by another thread")
@@ -232,8 +321,15 @@ class Scene:
             with self._lock:
                 self._readers -= 1
 
+    def check_open(self) -> None:
+        """Errors: UsageError once it is closed; DeviceError in a forked process."""
+        native.check_process()
+        if self._handle.pointer is None:
+            raise UsageError("the Scene was closed")
+
     @contextmanager
     def _changing(self) -> Iterator[None]:
+        self.check_open()
         with self._lock:
             if self._readers or self._is_changing:
                 raise UsageError("the scene cannot be changed while it is rendered or changed by another thread")
@@ -245,13 +341,22 @@ class Scene:
                 self._is_changing = False
 
 
-def _floats(values: Any, name: str) -> NDArray[Any]:
-    """Errors: UsageError."""
+def _of_scenes(parameters: Dict[str, Any]) -> Dict[str, Any]:
+    """Errors: UsageError for others."""
+    for name in parameters:
+        if name not in SCENE_PARAMETERS:
+            raise UsageError(f"a scene has no parameter '{name}'{suggestion(name, SCENE_PARAMETERS)}")
+    return parameters
+
+
+def _floats(values: Any, name: str, count: Optional[int] = None) -> NDArray[Any]:
+    """So many numbers. Errors: UsageError."""
     import numpy as np
 
-    array = as_array(values, name).ravel()
-    if array.dtype.kind not in "fiu":
-        raise UsageError(f"`{name}` cannot be {values!r}: it takes numbers")
+    what = {None: "numbers", 1: "a number", 3: "three numbers"}[count]
+    array = as_array(values, name, what).ravel()
+    if array.dtype.kind not in "fiu" or (count is not None and array.size != count):
+        raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
     return array.astype(np.float32)
 
 
@@ -344,72 +449,3 @@ def _places(instances: Any) -> NDArray[Any]:
     if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)):
         raise UsageError(f"`instances` has the shape {array.shape}: it takes (K, 3, 4) or (K, 4, 4)")
     return _floats(array[:, :3, :], "instances").reshape(-1, 12)
-
-
-def _meshes_of(thing: Any) -> Iterator[Any]:
-    """The arguments of add_mesh for objects of other libraries. Errors: UsageError."""
-    import numpy as np
-
-    if isinstance(thing, (tuple, list)) and len(thing) == 2:  # (vertices, faces)
-        yield {"vertices": thing[0], "faces": thing[1]}
-    elif hasattr(thing, "geometry") and hasattr(thing, "dump"):  # trimesh.Scene: its meshes at their places
-        for mesh in thing.dump():
-            for each in _meshes_of(mesh):
-                yield each
-    elif hasattr(thing, "vertices") and hasattr(thing, "triangles"):  # open3d.geometry.TriangleMesh
-        yield {
-            "vertices": thing.vertices,
-            "faces": np.asarray(thing.triangles),
-            "colors": _screen_colors(getattr(thing, "vertex_colors", None)),
-            "normals": _some(getattr(thing, "vertex_normals", None)),
-        }
-    elif hasattr(thing, "vertices") and hasattr(thing, "faces"):  # trimesh.Trimesh
-        skin = getattr(thing, "visual", None)
-        has_colors = getattr(skin, "kind", None) == "vertex"
-        colors = skin.vertex_colors if has_colors and skin is not None else None
-        yield {"vertices": thing.vertices, "faces": thing.faces, "colors": colors}
-    elif hasattr(thing, "points") and hasattr(thing, "faces"):  # pyvista.PolyData
-        faces = np.asarray(thing.faces)
-        yield {"vertices": thing.points, "faces": faces if faces.size else None, "colors": _vtk_colors(thing)}
-    elif hasattr(thing, "points"):  # open3d.geometry.PointCloud
-        yield {
-            "vertices": thing.points,
-            "colors": _screen_colors(getattr(thing, "colors", None)),
-            "normals": _some(getattr(thing, "normals", None)),
-        }
-    elif hasattr(thing, "vertices"):  # trimesh.PointCloud
-        yield {"vertices": thing.vertices, "colors": _some(getattr(thing, "colors", None))}
-    else:
-        raise UsageError(
-            f"{type(thing).__name__} is no model: a path, (vertices, faces), an umbrage.Scene, or an object of trimesh, "
-            "Open3D or PyVista is"
-        )
-
-
-def _some(values: Any) -> Any:
-    """The array, or None where it is empty."""
-    import numpy as np
-
-    return None if values is None or len(values) == 0 else np.asarray(values)
-
-
-def _screen_colors(values: Any) -> Any:
-    """Floats that are shown as they are, which is sRGB, as integers, which are taken so."""
-    import numpy as np
-
-    array = _some(values)
-    if array is None or array.dtype.kind != "f":
-        return array
-    return np.rint(np.clip(np.nan_to_num(array), 0, 1) * 65535).astype(np.uint16)
-
-
-def _vtk_colors(surface: Any) -> Optional[NDArray[Any]]:
-    """Colours of points, where they are 8-bit ones."""
-    import numpy as np
-
-    data = getattr(surface, "point_data", None)
-    for values in [] if data is None else list(data.values()):
-        array = np.asarray(values)
-        if array.dtype == np.uint8 and array.ndim == 2 and array.shape[1] in (3, 4):
-            return array
-    return None

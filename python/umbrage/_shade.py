@@ -9,8 +9,13 @@ from . import _native as native
 from ._arrays import image_array, image_of, share_memory
 from ._errors import UsageError
 from ._job import Job, wanted_outputs
+from ._lists import check_keywords
 from ._picture import Picture
-from ._progress import Progress
+from ._progress import Progress, check_progress
+
+_ARGUMENTS = ("depth", "normal", "albedo", "object_id", "images", "fov", "window", "orthographic", "depth_kind", "near",
+              "far", "look", "effects", "passes", "quality", "settings", "dtype", "out", "device", "threads", "progress")
+_OTHER_NAMES = {"near_plane": "near", "far_plane": "far"}
 
 
 class Shader(Job):
@@ -22,7 +27,9 @@ class Shader(Job):
         for depth in frames:
             show(shader.shade(depth).picture)
 
-    One thread at a time may use it; others wait.
+    `shade` may be called as often as you like, frame after frame, with arrays of any size: memory of the last time
+    serves again, and after an error it may go on. A picture is the caller's, and stays as it is. One thread at a time
+    may use it; others wait.
     """
 
     _kind = "Shader"
@@ -48,19 +55,24 @@ class Shader(Job):
         **parameters: Any,
     ) -> None:
         """Arguments and errors are those of umbrage.shade."""
+        for name in parameters:
+            if name in _OTHER_NAMES:
+                raise UsageError(f"there is no parameter '{name}' (did you mean '{_OTHER_NAMES[name]}'?)")
+        check_keywords(parameters, "shade", _ARGUMENTS)
+        check_progress(progress)
         super().__init__(device, threads, None)
         if fov is not None and window is not None:
             raise UsageError("`fov` and `window` say the same: give one of them")
-        if orthographic and window is None:
+        if native.is_true(orthographic, "orthographic") and window is None:
             raise UsageError("an orthographic camera takes `window`: left, right, bottom and top, in scene units")
         self._fov = 40.0 if fov is None else native.number(fov, "fov")
         if not 0.0 < self._fov < 180.0:
-            raise UsageError(f"`fov` cannot be {fov}: it takes degrees, above 0 and below 180")
+            raise UsageError(f"`fov` cannot be {self._fov:g}: it takes degrees, above 0 and below 180")
         self._window = window
         self._effects = native.words(effects, "effects")
         self._passes, self._dtype, self._progress = passes, dtype, progress
         if near is not None and not math.isfinite(native.number(near, "near")):
-            raise UsageError(f"`near` cannot be {near}: it is finite")
+            raise UsageError(f"`near` cannot be {near}: it takes a finite distance")
         far = None if far is None or native.number(far, "far") == math.inf else far
         self._set_all(
             settings,
@@ -89,11 +101,14 @@ class Shader(Job):
         """Shades arrays: see umbrage.shade. Errors: UsageError, DeviceError, what `progress` raises; outputs are then as
         they were."""
         lib, job = native.lib, self._job
-        inputs = native.mapping(images, "images")
+        check_progress(progress)
+        inputs = native.mapping(images, "images", "a dict of arrays by name")
+        if depth is None:
+            raise UsageError("`depth` takes an array, not None")
         for name, values in (("depth", depth), ("normal", normal), ("albedo", albedo), ("object_id", object_id)):
             if values is not None:
                 if name in inputs:
-                    raise UsageError(f"there are two images '{name}'")
+                    raise UsageError(f"there are two images '{name}': `images` has it, and the argument `{name}`")
                 inputs[name] = values
         with self._mine():
             first = image_array(depth, "depth")
@@ -111,11 +126,11 @@ class Shader(Job):
                 self._set("window", (-right, right, -top, top))
             try:
                 for name, array in arrays.items():
-                    job.check(lib.umbSetJobImage(job.pointer, native.bytes_of(name), byref(image_of(array))))
+                    job.check(lib.umbSetJobImage(job.pointer, native.bytes_of(name, "images"), byref(image_of(array))))
                 return self._make((width, height), wanted, self._progress if progress is None else progress)
             finally:
                 for name in arrays:
-                    lib.umbSetJobImage(job.pointer, native.bytes_of(name), None)
+                    lib.umbSetJobImage(job.pointer, native.bytes_of(name, "images"), None)
 
 
 def shade(

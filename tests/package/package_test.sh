@@ -80,7 +80,7 @@ case $name in
           "$CXX" -std=$standard -Wall -Wextra -Wpedantic -Werror -fsyntax-only -I "$prefix/include" -x c++ -
       done
     done
-    echo '#include <umbrage/umbrage.hpp>' |
+    printf '#include <umbrage/umbrage.hpp>\nUmbError wide(umb::Job& job) { return job.set("width", 3u); }\n' |
       "$CXX" -std=c++17 -fno-exceptions -Wall -Wextra -Werror -fsyntax-only -I "$prefix/include" -x c++ -
     # That of everyone includes nothing but the standard library.
     if grep '#include' "$prefix/include/umbrage/umbrage.h" | grep -v '<[a-z]*\.h>$'; then fail "includes of others"; fi
