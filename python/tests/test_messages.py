@@ -83,10 +83,10 @@ class Messages(unittest.TestCase):
             (rendered(size=3), r"`size` takes \(width, height\), not 3"),
             (rendered(width="abc"), "`width` cannot be set: `size`"),
             (shaded(height=8), "`height` cannot be set: the shape of depth"),
-            (rendered(look=3), "`look` takes a string, not 3"),
-            (rendered(look=True), "`look` takes a string, not True"),
+            (rendered(look=3), "`look` takes one of .*, not 3"),
+            (rendered(look=True), "`look` takes one of .*, not True"),
             (rendered(ground=1), "`ground` takes one of auto, on, off, not 1"),
-            (rendered(quality=np.float32(2)), "`quality` takes a string, not 2.0"),
+            (rendered(quality=np.float32(2)), "`quality` takes one of .*, not 2.0"),
             (rendered(transparent=3), "`transparent` takes True or False, not 3"),
             (rendered(anti_aliasing="abc"), "`anti_aliasing` cannot be 'abc': it takes a whole number"),
             (rendered(anti_aliasing=object()), "`anti_aliasing` takes a whole number, not <object"),
@@ -133,7 +133,7 @@ class Messages(unittest.TestCase):
             self.said(call, text)
 
     def test_long_values_are_cut(self) -> None:
-        self.said(rendered(look=[1] * 10000), r"`look` takes a string, not \[1, 1.*\.\.\.$")
+        self.said(rendered(look=[1] * 10000), r"`look` takes one of .*, not \[1, 1.*\.\.\.$")
         self.said(rendered(camera=np.zeros((1000, 1000))), r"not an array of the shape \(1000, 1000\)")
 
     def test_objects(self) -> None:
