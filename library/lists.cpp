@@ -73,6 +73,15 @@ std::string_view type_of(const Option& row) {
   return kTypes[row.where.index()];
 }
 
+/// What holds where nobody sets it, in words; of the picture's size and of flags as setters take it.
+std::string initial_of(const Option& row) {
+  Request request;
+  if (const auto* flag = std::get_if<FieldOf<bool>>(&row.where)) return (*flag)(request) ? "true" : "false";
+  const auto* number = std::get_if<FieldOf<int>>(&row.where);
+  if (number && (row.initial.empty() || row.form == OptionForm::kSize)) return fmt::format("{}", (*number)(request));
+  return std::string(row.initial);
+}
+
 std::string joined(const auto& words) {
   std::string text;
   for (const std::string_view word : words) text += (text.empty() ? "" : " ") + std::string(word);
@@ -85,7 +94,7 @@ UmbParameter parameter_of(const Option& row) {
           kept_text(type_of(row)),
           kept_text(row.form == OptionForm::kSize ? "width of the picture" : row.help),
           kept_text(row.unit),
-          kept_text(row.initial),
+          kept_text(initial_of(row)),
           kept_text(joined(words_of(row))),
           row.min,
           row.max};

@@ -175,6 +175,7 @@ const std::vector<Option> kOptions = {
      .option = "ao-radius",
      .group = "Technique",
      .help = "reach of occlusion: scene units (0.3) or a share of the scene's radius (5%)",
+     .initial = "the look's",
      .where = in<&Request::occlusion_radius>,
      .commands = kScenes | kShade,
      .form = OptionForm::kLength,

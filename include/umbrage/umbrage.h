@@ -258,7 +258,7 @@ typedef struct UmbParameter {
   const char* type; /* "bool", "int", "float", "float3", "float4", "float9", "string", "length" or "choice" */
   const char* help;
   const char* unit;    /* "deg", "px", "%", "scene units", or "" for a plain number or text */
-  const char* initial; /* what holds where it is not set, in words */
+  const char* initial; /* what holds where it is not set, in words; "": it is found from the scene */
   const char* choices; /* values of a "choice", separated by spaces; or "" */
   double min, max;     /* of numbers; both 0: no range */
 } UmbParameter;
