@@ -2,7 +2,7 @@
 # BUILD_SHARED_LIBS, where it is set, leaves out one of them.
 set(UMBRAGE_ABI 1) # the number of the shared library
 set(objects "")
-foreach(folder core system kernel effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io renderer library)
+foreach(folder core system kernel lines effects looks scene scene_readers generators rays reference devices_shared devices_cpu devices_vulkan io renderer library)
   list(APPEND objects $<TARGET_OBJECTS:umbrage_${folder}>)
 endforeach()
 

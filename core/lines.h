@@ -23,9 +23,6 @@ struct Line {
   std::vector<LinePoint> points;
 };
 
-/// The points of a polyline without those that it hardly leaves when they go: by less than a twentieth of a pixel.
-std::vector<LinePoint> simplified(const std::vector<LinePoint>& points);
-
 struct Lines {
   int width = 0, height = 0;  ///< of the picture, pixels
   std::vector<Line> lines;

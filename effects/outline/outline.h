@@ -26,7 +26,7 @@ const int kOutlineObjects = 1, kOutlineMaterials = 2;
 const float kOutlineWidest = 16.0f;  // pixels
 
 // Edges between neighbouring pixels are whole numbers below 2^21, as outline_edges stores them:
-//   bits 0-1    kind, or 0 where there is none
+//   bits 0-1    kind, the higher the surer, or 0 where there is none
 //   bits 2-8    strength, in units of its threshold, times 31
 //   bits 9-15   place, from the one pixel's centre to the other's, times 127
 //   bits 16-20  how many pairs from this one to the one that it lies in, plus kOutlineMaxWindow

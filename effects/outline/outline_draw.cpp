@@ -5,123 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "effects/outline/outline_chains.h"
-#include "effects/outline/outline_grid.h"
+#include "lines/chains.h"
 
 namespace umbrage {
 namespace {
-
-constexpr float kTaper = 12.0f;     // pixels of a free end that become narrower; grows
-constexpr float kEven = 6.0f;       // points to either side whose mean width counts; grows
-constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels, from which on they are crowded
-constexpr float kBeside = 4.5f;     // pixels beside a surer line, within which one fades; grows
-constexpr float kParallel = 0.85f;  // cosine from which on two ways are about the same
-constexpr float kMinShare = 0.05f;  // of its width, of a line that is seen
-constexpr float kShare = 0.6f;      // of the distance to the line beside it, that a line may cover
-
-/// The share of its width that a line has at a point.
-float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographic) {
-  float weight = p.kind == kOutlineDepth ? 1.0f - c.inner * c.inner_px / (p.drop + c.inner_px) : 1.0f;
-  if (c.inner > 0.0f) weight *= std::min(p.strength, 1.0f);
-  if (!orthographic && p.depth > c.recede_from) weight *= 1.0f - c.recede * (1.0f - std::sqrt(c.recede_from / p.depth));
-  return weight;
-}
-
-/// Makes a chain's width even along it, and tapers its free ends.
-void even_out(const Chain& chain, const Tracing& t, std::array<bool, 2> is_free, std::vector<float>& width) {
-  const int count = int(width.size()), around = int(std::lround(std::max(kEven * t.c.scale, t.c.width_px)));
-  std::vector<double> sum(1, 0.0);
-  for (const float w : width) sum.push_back(sum.back() + w);
-  for (int k = 0; k < count; ++k) {
-    const int first = std::max(0, k - around), end = std::min(count, k + around + 1);
-    width[k] = float((sum[end] - sum[first]) / (end - first));
-  }
-  const float taper = kTaper * t.c.scale;
-  for (int last = 0; last < 2 && t.c.inner > 0.0f; ++last) {
-    if (!is_free[last]) continue;
-    float along = 0.0f;
-    for (int k = 0; k < count && along < taper; ++k) {
-      const auto at = std::size_t(last ? count - 1 - k : k), before = last ? at + 1 : at - 1;
-      if (k > 0)
-        along += length_of(chain.points[at].x - chain.points[before].x, chain.points[at].y - chain.points[before].y);
-      width[at] *= 1.0f - t.c.inner * (1.0f - std::sqrt(std::min(1.0f, along / taper)));
-    }
-  }
-}
-
-/// How sure a chain is, in the mean: ids more than depth discontinuities, these more than creases; of equals the longer
-/// one.
-float sureness(const Chain& chain) {
-  float sum = 0.0f;
-  for (const ChainPoint& p : chain.points)
-    sum += p.kind == kOutlineId ? 5.0f * kOutlineMaxStrength : p.kind == kOutlineDepth ? 2.0f * p.strength : p.strength;
-  const auto count = float(chain.points.size());
-  return sum / count + 1e-3f * std::min(count, 500.0f);
-}
-
-/// Makes lines narrower where they have little room. Of two side by side each covers no more than a share of the
-/// distance between them, though at least half of its own width: what lies between keeps some of its colour. The less
-/// sure one fades the nearer it is, since it may be the other's double. Where lines are crowded all become thinner: a
-/// tone.
-void give_way(const Tracing& t, std::vector<std::vector<float>>& widths) {
-  const PointGrid grid(t.chains, t.frame.frame.width, t.frame.frame.height);
-  const float beside = kBeside * std::max(t.c.scale, 1.0f);  // no less than the pixels' grid has room for
-  std::vector<float> sure(t.chains.size());
-  tbb::parallel_for(std::size_t(0), sure.size(), [&](std::size_t c) { sure[c] = sureness(t.chains[c]); });
-  tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t c) {
-    const Chain& chain = t.chains[c];
-    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next one has about as much room
-      const ChainPoint& p = chain.points[k];
-      const float width = widths[c][k], reach = std::max(width / kShare, beside);
-      const auto way = way_at(chain, int(k));
-      float nearest = reach, nearest_surer = beside;
-      grid.near(p.x, p.y, reach, [&](const PointGrid::Entry& e, float d2) {
-        if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
-        if (std::abs(way[0] * e.dx + way[1] * e.dy) < kParallel) return;
-        const float across = std::abs((e.x - p.x) * way[1] - (e.y - p.y) * way[0]);
-        if (across * across < 0.5f * d2) return;  // before or behind it on its way
-        nearest = std::min(nearest, across);
-        if (sure[e.chain] > sure[c]) nearest_surer = std::min(nearest_surer, across);
-      });
-      float room = std::clamp(kShare * nearest / std::max(width, 1e-6f), 0.5f, 1.0f);
-      if (p.kind != kOutlineId) room *= std::clamp(2.0f * nearest_surer / beside - 1.0f, 0.0f, 1.0f);
-      room *= std::min(1.0f, kMaxCrowd / float(grid.crowd(p.x, p.y)));
-      for (std::size_t of = k; of < std::min(k + 2, chain.points.size()); ++of) widths[c][of] *= room;
-    }
-  });
-}
-
-/// The kind of most of a chain's points.
-LineKind kind_of(const Chain& chain) {
-  std::array<int, 4> count{};
-  for (const ChainPoint& p : chain.points) ++count[p.kind];
-  const auto kind = std::max_element(count.begin() + 1, count.end()) - count.begin();
-  return kind == kOutlineCrease ? LineKind::kCrease : kind == kOutlineDepth ? LineKind::kFold : LineKind::kOutline;
-}
-
-Lines lines_of(const Tracing& t, const std::vector<std::array<bool, 2>>& is_free) {
-  Lines all{t.frame.frame.width, t.frame.frame.height, std::vector<Line>(t.chains.size())};
-  std::vector<std::vector<float>> widths(t.chains.size());
-  for (std::size_t k = 0; k < t.chains.size(); ++k)
-    for (const ChainPoint& p : t.chains[k].points)
-      widths[k].push_back(t.c.width_px * t.chains[k].weight * weight_of(p, t.c, t.frame.frame.orthographic != 0));
-  give_way(t, widths);
-  tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
-    const Chain& chain = t.chains[k];
-    Line& line = all.lines[k];
-    line.closed = chain.closed;
-    line.kind = kind_of(chain);
-    line.object = chain.points[chain.points.size() / 2].object;
-    std::vector<float>& width = widths[k];
-    even_out(chain, t, is_free[k], width);
-    if (*std::max_element(width.begin(), width.end()) < kMinShare * t.c.width_px) return;
-    std::vector<LinePoint> points;
-    for (std::size_t p = 0; p < width.size(); ++p) points.push_back({chain.points[p].x, chain.points[p].y, width[p]});
-    line.points = simplified(points);
-  });
-  std::erase_if(all.lines, [](const Line& line) { return line.points.empty(); });
-  return all;
-}
 
 /// Covers rows [first, end) by a part of a line.
 void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const HostPlane& cover, int columns, int first,
@@ -144,21 +31,6 @@ void draw_segment(const LinePoint& a, const LinePoint& b, float opacity, const H
 }
 
 }  // namespace
-
-Lines trace_lines(const HostFrame& frame, const OutlineConstants& constants) {
-  constexpr float kMinLoose = 24.0f, kMinBranch = 6.0f;  // pixels, of what ends free on both sides, and on one; grows
-  Tracing t(frame, constants);
-  find_chains(t);
-  keep_clear_parts(t);
-  bridge_gaps(t);
-  drop_short(t, kMinLoose, kMinBranch);
-  std::vector<std::array<bool, 2>> is_free;
-  const std::vector<int> meetings = t.meetings();
-  for (const Chain& chain : t.chains) is_free.push_back({t.is_free(chain, 0, meetings), t.is_free(chain, 1, meetings)});
-  smooth_chains(t);
-  meet(t);
-  return lines_of(t, is_free);
-}
 
 void draw_lines(const Lines& lines, float opacity, const HostPlane& cover) {
   constexpr int kRows = 32;  // that are drawn at once

@@ -1,6 +1,4 @@
 // The lines that `outline` traces, on scenes whose edges are known.
-#include <tbb/global_control.h>
-
 #include <chrono>
 #include <map>
 #include <random>
@@ -351,38 +349,6 @@ TEST(OutlineLines, OfNoWidthCoverNothing) {
   const Traced inner = traced(random_gbuffer(200, 3), {{"inner", "1"}, {"depth", "0.5"}});
   for (const Line& line : inner.lines.lines)
     for (const LinePoint& p : line.points) ASSERT_TRUE(std::isfinite(p.width) && p.width >= 0.0f);
-}
-
-// A square of creases with two tails, whose left side is faint for a stretch: what is left of it is open, and its lines
-// end there and nowhere else.
-TEST(OutlineLines, ClosedOnesAreCutWhereTheyAreFaint) {
-  constexpr int kSize = 256, kLow = 60, kHigh = 180;
-  Image edges(kSize, kSize);
-  for (const char* name : {"outline_edge_right", "outline_edge_below", "depth", "object_id"})
-    edges.add(name) = Plane(kSize, kSize, name == std::string("depth") ? 5.0f : 0.0f);
-  const auto set = [&](const char* name, int x, int y, float strength) {
-    edges.plane(name).at(x, y) =
-        float(kOutlineCrease + int(strength * 31.0f) * 4 + 64 * 512 + kOutlineMaxWindow * 65536);
-  };
-  for (int k = kLow; k < kHigh; ++k) {
-    set("outline_edge_below", k, kLow, 2.0f);
-    set("outline_edge_below", k, kHigh, 2.0f);
-    set("outline_edge_right", kLow - 1, k + 1, k > 100 && k < 140 ? 0.5f : 2.0f);
-    set("outline_edge_right", kHigh - 1, k + 1, 2.0f);
-  }
-  for (int k = kHigh; k < kHigh + 50; ++k) {
-    set("outline_edge_below", k, 100, 2.0f);
-    set("outline_edge_below", k, 150, 2.0f);
-  }
-  GBuffer g = seen({kSize, kSize}, ground(90.0, 0.0));
-  const auto constants = constants_of<OutlineConstants>("outline", g.info, {});
-  std::vector<HostPlane> inputs;
-  for (std::size_t k = 0; k < edges.names.size(); ++k)
-    inputs.push_back({edges.names[k], edges.planes[k].row(0), edges.planes[k].stride});
-  const Lines lines =
-      trace_lines({g.info, frame_constants(g.info, inputs[0].stride, 0), &constants, inputs, {}}, constants);
-  EXPECT_EQ(free_ends(lines).size(), 4u);
-  EXPECT_NEAR(length_of(lines), 4 * (kHigh - kLow) - 40 + 100, 12.0);
 }
 
 TEST(OutlineLines, KnowTheirKindsAndObjects) {

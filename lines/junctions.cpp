@@ -1,38 +1,21 @@
 // Chains of edges between the nodes of the graph, and which of them are one line.
-#include "effects/outline/outline_chains.h"
-
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <span>
 #include <tuple>
+
+#include "lines/trace.h"
 
 namespace umbrage {
 namespace {
 
-constexpr float kFaint = 0.6f;  // mean strength below which a line ends,
-constexpr float kClear = 0.8f;  // and which it has somewhere; up to kFull it fades in
-constexpr float kFull = 0.97f;  // that of a line at the threshold, however it was rounded
-constexpr float kMean = 4.0f;   // pixels to either side, of that mean; grows
-
-float surface_depth(float depth) { return depth > 0.0f && depth <= 3.4e38f ? depth : 0.0f; }
-
 /// Fills in what is known of a point by its edge.
-void describe(const Tracing& t, ChainPoint& p) {
-  const Edge& e = t.graph[p.edge];
+void describe(const Edge& e, ChainPoint& p) {
   p.x = float(e.x) + 0.5f, p.y = float(e.y) + 0.5f;
-  p.strength = e.strength, p.kind = e.kind;
   (e.below ? p.y : p.x) += e.place;
-  const int x2 = e.x + !e.below, y2 = e.y + e.below;
-  const float z1 = surface_depth(t.depth.row(e.y)[e.x]), z2 = surface_depth(t.depth.row(y2)[x2]);
-  const float id1 = t.object.row(e.y)[e.x], id2 = t.object.row(y2)[x2];
-  const bool first = z2 == 0.0f || (z1 > 0.0f && z1 <= z2);
-  p.depth = first ? z1 : z2;
-  const float id = first ? id1 : id2;
-  p.object = std::abs(id) < 1e9f ? int(id) : 0;
-  const bool within = e.kind == kOutlineCrease || (e.kind == kOutlineDepth && id1 == id2);
-  p.drop = within ? std::abs(z1 - z2) / std::max(t.pixel(p.depth), 1e-30f) : std::numeric_limits<float>::infinity();
+  p.strength = e.strength, p.kind = e.kind;
 }
 
 /// Where a chain leads at its end in a node, outwards. Of one of few points that is the way from its other node.
@@ -81,30 +64,6 @@ void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<fl
   }
 }
 
-/// Makes one chain of those that go on in each other at nodes.
-void pair_at_nodes(Tracing& t) {
-  std::vector<int> first(2 * std::size_t(t.graph.size()) + 1, 0), ends;  // of each node; ends by node
-  const auto for_ends = [&](const auto& work) {
-    for (int end = 0; end < 2 * int(t.chains.size()); ++end)
-      if (const int node = t.chains[end / 2].node[end % 2]; node >= 0) work(end, std::size_t(node));
-  };
-  for_ends([&](int, std::size_t node) { ++first[node + 1]; });
-  for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
-  ends.resize(std::size_t(first.back()));
-  std::vector<int> next = first;
-  for_ends([&](int end, std::size_t node) { ends[next[node]++] = end; });
-  std::vector<float> strength(t.chains.size(), 0.0f);  // in the mean
-  tbb::parallel_for(std::size_t(0), strength.size(), [&](std::size_t k) {
-    for (const ChainPoint& p : t.chains[k].points) strength[k] += p.strength / float(t.chains[k].points.size());
-  });
-  std::vector<int> mate(2 * t.chains.size(), -1);
-  tbb::parallel_for(std::size_t(0), first.size() - 1, [&](std::size_t node) {
-    const std::span<const int> at(ends.data() + first[node], ends.data() + first[node + 1]);
-    if (at.size() > 1) pair_node(t, at, strength, mate);
-  });
-  concatenate(t, mate, false);
-}
-
 }  // namespace
 
 void find_chains(Tracing& t) {
@@ -136,41 +95,31 @@ void find_chains(Tracing& t) {
         walk(graph.last_node(edge), EdgeGraph::back(way), closed);
     }
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
-    for (ChainPoint& p : t.chains[k].points) describe(t, p);
+    for (ChainPoint& p : t.chains[k].points) describe(graph[p.edge], p);
   });
-  pair_at_nodes(t);
 }
 
-void keep_clear_parts(Tracing& t) {
-  const int around = std::max(1, int(std::lround(kMean * t.c.scale)));
-  std::vector<Chain> kept;
-  std::vector<float> sum;
-  for (Chain& chain : t.chains) {
-    const int count = int(chain.points.size());
-    sum.assign(1, 0.0f);
-    for (const ChainPoint& p : chain.points) sum.push_back(sum.back() + std::min(p.strength, 2.0f * kClear));
-    const auto mean = [&](int k) {
-      const int first = std::max(0, k - around), end = std::min(count, k + around + 1);
-      return (sum[end] - sum[first]) / float(end - first);
-    };
-    for (int first = 0, end; first < count; first = end) {
-      float most = 0.0f;
-      for (end = first; end < count && mean(end) >= kFaint; ++end) most = std::max(most, mean(end));
-      if (most > kClear) {
-        Chain part;
-        const bool whole = first == 0 && end == count;
-        part.closed = chain.closed && whole;
-        part.weight = std::min((most - kClear) / (kFull - kClear), 1.0f);
-        part.points.assign(chain.points.begin() + first, chain.points.begin() + end);
-        if (first == 0) part.node[0] = chain.node[0];
-        if (end == count) part.node[1] = chain.node[1];
-        if (!whole) part.points.back().node = -1;  // nor is the seam of a closed one a junction any more
-        kept.push_back(std::move(part));
-      }
-      end = std::max(end, first + 1);
-    }
-  }
-  t.chains = std::move(kept);
+void join_at_junctions(Tracing& t) {
+  std::vector<int> first(2 * std::size_t(t.graph.size()) + 1, 0), ends;  // of each node; ends by node
+  const auto for_ends = [&](const auto& work) {
+    for (int end = 0; end < 2 * int(t.chains.size()); ++end)
+      if (const int node = t.chains[end / 2].node[end % 2]; node >= 0) work(end, std::size_t(node));
+  };
+  for_ends([&](int, std::size_t node) { ++first[node + 1]; });
+  for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
+  ends.resize(std::size_t(first.back()));
+  std::vector<int> next = first;
+  for_ends([&](int end, std::size_t node) { ends[next[node]++] = end; });
+  std::vector<float> strength(t.chains.size(), 0.0f);  // in the mean
+  tbb::parallel_for(std::size_t(0), strength.size(), [&](std::size_t k) {
+    for (const ChainPoint& p : t.chains[k].points) strength[k] += p.strength / float(t.chains[k].points.size());
+  });
+  std::vector<int> mate(2 * t.chains.size(), -1);
+  tbb::parallel_for(std::size_t(0), first.size() - 1, [&](std::size_t node) {
+    const std::span<const int> at(ends.data() + first[node], ends.data() + first[node + 1]);
+    if (at.size() > 1) pair_node(t, at, strength, mate);
+  });
+  concatenate(t, mate, false);
 }
 
 }  // namespace umbrage

@@ -1,23 +1,21 @@
-// The edges between a picture's pixels as a graph: its nodes are the corners of pixels, its edges those sides of pixels
-// that an edge of the picture passes along. There is a bit for each side; edges are numbered in the order of the bits.
+// The sides of pixels that lines run along as a graph: its nodes are the corners of pixels, its edges those sides.
+// There is a bit for each side of the picture; edges are numbered in the order of the bits.
 #pragma once
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <vector>
 
-#include "effects/outline/outline.h"
-#include "kernel/host_frame.h"
-
 namespace umbrage {
 
-/// An edge between two neighbouring pixels.
+/// A side between two neighbouring pixels.
 struct Edge {
-  int x = 0, y = 0;       // the first of both pixels
-  bool below = false;     // whether the second lies below it, or to its right
-  std::uint8_t kind = 0;  // kOutlineCrease, kOutlineDepth, kOutlineId
-  float strength = 0.0f;  // in units of its threshold
-  float place = 0.5f;     // from the one pixel's centre to the other's, 0 to 1
+  int x = 0, y = 0;            // the first of both pixels
+  bool below = false;          // whether the second lies below it, or to its right
+  std::uint8_t kind = 0;       // above 0, and the caller's: the higher, the surer
+  std::uint8_t step_kind = 0;  // that of a side which closes a step next to this one
+  float strength = 0.0f;       // confidence, in units of the caller's threshold
+  float place = 0.5f;          // of the line, from the one pixel's centre to the other's, 0 to 1
 };
 
 class EdgeGraph {
@@ -26,9 +24,14 @@ class EdgeGraph {
   using Node = std::int64_t;
   static constexpr int kWays = 4;  // up, right, down, left
 
-  /// Of planes that outline_edges has written.
-  EdgeGraph(const HostPlane& right, const HostPlane& below, int width, int height);
+  /// The graph of sides of a picture that is width x height pixels. Of two edges on one side the one of higher kind
+  /// counts, of equals the stronger. A side that is missing between an edge's loose end and another edge is added, in
+  /// the order of `edges`, with the edge's strength and `step_kind`. Fails a check where an edge lies outside the
+  /// picture or has no kind.
+  EdgeGraph(std::vector<Edge> edges, int width, int height);
 
+  int width() const { return width_; }
+  int height() const { return height_; }
   int size() const { return int(edges_.size()); }
   const Edge& operator[](int edge) const { return edges_[edge]; }
   Node first_node(int edge) const { return first_node(edges_[edge]); }
@@ -58,6 +61,7 @@ class EdgeGraph {
   static Edge side(Node node, int way);
   // A row above the picture and some bits before and behind each of its rows are never set.
   std::size_t bit(const Edge& e) const { return std::size_t(e.y + 1) * row_bits_ + std::size_t(2 * e.x + e.below + 2); }
+  void set(const Edge& e) { bits_[bit(e) / 64] |= std::uint64_t(1) << (bit(e) % 64); }
   int number(const Edge& side) const;
   void number_edges(const std::vector<Edge>& all);
   void fill_steps(std::vector<Edge>& edges);

@@ -1,4 +1,4 @@
-#include "core/lines.h"
+#include "lines/simplify.h"
 
 #include <cmath>
 

@@ -1,7 +1,6 @@
-// What all steps of tracing share: chains' ends, and linking chains by them.
-#include <algorithm>
+#include "lines/chains.h"
 
-#include "effects/outline/outline_chains.h"
+#include <algorithm>
 
 namespace umbrage {
 namespace {
@@ -34,19 +33,10 @@ void append(Chain& to, const Chain& from, bool reversed) {
   to.points.back().node = -1;
 }
 
-}  // namespace
-
-Tracing::Tracing(const HostFrame& of_frame, const OutlineConstants& constants)
-    : frame(of_frame),
-      c(constants),
-      depth(of_frame.input("depth")),
-      object(of_frame.input("object_id")),
-      graph(of_frame.input("outline_edge_right"), of_frame.input("outline_edge_below"), of_frame.frame.width,
-            of_frame.frame.height) {}
-
-std::vector<int> Tracing::meetings() const {
-  std::vector<int> count(2 * std::size_t(graph.size()), 0);
-  for (const Chain& chain : chains) {
+/// How many chains meet at each node: one that ends there once, one that passes twice.
+std::vector<int> meetings(const Tracing& t) {
+  std::vector<int> count(2 * std::size_t(t.graph.size()), 0);
+  for (const Chain& chain : t.chains) {
     for (const int node : chain.node)
       if (node >= 0 && !chain.closed) ++count[node];
     for (const ChainPoint& p : chain.points)
@@ -55,21 +45,25 @@ std::vector<int> Tracing::meetings() const {
   return count;
 }
 
-bool Tracing::is_free(const Chain& chain, int last, const std::vector<int>& meetings) const {
-  const int node = chain.node[last];
-  if (chain.closed || chain.joined[last] >= 0) return false;
-  return node < 0 || (!graph.at_border(graph.node(node)) && meetings[node] < 2);
+}  // namespace
+
+std::vector<std::uint8_t> Tracing::free_ends() const {
+  const std::vector<int> count = meetings(*this);
+  std::vector<std::uint8_t> free(2 * chains.size(), 0);
+  for (std::size_t end = 0; end < free.size(); ++end) {
+    const Chain& chain = chains[end / 2];
+    const int node = chain.node[end % 2];
+    if (chain.closed || chain.joined[end % 2] >= 0) continue;
+    free[end] = node < 0 || (!graph.at_border(graph.node(node)) && count[node] < 2);
+  }
+  return free;
 }
 
-void Tracing::drop_empty() {
-  std::erase_if(chains, [](const Chain& chain) { return chain.points.empty(); });
-  std::vector<std::uint8_t> alive(std::size_t(graph.size()), 0);
-  for (const Chain& chain : chains)
-    for (const ChainPoint& p : chain.points)
-      if (p.edge >= 0) alive[p.edge] = 1;
-  for (Chain& chain : chains)
-    for (int& joined : chain.joined)
-      if (joined >= 0 && !alive[joined]) joined = -1;
+float length_of(const Chain& chain) {
+  float sum = 0.7f;
+  for (std::size_t k = 1; k < chain.points.size(); ++k)
+    sum += length_of(chain.points[k].x - chain.points[k - 1].x, chain.points[k].y - chain.points[k - 1].y);
+  return sum;
 }
 
 Direction way_at(const Chain& chain, int point) {

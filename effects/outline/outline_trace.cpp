@@ -1,0 +1,111 @@
+// Which edges of a picture become lines.
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "effects/outline/outline_draw.h"
+#include "effects/outline/outline_widths.h"
+#include "lines/trace.h"
+
+namespace umbrage {
+namespace {
+
+// Mean strengths of lines, and what one at the threshold has, however it was rounded.
+constexpr float kFaint = 0.6f, kClear = 0.8f, kFull = 0.97f;
+// Lengths in pixels, which grow with the picture's height.
+constexpr float kMean = 4.0f;    // to either side of a point, of its mean strength
+constexpr float kGap = 16.0f;    // over which ends are joined
+constexpr float kLoose = 24.0f;  // of what ends free on both sides,
+constexpr float kBranch = 6.0f;  // and on one, that is too short
+
+/// The edge that a code at a pixel stands for, if it lies inside the picture.
+std::optional<Edge> decoded(float value, int x, int y, bool below, int width, int height) {
+  const auto code = std::uint32_t(value);
+  const auto kind = std::uint8_t(code & 3);
+  Edge e{.x = x,
+         .y = y,
+         .below = below,
+         .kind = kind,
+         .step_kind = std::uint8_t(kind == kOutlineId ? kOutlineCrease : kind),
+         .strength = float(code >> 2 & 127) / 31.0f,
+         .place = float(code >> 9 & 127) / 127.0f};
+  (below ? e.y : e.x) += int(code >> 16) - kOutlineMaxWindow;
+  const bool inside = e.x >= 0 && e.y >= 0 && e.x + !below < width && e.y + below < height;
+  return inside && kind != 0 ? std::optional(e) : std::nullopt;
+}
+
+/// The edges that outline_edges has written, without those that are noise.
+std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int width, int height) {
+  constexpr int kBlock = 32;                      // pixels wide and high
+  constexpr int kMost = kBlock * kBlock * 3 / 2;  // edges of one: what has more is noise
+  std::vector<std::vector<Edge>> found(std::size_t((height + kBlock - 1) / kBlock));
+  tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t row_of_blocks) {
+    std::vector<Edge>& edges = found[row_of_blocks];
+    const int first = int(row_of_blocks) * kBlock;
+    for (int y = first; y < std::min(first + kBlock, height); ++y)
+      for (const bool is_below : {false, true}) {
+        const float* row = (is_below ? below : right).row(y);
+        for (int x = 0; x < width; ++x)
+          if (row[x] > 0.0f)
+            if (const auto e = decoded(row[x], x, y, is_below, width, height)) edges.push_back(*e);
+      }
+    std::vector<int> count(std::size_t(width / kBlock + 1), 0);
+    for (const Edge& e : edges) ++count[e.x / kBlock];
+    std::erase_if(edges, [&](const Edge& e) { return count[e.x / kBlock] > kMost; });
+  });
+  std::vector<Edge> all;
+  for (const std::vector<Edge>& block : found) all.insert(all.end(), block.begin(), block.end());
+  return all;
+}
+
+float surface_depth(float depth) { return depth > 0.0f && depth <= 3.4e38f ? depth : 0.0f; }
+
+/// Fills in what lies at a point: the nearer surface, and how many pixel sizes the other one lies behind it, infinitely
+/// many if it is another object.
+void describe(const Edge& e, const HostPlane& depth, const HostPlane& object, const PixelSize& pixel, ChainPoint& p) {
+  const int x2 = e.x + !e.below, y2 = e.y + e.below;
+  const float z1 = surface_depth(depth.row(e.y)[e.x]), z2 = surface_depth(depth.row(y2)[x2]);
+  const float id1 = object.row(e.y)[e.x], id2 = object.row(y2)[x2];
+  const bool first = z2 == 0.0f || (z1 > 0.0f && z1 <= z2);
+  p.depth = first ? z1 : z2;
+  const float id = first ? id1 : id2;
+  p.object = std::abs(id) < 1e9f ? int(id) : 0;
+  const bool within = e.kind == kOutlineCrease || (e.kind == kOutlineDepth && id1 == id2);
+  p.drop = within ? std::abs(z1 - z2) / std::max(pixel.at(p.depth), 1e-30f) : std::numeric_limits<float>::infinity();
+}
+
+/// How long a line must be. Between objects it may be short unless it leads to nothing.
+float least_length(const Chain& chain, int free_ends, float scale) {
+  const bool alone = free_ends == 2 || chain.closed;
+  if (std::any_of(chain.points.begin(), chain.points.end(), [](const auto& p) { return p.kind == kOutlineId; }))
+    return alone ? 2.0f * kBranch * scale : 0.0f;
+  if (free_ends == 0 && !chain.closed) return 0.5f * kBranch * std::max(scale, 1.0f);  // slivers of the pixels' grid
+  return (alone ? kLoose : kBranch) * scale;
+}
+
+}  // namespace
+
+Lines trace_lines(const HostFrame& frame, const OutlineConstants& c) {
+  const int width = frame.frame.width, height = frame.frame.height;
+  const HostPlane &depth = frame.input("depth"), &object = frame.input("object_id");
+  const PixelSize pixel{frame.frame.ray_scale_x, frame.frame.orthographic == 0};
+  Tracing t{EdgeGraph(read_edges(frame.input("outline_edge_right"), frame.input("outline_edge_below"), width, height),
+                      width, height)};
+  find_chains(t);
+  tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t k) {
+    for (ChainPoint& p : t.chains[k].points) describe(t.graph[p.edge], depth, object, pixel, p);
+  });
+  join_at_junctions(t);
+  keep_clear_parts(t, {kFaint, kClear, kFull, std::max(1, int(std::lround(kMean * c.scale)))});
+  bridge_gaps(t, kGap * c.scale, pixel);
+  drop_short(t, [&](const Chain& chain, int free_ends) { return least_length(chain, free_ends, c.scale); });
+  const std::vector<std::uint8_t> free_ends = t.free_ends();
+  smooth_chains(t);
+  meet(t);
+  return lines_of(t, free_ends, c, !pixel.perspective);
+}
+
+}  // namespace umbrage

@@ -1,0 +1,43 @@
+// Which chains are too short for what they lead to.
+#include <algorithm>
+
+#include "lines/trace.h"
+
+namespace umbrage {
+namespace {
+
+constexpr float kAllLong = 1.5f;  // times the length that a chain must have, from which on it has all of its weight
+
+/// Forgets chains without points, and what was joined to them.
+void drop_empty(Tracing& t) {
+  std::erase_if(t.chains, [](const Chain& chain) { return chain.points.empty(); });
+  std::vector<std::uint8_t> alive(std::size_t(t.graph.size()), 0);
+  for (const Chain& chain : t.chains)
+    for (const ChainPoint& p : chain.points)
+      if (p.edge >= 0) alive[p.edge] = 1;
+  for (Chain& chain : t.chains)
+    for (int& joined : chain.joined)
+      if (joined >= 0 && !alive[joined]) joined = -1;
+}
+
+}  // namespace
+
+void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& least_px) {
+  std::vector<float> share;                                   // how long a chain is, in units of what it must be
+  for (std::size_t before = 0; t.chains.size() != before;) {  // what went can leave others free
+    before = t.chains.size();
+    const std::vector<std::uint8_t> free = t.free_ends();
+    share.assign(before, kAllLong);
+    for (std::size_t k = 0; k < before; ++k) {
+      Chain& chain = t.chains[k];
+      const float least = least_px(chain, free[2 * k] + free[2 * k + 1]);
+      if (least > 0.0f) share[k] = length_of(chain) / least;
+      if (share[k] <= 1.0f) chain.points.clear();
+    }
+    drop_empty(t);
+  }
+  for (std::size_t k = 0; k < share.size(); ++k)
+    t.chains[k].weight *= std::min((share[k] - 1.0f) / (kAllLong - 1.0f), 1.0f);
+}
+
+}  // namespace umbrage
