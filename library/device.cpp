@@ -136,7 +136,4 @@ UmbError umbSetDeviceLogCallback(UmbDevice device, UmbLogCallback callback, void
   });
 }
 
-UmbError umbGetDeviceError(UmbDevice device, const char** message) {
-  const auto object = object_of<DeviceObject>(device);
-  return object ? object->errors.take(message) : umbGetError(message);
-}
+UmbError umbGetDeviceError(UmbDevice device, const char** message) { return take_error<DeviceObject>(device, message); }

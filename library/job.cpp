@@ -209,16 +209,10 @@ UmbJob umbNewShadeJob(UmbDevice device) {
 void umbRetainJob(UmbJob job) { retain_object<JobObject>(job); }
 void umbReleaseJob(UmbJob job) { release_object<JobObject>(job); }
 
-UmbError umbGetJobError(UmbJob job, const char** message) {
-  const auto object = object_of<JobObject>(job);
-  return object ? object->errors.take(message) : umbGetError(message);
-}
+UmbError umbGetJobError(UmbJob job, const char** message) { return take_error<JobObject>(job, message); }
 
 UmbError umbSetJobProgressCallback(UmbJob job, UmbProgressCallback callback, void* user) {
-  return call_on<JobObject>(job, "umbSetJobProgressCallback", [&](JobObject& object) {
-    object.progress = monitor_of(callback, user);
-    return Result<void>();
-  });
+  return set_progress<JobObject>(job, "umbSetJobProgressCallback", callback, user);
 }
 
 UmbError umbSetJobString(UmbJob job, const char* name, const char* value) {

@@ -93,6 +93,13 @@ UmbError call_on(const void* handle, const char* call, const Work& work) {
   return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));
 }
 
+/// The first error of an object, or, where the handle is none of that kind, the thread's: see umbGetError.
+template <class T>
+UmbError take_error(const void* handle, const char** message) {
+  const auto object = object_of<T>(handle);
+  return object ? object->errors.take(message) : umbGetError(message);
+}
+
 /// Makes an object; `make` gives a Result of it. Null on an error, which is the thread's.
 template <class Handle, class Make>
 Handle make_object(const char* call, const Make& make) {

@@ -148,16 +148,10 @@ UmbScene umbNewScene(UmbDevice device) {
 void umbRetainScene(UmbScene scene) { retain_object<SceneObject>(scene); }
 void umbReleaseScene(UmbScene scene) { release_object<SceneObject>(scene); }
 
-UmbError umbGetSceneError(UmbScene scene, const char** message) {
-  const auto object = object_of<SceneObject>(scene);
-  return object ? object->errors.take(message) : umbGetError(message);
-}
+UmbError umbGetSceneError(UmbScene scene, const char** message) { return take_error<SceneObject>(scene, message); }
 
 UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user) {
-  return call_on<SceneObject>(scene, "umbSetSceneProgressCallback", [&](SceneObject& object) {
-    object.progress = monitor_of(callback, user);
-    return Result<void>();
-  });
+  return set_progress<SceneObject>(scene, "umbSetSceneProgressCallback", callback, user);
 }
 
 UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value) {

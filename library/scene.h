@@ -56,10 +56,14 @@ class SceneObject final : public Object {
   long version_ = 0;
 };
 
-/// A caller's callback as a monitor.
-inline ProgressMonitor monitor_of(UmbProgressCallback callback, void* user) {
-  if (!callback) return {};
-  return [callback, user](double done) { return callback(user, done); };
+/// Has a caller's callback told of the progress of a scene or a job; null: nobody.
+template <class T>
+UmbError set_progress(const void* handle, const char* call, UmbProgressCallback callback, void* user) {
+  return call_on<T>(handle, call, [&](T& object) -> Result<void> {
+    object.progress = {};
+    if (callback) object.progress = [callback, user](double done) { return callback(user, done); };
+    return {};
+  });
 }
 
 }  // namespace umbrage

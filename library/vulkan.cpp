@@ -174,8 +174,7 @@ void umbRetainVulkanShading(UmbVulkanShading shading) { retain_object<VulkanShad
 void umbReleaseVulkanShading(UmbVulkanShading shading) { release_object<VulkanShadingObject>(shading); }
 
 UmbError umbGetVulkanShadingError(UmbVulkanShading shading, const char** message) {
-  const auto object = object_of<VulkanShadingObject>(shading);
-  return object ? object->errors.take(message) : umbGetError(message);
+  return take_error<VulkanShadingObject>(shading, message);
 }
 
 UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* gbuffer, const UmbVulkanWork* work) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "devices/cpu/cpu_device.h"
 #include "effects/effects.h"
@@ -23,6 +24,19 @@ struct Size {
   int width, height;
 };
 constexpr Size kSizes[] = {{1, 1}, {3, 2}, {191, 347}};
+
+/// What a test is run on: every size with every one of so many variants.
+struct Run {
+  Size size;
+  unsigned variant;
+};
+std::vector<Run> runs(unsigned variants) {
+  std::vector<Run> all;
+  for (const Size size : kSizes)
+    for (unsigned variant = 0; variant < variants; ++variant) all.push_back({size, variant});
+  return all;
+}
+
 constexpr double kMostFlips = 1e-4;  // share of the pixels, of kernels that count or threshold
 
 /// Parameters of an effect, drawn from its table: variant 0 is what it has when nobody sets anything.
@@ -118,50 +132,48 @@ class Differential : public testing::TestWithParam<const Effect*> {
 
 TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
   const Effect& effect = *GetParam();
-  for (const Size size : kSizes)
-    for (unsigned variant = 0; variant < 6; ++variant) {
-      const GBuffer gbuffer = bumpy_input(effect, size, variant);
-      const ParameterBytes params = variant_of(effect, variant);
-      const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
-      for (const std::string_view target : test::lane_isas()) {
-        ASSERT_TRUE(choose_isa(target));
-        const Image lanes = outputs(effect, params, gbuffer, {.tuned = false});
-        for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-          const double scale = test::scale_of(oracle.planes[p]);
-          const auto d = test::difference(oracle.planes[p], lanes.planes[p], 1e-4 * scale);
-          const std::string what = fmt::format("{} {} {} variant {} at {}x{}", effect.name, oracle.names[p], target,
-                                               variant, size.width, size.height);
-          if (effect.quantum > 0.0) {
-            EXPECT_LE(d.share_over, kMostFlips) << what;
-            EXPECT_LE(d.most, 2.0 * effect.quantum * scale) << what;
-          } else {
-            EXPECT_LE(d.most, 1e-4 * scale) << what;
-            EXPECT_LE(d.mean, 1e-6 * scale) << what;
-          }
+  for (const auto& [size, variant] : runs(6)) {
+    const GBuffer gbuffer = bumpy_input(effect, size, variant);
+    const ParameterBytes params = variant_of(effect, variant);
+    const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
+    for (const std::string_view target : test::lane_isas()) {
+      ASSERT_TRUE(choose_isa(target));
+      const Image lanes = outputs(effect, params, gbuffer, {.tuned = false});
+      for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
+        const double scale = test::scale_of(oracle.planes[p]);
+        const auto d = test::difference(oracle.planes[p], lanes.planes[p], 1e-4 * scale);
+        const std::string what = fmt::format("{} {} {} variant {} at {}x{}", effect.name, oracle.names[p], target,
+                                             variant, size.width, size.height);
+        if (effect.quantum > 0.0) {
+          EXPECT_LE(d.share_over, kMostFlips) << what;
+          EXPECT_LE(d.most, 2.0 * effect.quantum * scale) << what;
+        } else {
+          EXPECT_LE(d.most, 1e-4 * scale) << what;
+          EXPECT_LE(d.mean, 1e-6 * scale) << what;
         }
       }
     }
+  }
 }
 
 TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
   const Effect& effect = *GetParam();
   if (std::none_of(effect.passes.begin(), effect.passes.end(), [](const Pass& pass) { return pass.tuned != nullptr; }))
     return;
-  for (const Size size : kSizes)
-    for (unsigned variant = 0; variant < 12; ++variant) {
-      GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 70 + variant);
-      add_made_inputs(effect, gbuffer);
-      const ParameterBytes params = variant_of(effect, variant);
-      for (const std::string_view target : test::lane_isas()) {
-        ASSERT_TRUE(choose_isa(target));
-        const Image plain = outputs(effect, params, gbuffer, {.tuned = false});
-        const Image tuned = outputs(effect, params, gbuffer, {.tuned = true});
-        for (std::size_t p = 0; p < plain.planes.size(); ++p)
-          EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).most, 0.0)
-              << effect.name << ' ' << plain.names[p] << ' ' << target << " variant " << variant << " at " << size.width
-              << 'x' << size.height;
-      }
+  for (const auto& [size, variant] : runs(12)) {
+    GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 70 + variant);
+    add_made_inputs(effect, gbuffer);
+    const ParameterBytes params = variant_of(effect, variant);
+    for (const std::string_view target : test::lane_isas()) {
+      ASSERT_TRUE(choose_isa(target));
+      const Image plain = outputs(effect, params, gbuffer, {.tuned = false});
+      const Image tuned = outputs(effect, params, gbuffer, {.tuned = true});
+      for (std::size_t p = 0; p < plain.planes.size(); ++p)
+        EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).most, 0.0)
+            << effect.name << ' ' << plain.names[p] << ' ' << target << " variant " << variant << " at " << size.width
+            << 'x' << size.height;
     }
+  }
 }
 
 TEST_P(Differential, ThreadsAndRunsDoNotMatter) {
@@ -179,18 +191,17 @@ TEST_P(Differential, ThreadsAndRunsDoNotMatter) {
 
 TEST_P(Differential, HostileInputGivesDefinedOutput) {
   const Effect& effect = *GetParam();
-  for (const Size size : kSizes)
-    for (unsigned variant = 0; variant < 4; ++variant) {
-      GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
-      add_made_inputs(effect, gbuffer);
-      for (const bool scalar : {true, false}) {
-        const Image image = outputs(effect, variant_of(effect, variant), gbuffer, {.scalar = scalar});
-        for (std::size_t p = 0; p < image.planes.size(); ++p) {
-          EXPECT_EQ(undefined_pixels(image, p), 0)
-              << effect.name << ' ' << image.names[p] << (scalar ? " scalar" : " lanes") << " variant " << variant;
-        }
+  for (const auto& [size, variant] : runs(4)) {
+    GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
+    add_made_inputs(effect, gbuffer);
+    for (const bool scalar : {true, false}) {
+      const Image image = outputs(effect, variant_of(effect, variant), gbuffer, {.scalar = scalar});
+      for (std::size_t p = 0; p < image.planes.size(); ++p) {
+        EXPECT_EQ(undefined_pixels(image, p), 0)
+            << effect.name << ' ' << image.names[p] << (scalar ? " scalar" : " lanes") << " variant " << variant;
       }
     }
+  }
 }
 
 // A GPU rounds some functions otherwise: all but a thousandth of the pixels are within what the eye sees, or one
@@ -201,20 +212,19 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  for (const Size size : kSizes)
-    for (unsigned variant = 0; variant < 6; ++variant) {
-      const GBuffer gbuffer = bumpy_input(effect, size, variant);
-      const ParameterBytes params = variant_of(effect, variant);
-      const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
-      const Image image = outputs(effect, params, gbuffer, *device);
-      ASSERT_EQ(image.names, oracle.names);
-      for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
-        const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
-        const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
-        EXPECT_LE(d.share_over, kMostOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
-                                           << size.width << 'x' << size.height << ", most " << d.most;
-      }
+  for (const auto& [size, variant] : runs(6)) {
+    const GBuffer gbuffer = bumpy_input(effect, size, variant);
+    const ParameterBytes params = variant_of(effect, variant);
+    const Image oracle = outputs(effect, params, gbuffer, {.scalar = true});
+    const Image image = outputs(effect, params, gbuffer, *device);
+    ASSERT_EQ(image.names, oracle.names);
+    for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
+      const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
+      const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
+      EXPECT_LE(d.share_over, kMostOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
+                                         << size.width << 'x' << size.height << ", most " << d.most;
     }
+  }
 }
 
 TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
@@ -222,17 +232,16 @@ TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  for (const Size size : kSizes)
-    for (unsigned variant = 0; variant < 4; ++variant) {
-      GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
-      add_made_inputs(effect, gbuffer);
-      const Image once = outputs(effect, variant_of(effect, variant), gbuffer, *device);
-      const Image again = outputs(effect, variant_of(effect, variant), gbuffer, *device);
-      for (std::size_t p = 0; p < once.planes.size(); ++p) {
-        EXPECT_EQ(undefined_pixels(once, p), 0) << effect.name << ' ' << once.names[p] << " variant " << variant;
-        EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).most, 0.0) << effect.name << once.names[p];
-      }
+  for (const auto& [size, variant] : runs(4)) {
+    GBuffer gbuffer = test::hostile_gbuffer(size.width, size.height, 11 + variant);
+    add_made_inputs(effect, gbuffer);
+    const Image once = outputs(effect, variant_of(effect, variant), gbuffer, *device);
+    const Image again = outputs(effect, variant_of(effect, variant), gbuffer, *device);
+    for (std::size_t p = 0; p < once.planes.size(); ++p) {
+      EXPECT_EQ(undefined_pixels(once, p), 0) << effect.name << ' ' << once.names[p] << " variant " << variant;
+      EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).most, 0.0) << effect.name << once.names[p];
     }
+  }
 }
 
 bool has_gpu_ways(const Effect& effect) {

@@ -136,9 +136,8 @@ Result<void> run_compare(const CompareOptions& o) {
 }  // namespace
 
 void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("compare", "measure each technique against ray-traced truth");
-  auto options = std::make_shared<CompareOptions>();
-  add_model_options(*command, *options, kCompare);
+  const auto [command, options] =
+      add_model_command(app, run, "compare", "measure each technique against ray-traced truth", kCompare, run_compare);
   const auto comparison = "Comparison";
   command->add_option("--ao", options->techniques, "techniques, such as unsharp,reference, or all [all]")
       ->group(comparison);
@@ -157,7 +156,6 @@ void add_compare(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(comparison);
   add_group(*command, *options, kCompare, "Technique");
   add_device_options(*command, *options, kCompare);
-  command->callback([options, &run] { run = with_options(options, run_compare); });
 }
 
 }  // namespace umbrage::cli

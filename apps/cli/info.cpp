@@ -210,12 +210,10 @@ Result<void> info(const InfoOptions& o) {
 }  // namespace
 
 void add_info(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("info", "say what a model holds and how it was understood");
-  auto options = std::make_shared<InfoOptions>();
-  add_model_options(*command, *options, kInfo);
+  const auto [command, options] =
+      add_model_command(app, run, "info", "say what a model holds and how it was understood", kInfo, info);
   command->add_flag("--json", options->json, "print JSON");
   add_config_option(*command);
-  command->callback([options, &run] { run = with_options(options, info); });
 }
 
 }  // namespace umbrage::cli

@@ -117,7 +117,10 @@ void add_group(CLI::App& command, CommonOptions& o, OptionCommand which, std::st
     if ((row.commands & which) && row.group == group) add_one(command, o, row.field, group);
 }
 
-void add_model_options(CLI::App& command, CommonOptions& o, OptionCommand which) {
+CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::string& help, CommonOptions& o,
+                            OptionCommand which, std::function<void()> named) {
+  CLI::App& command = *app.add_subcommand(name, help);
+  command.callback(std::move(named));
   command.add_option("MODEL", o.models, "model files, - for standard input, or scene:NAME?detail=TRIANGLES")
       ->required();
   add_group(command, o, which, "Scene");
@@ -126,6 +129,7 @@ void add_model_options(CLI::App& command, CommonOptions& o, OptionCommand which)
                   "format of the model on standard input, such as obj [by its content]")
       ->group("Scene");
   add_group(command, o, which, "Camera");
+  return &command;
 }
 
 void add_device_options(CLI::App& command, CommonOptions& o, OptionCommand which) {

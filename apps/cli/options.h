@@ -48,8 +48,6 @@ void add_check(CLI::Option& option, Check check);
 
 /// Adds the options of a group that this command has.
 void add_group(CLI::App& command, CommonOptions& options, OptionCommand which, std::string_view group);
-/// Models, and the groups Scene and Camera.
-void add_model_options(CLI::App& command, CommonOptions& options, OptionCommand which);
 /// The group Device, --verbose and --config.
 void add_device_options(CLI::App& command, CommonOptions& options, OptionCommand which);
 /// One option, in that group; its help and what holds where nobody says, where they differ from the table's.
@@ -75,6 +73,27 @@ std::function<Result<void>()> with_options(std::shared_ptr<Options> options, Res
     auto taken = take_options(*options);
     return taken ? command(*options) : taken;
   };
+}
+
+/// Adds a command that takes models, with the groups Scene and Camera; `named` is called if it is the one that was
+/// named.
+CLI::App* add_model_command(CLI::App& app, const std::string& name, const std::string& help, CommonOptions& options,
+                            OptionCommand which, std::function<void()> named);
+
+template <class Options>
+struct ModelCommand {
+  CLI::App* command;
+  std::shared_ptr<Options> options;
+};
+/// Such a command, which sets `run` to `function` of its options.
+template <class Options>
+ModelCommand<Options> add_model_command(CLI::App& app, std::function<Result<void>()>& run, const std::string& name,
+                                        const std::string& help, OptionCommand which,
+                                        Result<void> (*function)(const Options&)) {
+  const auto options = std::make_shared<Options>();
+  return {add_model_command(app, name, help, *options, which,
+                            [options, &run, function] { run = with_options(options, function); }),
+          options};
 }
 
 /// A message of the library with the options' names in place of the fields'.

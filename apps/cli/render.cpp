@@ -406,9 +406,7 @@ Result<void> render(const RenderOptions& given) {
 }  // namespace
 
 void add_render(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("render", "draw a model to a file");
-  auto options = std::make_shared<RenderOptions>();
-  add_model_options(*command, *options, kRender);
+  const auto [command, options] = add_model_command(app, run, "render", "draw a model to a file", kRender, render);
   for (const char* group : {"Technique", "Picture", "Light"}) add_group(*command, *options, kRender, group);
   const auto output = "Output";
   command
@@ -438,7 +436,6 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   });
   command->add_flag("--json", options->json, "print the time of each stage as JSON")->group(output);
   add_device_options(*command, *options, kRender);
-  command->callback([options, &run] { run = with_options(options, render); });
 }
 
 }  // namespace umbrage::cli

@@ -98,10 +98,9 @@ Result<void> run_tune(const TuneOptions& o) {
 }  // namespace
 
 void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("tune", "search the best settings for a scene, against ray-traced truth");
-  auto options = std::make_shared<TuneOptions>();
+  const auto [command, options] = add_model_command(
+      app, run, "tune", "search the best settings for a scene, against ray-traced truth", kTune, run_tune);
   std::tie(options->request.width, options->request.height) = std::pair(960, 540);
-  add_model_options(*command, *options, kTune);
   const auto search = "Search";
   add_number(*command, "--time", options->budget_ms, kBudgetMs, "milliseconds that occlusion may take, with its filter",
              "as it does")
@@ -115,7 +114,6 @@ void add_tune(CLI::App& app, std::function<Result<void>()>& run) {
   command->add_flag("--json", options->json, "print all that was tried as JSON");
   add_group(*command, *options, kTune, "Technique");
   add_device_options(*command, *options, kTune);
-  command->callback([options, &run] { run = with_options(options, run_tune); });
 }
 
 }  // namespace umbrage::cli

@@ -41,6 +41,14 @@ Result<Progression> run(Device& device, std::string_view effect, Frame& frame) {
   return device.run(e, initial_parameters(e.parameters, e.params_size), frame);
 }
 
+/// A frame of the G-buffer, with its light.
+Result<Frame> lit_frame(Device& device, const GBuffer& gbuffer) {
+  auto frame = device.upload(gbuffer);
+  if (!frame) return frame;
+  if (const auto done = run(device, "lighting", *frame); !done) return done.error();
+  return frame;
+}
+
 void expect_equal(const Image& a, const Image& b) {
   ASSERT_EQ(a.names, b.names);
   ASSERT_EQ(a.width, b.width);
@@ -253,9 +261,8 @@ TEST(Vulkan, TellsWhatPassesTook) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   gpu->take_pass_times();
-  auto frame = gpu->upload(test::bumpy_gbuffer(256, 256, 5));
+  auto frame = lit_frame(*gpu, test::bumpy_gbuffer(256, 256, 5));
   ASSERT_TRUE(frame);
-  ASSERT_TRUE(run(*gpu, "lighting", *frame));
   ASSERT_TRUE(run(*gpu, "gaussian", *frame));
   ASSERT_TRUE(gpu->finish());
   const auto times = gpu->take_pass_times();
@@ -276,9 +283,8 @@ TEST(Vulkan, AThousandFramesTakeNoMoreMemoryThanTen) {
   const GBuffer gbuffer = test::bumpy_gbuffer(64, 48, 5);
   VulkanMemory after_ten;
   for (int k = 0; k < 1000; ++k) {
-    auto frame = gpu->upload(gbuffer);
+    auto frame = lit_frame(*gpu, gbuffer);
     ASSERT_TRUE(frame);
-    ASSERT_TRUE(run(*gpu, "lighting", *frame));
     auto small = gpu->reduced(*frame, 2, {"depth", "normal.x", "normal.y", "normal.z"});
     ASSERT_TRUE(small);
     ASSERT_TRUE(run(*gpu, "sphere", *small));
@@ -425,9 +431,8 @@ TEST(Vulkan, WorksOnAfterAWaitThatFailed) {
   const test::NoMessages no_messages;
   const GBuffer gbuffer = test::bumpy_gbuffer(32, 32, 5);
   for (int k = 0; k < 3; ++k) {
-    auto frame = gpu->upload(gbuffer);
+    auto frame = lit_frame(*gpu, gbuffer);
     ASSERT_TRUE(frame);
-    ASSERT_TRUE(run(*gpu, "lighting", *frame));
     faulty().faults.wait = k < 2 ? VK_ERROR_OUT_OF_HOST_MEMORY : VK_SUCCESS;
     const auto image = gpu->download(*frame, {"direct.r"});
     faulty().faults.wait = VK_SUCCESS;
@@ -465,9 +470,8 @@ TEST(Vulkan, TooLittleMemoryIsAnError) {
   }
   // And it works again with what there is.
   faulty().faults.memory_left = std::uint64_t(64) << 20;
-  auto frame = gpu->upload(small);
+  const auto frame = lit_frame(*gpu, small);
   ASSERT_TRUE(frame) << frame.error().message;
-  ASSERT_TRUE(run(*gpu, "lighting", *frame));
   ASSERT_TRUE(gpu->download(*frame, {"direct.r"}));
 }
 

@@ -17,14 +17,7 @@ FN Vec2 turn_at(Int px, Int py) {
   return direction_of_turn(share_of_one(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)));
 }
 
-FN void alchemy_pixel(Int px, Int py) {
-  Real depth = near_depth(0, 0);
-  Bool surface = is_surface(depth);
-  if (!some(surface)) {
-    store_ao(Real(1.0f));
-    return;
-  }
-  depth = select(surface, depth, Real(1.0f));
+FN Real open_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
   Vec2 turn = turn_at(px, py);
@@ -52,5 +45,9 @@ FN void alchemy_pixel(Int px, Int py) {
   }
   Real open = max(mad(sum, Real(-C.factor), Real(1.0f)), Real(0.0f));
   if (C.contrast != 1.0f) open = pow(open, Real(C.contrast));
-  store_ao(select(surface, open, Real(1.0f)));
+  return open;
 }
+
+#include "kernel/occlusion.kernel.h"
+
+FN void alchemy_pixel(Int px, Int py) { store_open(px, py); }

@@ -190,6 +190,25 @@ FN Origin origin_of(Int px, Int py, Real depth, Vec3 normal, Real facing) {
   return Origin(x, y, depth, height, normal.x * Real(F.ray_scale_x), normal.y * Real(F.ray_scale_y), 1.0f / facing);
 }
 
+// What all slices of a pixel share.
+struct Seen {
+  Vec3 eye, normal;  // unit vectors, to the eye and on its side
+  Real facing;       // N.V
+  Origin from;
+  Real reach;        // columns
+  bool near_border;  // taps may fall outside the picture
+};
+
+FN Seen seen_at(Int px, Int py, Real depth) {
+  Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
+  Vec3 eye = to_eye(sight);
+  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
+  Real facing = max(dot(normal, eye), Real(kLeastFacing));
+  Origin from = origin_of(px, py, depth, normal, facing);
+  Real reach = reach_of(depth);
+  return Seen(eye, normal, facing, from, reach, some(is_near_border(from, reach)));
+}
+
 // What holds for a whole slice.
 struct Slice {
   Side above, below;  // the sides of higher and of lower bits
@@ -342,13 +361,7 @@ FN void gather(Int px, Int py) {
   }
   Real depth = select(surface, near_depth(0, 0), Real(1.0f));
   Vec3 position = view_position(px, py, depth);
-  Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
-  Vec3 eye = to_eye(sight);
-  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
-  Real facing = max(dot(normal, eye), Real(kLeastFacing));
-  Origin from = origin_of(px, py, depth, normal, facing);
-  Real reach = reach_of(depth);
-  bool near_border = some(is_near_border(from, reach));
+  Seen seen = seen_at(px, py, depth);
   Vec3 noise = noise_at(px, py);
   Vec2 direction = direction_of(noise.x);
   Real open_sum = Real(0.0f);
@@ -358,7 +371,7 @@ FN void gather(Int px, Int py) {
   for (int s = 0; s < C.slices; ++s) {
     Real bit_jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.z));
     bit_jitter = mad(bit_jitter, Real(kBitJitter), Real(0.5f - 0.5f * kBitJitter));
-    Slice slice = slice_of(direction.x, direction.y, eye, normal, facing, bit_jitter);
+    Slice slice = slice_of(direction.x, direction.y, seen.eye, seen.normal, seen.facing, bit_jitter);
     Real jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.y));
     Uint bits = Uint(0u);
     Real inside_above = Real(0.0f);
@@ -366,17 +379,17 @@ FN void gather(Int px, Int py) {
     Vec3 light_above = none;
     Vec3 light_below = none;
     for (int k = 0; k < C.steps; ++k) {
-      Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), reach, Real(kFirstStep));
+      Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), seen.reach, Real(kFirstStep));
       Real size = mip_size(off);
-      Found above = found_at(from, slice.above, off, size, near_border, bits, position);
+      Found above = found_at(seen.from, slice.above, off, size, seen.near_border, bits, position);
       bits = bits | above.bits;
-      Found below = found_at(from, slice.below, off, size, near_border, bits, position);
+      Found below = found_at(seen.from, slice.below, off, size, seen.near_border, bits, position);
       bits = bits | below.bits;
       if (kLight) {
         light_above = light_above + above.light;
         light_below = light_below + below.light;
       }
-      if (near_border) {
+      if (seen.near_border) {
         inside_above = inside_above + above.inside;
         inside_below = inside_below + below.inside;
       }
@@ -386,7 +399,7 @@ FN void gather(Int px, Int py) {
     Real whole = slice.weight;
     light_above = light_above * slice.weight;
     light_below = light_below * slice.weight;
-    if (near_border && C.skip_outside != 0) {
+    if (seen.near_border && C.skip_outside != 0) {
       // A side counts by the share of its taps that lay in the picture.
       Real share_above = inside_above * Real(C.one_over_steps);
       Real share_below = inside_below * Real(C.one_over_steps);
@@ -407,7 +420,7 @@ FN void gather(Int px, Int py) {
     if (kLight) light = light + (light_above + light_below);
     if (kBent) {
       Vec2 sum = open_directions(slice, bits);
-      bent = bent + (slice.outwards * sum.x + eye * sum.y) * slice.projected;
+      bent = bent + (slice.outwards * sum.x + seen.eye * sum.y) * slice.projected;
     }
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
                      mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
@@ -419,5 +432,5 @@ FN void gather(Int px, Int py) {
     light = Vec3(min(light.x, Real(kMostLight)), min(light.y, Real(kMostLight)), min(light.z, Real(kMostLight)));
     store_light(select(surface, finite_or_zero(light), none));
   }
-  if (kBent) store_bent(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), normal), none));
+  if (kBent) store_bent(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), seen.normal), none));
 }

@@ -23,57 +23,49 @@ FN Real open_above(Real c, Real nv, Real nt) {
   return mad(nv, mad(-c, c, Real(1.0f)), nt * (Real(1.57079633f) - arc(c)));
 }
 
-FN void bitmask_horizon_pixel(Int px, Int py) {
-  Bool surface = is_surface(near_depth(0, 0));
-  if (!some(surface)) {
-    store_ao(Real(1.0f));
-    return;
-  }
-  Real depth = select(surface, near_depth(0, 0), Real(1.0f));
-  Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
-  Vec3 eye = to_eye(sight);
-  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
-  Real facing = max(dot(normal, eye), Real(kLeastFacing));
-  Origin from = origin_of(px, py, depth, normal, facing);
-  Real reach = reach_of(depth);
-  bool near_border = some(is_near_border(from, reach));
+FN Real open_at(Int px, Int py, Real depth) {
+  Seen seen = seen_at(px, py, depth);
   Vec3 noise = noise_at(px, py);
   Vec2 direction = direction_of(noise.x);
   Real open_sum = Real(0.0f);
   Real whole_sum = Real(0.0f);
   for (int s = 0; s < C.slices; ++s) {
-    Slice slice = slice_of(direction.x, direction.y, eye, normal, facing, Real(0.0f));
+    Slice slice = slice_of(direction.x, direction.y, seen.eye, seen.normal, seen.facing, Real(0.0f));
     Real jitter = fract(mad(Real(float(s)), Real(kStepTurn), noise.y));
     Real above = slice.above.low;
     Real below = slice.below.low;
     Real inside_above = Real(0.0f);
     Real inside_below = Real(0.0f);
     for (int k = 0; k < C.steps; ++k) {
-      Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), reach, Real(kFirstStep));
+      Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), seen.reach, Real(kFirstStep));
       Real size = mip_size(off);
-      Tap tap = tap_at(from, slice.above, off, size, near_border);
-      Real seen = select(tap.inside, tap.depth, Real(0.0f));
-      above = higher_of(above, slice.above, way_to(from, slice.above, tap.x, tap.y, seen), seen);
-      if (near_border) inside_above = inside_above + select(tap.inside, Real(1.0f), Real(0.0f));
-      tap = tap_at(from, slice.below, off, size, near_border);
-      seen = select(tap.inside, tap.depth, Real(0.0f));
-      below = higher_of(below, slice.below, way_to(from, slice.below, tap.x, tap.y, seen), seen);
-      if (near_border) inside_below = inside_below + select(tap.inside, Real(1.0f), Real(0.0f));
+      Tap tap = tap_at(seen.from, slice.above, off, size, seen.near_border);
+      Real shown = select(tap.inside, tap.depth, Real(0.0f));
+      above = higher_of(above, slice.above, way_to(seen.from, slice.above, tap.x, tap.y, shown), shown);
+      if (seen.near_border) inside_above = inside_above + select(tap.inside, Real(1.0f), Real(0.0f));
+      tap = tap_at(seen.from, slice.below, off, size, seen.near_border);
+      shown = select(tap.inside, tap.depth, Real(0.0f));
+      below = higher_of(below, slice.below, way_to(seen.from, slice.below, tap.x, tap.y, shown), shown);
+      if (seen.near_border) inside_below = inside_below + select(tap.inside, Real(1.0f), Real(0.0f));
     }
     Real nt = slice.sn * slice.projected;
     Real share_above = Real(1.0f);
     Real share_below = Real(1.0f);
-    if (near_border && C.skip_outside != 0) {
+    if (seen.near_border && C.skip_outside != 0) {
       share_above = inside_above * Real(C.one_over_steps);
       share_below = inside_below * Real(C.one_over_steps);
     }
-    open_sum =
-        mad(open_above(above, facing, nt), share_above, mad(open_above(below, facing, -nt), share_below, open_sum));
-    whole_sum = mad(open_above(slice.above.low, facing, nt), share_above,
-                    mad(open_above(slice.below.low, facing, -nt), share_below, whole_sum));
+    open_sum = mad(open_above(above, seen.facing, nt), share_above,
+                   mad(open_above(below, seen.facing, -nt), share_below, open_sum));
+    whole_sum = mad(open_above(slice.above.low, seen.facing, nt), share_above,
+                    mad(open_above(slice.below.low, seen.facing, -nt), share_below, whole_sum));
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
                      mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
   }
   Real known = max(whole_sum, Real(1e-6f));
-  store_ao(select(surface && whole_sum > 1e-6f, min(open_sum / known, Real(1.0f)), Real(1.0f)));
+  return select(whole_sum > 1e-6f, min(open_sum / known, Real(1.0f)), Real(1.0f));
 }
+
+#include "kernel/occlusion.kernel.h"
+
+FN void bitmask_horizon_pixel(Int px, Int py) { store_open(px, py); }

@@ -11,14 +11,7 @@ OUT_REAL(ao)
 
 CONST float kLeastFacing = 0.02f;  // of the normal's z: a plane seen more edge-on has no slope that is a number
 
-FN void hbao_pixel(Int px, Int py) {
-  Real depth = near_depth(0, 0);
-  Bool surface = is_surface(depth);
-  if (!some(surface)) {
-    store_ao(Real(1.0f));
-    return;
-  }
-  depth = select(surface, depth, Real(1.0f));
+FN Real open_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
   Real facing = max(normal.z, Real(kLeastFacing));
@@ -56,5 +49,9 @@ FN void hbao_pixel(Int px, Int py) {
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),
                      mad(direction.y, Real(C.turn_cos), direction.x * C.turn_sin));
   }
-  store_ao(select(surface, max(mad(sum, Real(-C.factor), Real(1.0f)), Real(0.0f)), Real(1.0f)));
+  return max(mad(sum, Real(-C.factor), Real(1.0f)), Real(0.0f));
 }
+
+#include "kernel/occlusion.kernel.h"
+
+FN void hbao_pixel(Int px, Int py) { store_open(px, py); }

@@ -55,14 +55,7 @@ FN Real open_share(Real hidden, Real count) {
   return max(Real(0.0f), 1.0f - mapped * Real(C.strength));
 }
 
-FN void sphere_pixel(Int px, Int py) {
-  Real depth = near_depth(0, 0);
-  Bool surface = is_surface(depth);
-  if (!some(surface)) {
-    store_ao(Real(1.0f));
-    return;
-  }
-  depth = select(surface, depth, Real(1.0f));
+FN Real open_at(Int px, Int py, Real depth) {
   Real x = to_real(px) + 0.5f;
   Real y = to_real(py) + 0.5f;
   // From the picture's centre of projection, which pixels move away from when they come nearer.
@@ -131,5 +124,9 @@ FN void sphere_pixel(Int px, Int py) {
     }
     hidden = hidden + select(occludes, weight, Real(0.0f));
   }
-  store_ao(select(surface, open_share(hidden, count), Real(1.0f)));
+  return open_share(hidden, count);
 }
+
+#include "kernel/occlusion.kernel.h"
+
+FN void sphere_pixel(Int px, Int py) { store_open(px, py); }

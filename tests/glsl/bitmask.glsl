@@ -1,10 +1,5 @@
 // `bitmask` as somebody would write it by hand for its default settings: one layer, perspective, occluders of assumed
 // thickness, bits of equal cosine weight, noise of a tile of 4 x 4 pixels.
-vec3 position_at(ivec2 p, float z) {
-  vec2 ray = (vec2(p) + 0.5) * vec2(F.ray_scale_x, F.ray_scale_y) + vec2(F.ray_offset_x, F.ray_offset_y);
-  return vec3(ray, -1.0) * z;
-}
-
 // h of the cosine, as an odd polynomial.
 float arc(float c) {
   float c2 = c * c;
@@ -30,15 +25,8 @@ struct Side {
 
 float bit_of(float c, Side side) { return side.k0 + side.k1 * c * c + side.k2 * arc(c); }
 
-void main() {
-  ivec2 here = ivec2(gl_GlobalInvocationID.xy);
+float open_at(ivec2 here, float z) {
   ivec2 size = ivec2(F.width, F.height);
-  if (any(greaterThanEqual(here, size))) return;
-  float z = depth_at(here);
-  if (isinf(z)) {
-    ao[here.y * F.stride + here.x] = 1.0;
-    return;
-  }
   vec3 position = position_at(here, z);
   vec3 eye = normalize(-position);
   vec3 normal = normalize(normal_at(here));
@@ -101,5 +89,5 @@ void main() {
             whole_below * (1.0 - covered_below / max(low, 1.0));
     all += whole_above + whole_below;
   }
-  ao[here.y * F.stride + here.x] = all > 1e-6 ? min(open / all, 1.0) : 1.0;
+  return all > 1e-6 ? min(open / all, 1.0) : 1.0;
 }

@@ -7,20 +7,8 @@ uint scrambled(uint v) {
   return v ^ (v >> 16);
 }
 
-vec3 position_at(ivec2 p, float z) {
-  vec2 ray = (vec2(p) + 0.5) * vec2(F.ray_scale_x, F.ray_scale_y) + vec2(F.ray_offset_x, F.ray_offset_y);
-  return vec3(ray, -1.0) * z;
-}
-
-void main() {
-  ivec2 here = ivec2(gl_GlobalInvocationID.xy);
+float open_at(ivec2 here, float z) {
   ivec2 size = ivec2(F.width, F.height);
-  if (any(greaterThanEqual(here, size))) return;
-  float z = depth_at(here);
-  if (isinf(z)) {
-    ao[here.y * F.stride + here.x] = 1.0;
-    return;
-  }
   vec3 position = position_at(here, z);
   vec3 normal = normalize(normal_at(here));
 
@@ -58,5 +46,5 @@ void main() {
     float fade = C.limit / max(abs(z - tap), C.limit);
     hidden += fade * fade * (3.0 - 2.0 * fade) * counts;
   }
-  ao[here.y * F.stride + here.x] = max(0.0, 1.0 - hidden * C.weight / max(count, 1e-6));
+  return max(0.0, 1.0 - hidden * C.weight / max(count, 1e-6));
 }

@@ -13,4 +13,6 @@ layout(set = 0, binding = 0, scalar) uniform constants_block {
 layout(set = 0, binding = 5, scalar) writeonly buffer ao_plane { float ao[]; };
 #include "tests/glsl/buffers.glsl"
 
+#include "tests/glsl/position.glsl"
 #include "tests/glsl/hemisphere.glsl"
+#include "tests/glsl/main.glsl"

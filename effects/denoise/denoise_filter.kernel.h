@@ -1,13 +1,19 @@
-// One pass of the filter over occlusion and reflected light. Passes define before it what denoise_ao.kernel.h asks for,
-// and light_at, the light of a pixel; store_filtered takes what it finds.
+// One pass of the filter. Passes define before it kAlongRows, whether it runs along rows or along columns, and ao_at,
+// the occlusion of the pixel (i, j) to the right and below; kLight, whether it filters reflected light too, and
+// light_at likewise (denoise_no_light.kernel.h).
 #include "effects/denoise/denoise.kernel.h"
 
-FN void filter_light(Int px, Int py) {
+struct Filtered {
+  Real ao;
+  Vec3 light;
+};
+
+FN Filtered filtered(Int px, Int py) {
   int step = 1 << F.round;
   int to_right = kAlongRows ? 1 : 0;  // the way to the next pixel
   int to_below = kAlongRows ? 0 : 1;
   float occlusion = F.round < C.rounds ? C.occlusion : 0.0f;
-  float indirect = F.round < C.light_rounds ? C.indirect : 0.0f;
+  float indirect = kLight && F.round < C.light_rounds ? C.indirect : 0.0f;
   Real depth = near_depth(0, 0);
   Bool surface = is_surface(depth);
   Vec3 position = view_position(px, py, depth);
@@ -24,10 +30,11 @@ FN void filter_light(Int px, Int py) {
     Real weight = weight_of(right, down, px, py, position, normal, most_weight(k));
     change = mad(weight, ao_at(right, down) - own, change);
     joined = joined + weight;
-    light_change = light_change + (light_at(right, down) - own_light) * weight;
+    if (kLight) light_change = light_change + (light_at(right, down) - own_light) * weight;
   }
   Real ao = mad(change, Real(occlusion), own);
-  Vec3 light = own_light + light_change * Real(indirect);
+  Vec3 light = own_light;
+  if (kLight) light = light + light_change * Real(indirect);
   Bool alone = surface && joined < kAlone;
   if (F.round > 0 && some(alone)) {
     alone = alone && is_alone(to_right, to_below, px, py, position, normal);
@@ -44,5 +51,5 @@ FN void filter_light(Int px, Int py) {
       light = select(alone, light_beside(light, before, after, has_before, has_after), light);
     }
   }
-  store_filtered(ao, light);
+  return Filtered(ao, light);
 }
