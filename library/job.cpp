@@ -73,8 +73,8 @@ bool is_parameter(const Option& row, std::string_view owner) {
 }
 
 std::string JobObject::asked(const char*) const {
-  const auto request = full_request();
-  return request ? fmt::format("a picture of {} x {} pixels", request->width, request->height) : "a picture";
+  const Request request = full_request();
+  return fmt::format("a picture of {} x {} pixels", request.width, request.height);
 }
 
 Result<void> JobObject::set(const std::string& name, const std::string& text) {
@@ -189,7 +189,8 @@ Result<std::shared_ptr<Object>> new_job(UmbDevice device, UmbScene scene, bool r
 /// Sets a parameter, given as text or as numbers.
 template <class Value>
 UmbError set_parameter(UmbJob job, const char* call, const char* name, const Value& value) {
-  return call_on<JobObject>(job, call, [&](JobObject& object) { return object.set(text_of(name), value); });
+  return call_on<JobObject>(job, call, Use::kChanges,
+                            [&](JobObject& object) { return object.set(text_of(name), value); });
 }
 
 UmbError set_number(UmbJob job, const char* call, const char* name, double value) {
@@ -215,7 +216,7 @@ UmbError umbGetJobError(UmbJob job, const char** message) {
 }
 
 UmbError umbSetJobProgressCallback(UmbJob job, UmbProgressCallback callback, void* user) {
-  return call_on<JobObject>(job, "umbSetJobProgressCallback", [&](JobObject& object) {
+  return call_on<JobObject>(job, "umbSetJobProgressCallback", Use::kChanges, [&](JobObject& object) {
     object.progress = monitor_of(callback, user);
     return Result<void>();
   });
@@ -236,7 +237,7 @@ UmbError umbSetJobFloat(UmbJob job, const char* name, float value) {
 }
 
 UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int count) {
-  return call_on<JobObject>(job, "umbSetJobFloats", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbSetJobFloats", Use::kChanges, [&](JobObject& object) -> Result<void> {
     if (!values || count < 1) return usage_error("`{}` has no values", text_of(name));
     const std::vector<double> numbers(values, values + count);
     return object.set(text_of(name), numbers);
@@ -244,33 +245,34 @@ UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int 
 }
 
 UmbError umbResetJobParameter(UmbJob job, const char* name) {
-  return call_on<JobObject>(job, "umbResetJobParameter", [&](JobObject& object) { return object.reset(name); });
+  return call_on<JobObject>(job, "umbResetJobParameter", Use::kChanges,
+                            [&](JobObject& object) { return object.reset(name); });
 }
 
 UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* image) {
-  return call_on<JobObject>(job, "umbSetJobImage",
+  return call_on<JobObject>(job, "umbSetJobImage", Use::kChanges,
                             [&](JobObject& object) { return object.set_image(text_of(name), image); });
 }
 
 UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image) {
-  return call_on<JobObject>(job, "umbSetJobOutput",
+  return call_on<JobObject>(job, "umbSetJobOutput", Use::kChanges,
                             [&](JobObject& object) { return object.set_output(text_of(name), image); });
 }
 
 UmbError umbCheckJob(UmbJob job) {
-  return call_on<JobObject>(job, "umbCheckJob", [](JobObject& object) { return object.check(); });
+  return call_on<JobObject>(job, "umbCheckJob", Use::kReads, [](JobObject& object) { return object.check(); });
 }
 
 UmbError umbPrepareJob(UmbJob job) {
-  return call_on<JobObject>(job, "umbPrepareJob", [](JobObject& object) { return object.prepare(); });
+  return call_on<JobObject>(job, "umbPrepareJob", Use::kChanges, [](JobObject& object) { return object.prepare(); });
 }
 
 UmbError umbExecuteJob(UmbJob job) {
-  return call_on<JobObject>(job, "umbExecuteJob", [](JobObject& object) { return object.execute(); });
+  return call_on<JobObject>(job, "umbExecuteJob", Use::kChanges, [](JobObject& object) { return object.execute(); });
 }
 
 UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image) {
-  return call_on<JobObject>(job, "umbGetJobOutput", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbGetJobOutput", Use::kReads, [&](JobObject& object) -> Result<void> {
     const auto output = object.output(text_of(name));
     if (!output) return output.error();
     if (!image) return usage_error("umbGetJobOutput: image cannot be NULL");
@@ -280,17 +282,16 @@ UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image) {
 }
 
 const char* umbGetJobOutputName(UmbJob job, int index) {
-  const auto object = object_of<JobObject>(job);
-  return object ? object->output_name(index) : nullptr;
+  const char* none = nullptr;
+  return read_of<JobObject>(job, none, [&](const JobObject& object) { return object.output_name(index); });
 }
 
 size_t umbGetJobStrokeCount(UmbJob job) {
-  const auto object = object_of<JobObject>(job);
-  return object ? object->lines.lines.size() : 0;
+  return read_of<JobObject>(job, std::size_t(0), [](const JobObject& object) { return object.lines.lines.size(); });
 }
 
 UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
-  return call_on<JobObject>(job, "umbGetJobStroke", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbGetJobStroke", Use::kReads, [&](JobObject& object) -> Result<void> {
     const auto& lines = object.lines.lines;
     if (index >= lines.size() || !stroke)
       return usage_error("there is no stroke {}: there are {}", index, lines.size());
@@ -303,7 +304,7 @@ UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
 }
 
 UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity) {
-  return call_on<JobObject>(job, "umbGetJobStrokeColor", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbGetJobStrokeColor", Use::kReads, [&](JobObject& object) -> Result<void> {
     if (!rgb || !opacity) return usage_error("umbGetJobStrokeColor: rgb and opacity cannot be NULL");
     std::copy_n(object.line_color.begin(), 3, rgb);
     *opacity = object.line_opacity;
@@ -316,7 +317,6 @@ int64_t umbGetJobCounter(UmbJob job, const char* name) {
   if (!object) return -1;
   const std::string_view which = name ? name : "";
   const Counters& counters = object->counters;
-  if (which == "devices_opened") return counters.devices_opened;
   if (which == "hierarchies_built") return counters.hierarchies_built;
   if (which == "captures_made") return counters.captures_made;
   if (which == "planes_copied") return counters.planes_copied;

@@ -1,5 +1,6 @@
 // JobObject: a picture of the C interface that is made again and again, and what it keeps from one to the next.
 #pragma once
+#include <atomic>
 #include <map>
 #include <memory>
 #include <optional>
@@ -24,9 +25,9 @@ struct Output {
   std::vector<float> own;  ///< the library's memory
 };
 
-/// See umbGetJobCounter.
+/// See umbGetJobCounter. Callbacks and other threads may look while the job executes.
 struct Counters {
-  std::int64_t devices_opened = 0, hierarchies_built = 0, captures_made = 0, planes_copied = 0;
+  std::atomic<std::int64_t> hierarchies_built = 0, captures_made = 0, planes_copied = 0;
 };
 
 class JobObject final : public Object {
@@ -63,11 +64,16 @@ class JobObject final : public Object {
   DeviceObject* teller() override { return device_.get(); }
 
  private:
-  /// The request with the passes that are wanted, and its recipe.
-  Result<Request> full_request() const;
+  /// What an execution is to do, as far as the parameters tell.
+  struct Order {
+    Request request;  ///< with the passes that are wanted
+    Recipe recipe;
+    ParameterBytes lines;  ///< of the lines where strokes are wanted; else empty
+  };
+  /// Errors: kUsage.
+  Result<Order> order() const;
+  Request full_request() const;
   Result<Recipe> recipe_of(const Request& request) const;
-  /// The parameters of the lines where strokes are wanted; else empty.
-  static Result<ParameterBytes> lines_of(const Request& request, const Recipe& recipe);
   Result<Frame> rendered(Recipe recipe);
   Result<Frame> shaded(const Request& request, const Recipe& recipe);
   /// The caller's progress for what comes before the drawing, which is what shares are told of.

@@ -85,8 +85,8 @@ class Job:
         return int(native.lib.umbGetDeviceMemory(self._device.pointer))
 
     def counter(self, name: str) -> int:
-        """How often something was done so far: "hierarchies_built", "captures_made", "planes_copied" (of inputs) or
-        "devices_opened". Errors: UsageError."""
+        """How often something was done so far: "hierarchies_built", "captures_made" or "planes_copied" (of inputs).
+        Errors: UsageError."""
         count = int(native.lib.umbGetJobCounter(self._job.pointer, native.bytes_of(name)))
         if count < 0:
             raise UsageError(f"there is no counter '{name}'")
