@@ -42,7 +42,7 @@ const Words& words() {
     auto* made = new Words;
     made->effects = listed(UMB_LIST_EFFECTS);
     made->looks = listed(UMB_LIST_LOOKS);
-    for (const std::string& scene : listed(UMB_LIST_SCENES)) made->scenes.push_back(scene + "?detail=100");
+    for (const std::string& scene : listed(UMB_LIST_SCENES)) made->scenes.push_back(scene + "?detail=1000");
     if (made->scenes.empty()) made->scenes.push_back("scene:none");  // a build without them
     add_parameters("render", made->parameters);
     add_parameters("shade", made->parameters);

@@ -155,7 +155,7 @@ void Caller::new_job(bool renders) {
     if (scene && choose_.below(2)) {
       trace("umbLoadModel", "scene:solids");
       begin_progress();
-      umbLoadModel(scene, "scene:solids?detail=100");
+      umbLoadModel(scene, "scene:solids?detail=1000");
       umbGetSceneError(scene, nullptr);
     }
     return;

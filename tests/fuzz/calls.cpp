@@ -39,7 +39,7 @@ CallCounts make_calls_in_threads(std::string_view bytes, int threads) {
   constexpr int kSharedJobs = 2;
   Shared shared{umbNewDevice("cpu", 2), nullptr, {}};
   shared.scene = umbNewScene(shared.device);
-  umbLoadModel(shared.scene, "scene:solids?detail=100");
+  umbLoadModel(shared.scene, "scene:solids?detail=1000");
   umbSetDeviceErrorCallback(shared.device, on_error, nullptr);
   umbSetSceneProgressCallback(shared.scene, on_progress, nullptr);
   std::vector<float> depth(24 * 24, 2.0f);
