@@ -7,9 +7,9 @@
 namespace umbrage::fuzz {
 
 void Caller::load_model(UmbScene scene) {
-  const Text model = choose_.one_in(3)    ? any_odd(choose_)
-                     : choose_.one_in(20) ? Text(choose_.one_of(words().scenes))  // some take a second
-                                          : Text("scene:solids?detail=1000");
+  const Text model = choose_.one_in(3)     ? any_odd(choose_)
+                     : choose_.one_in(200) ? Text(choose_.one_of(words().scenes))  // some take a second
+                                           : Text("scene:solids?detail=1000");
   trace("umbLoadModel", model.shown());
   begin_progress();
   done(umbLoadModel(scene, model.get()), Kind::kScene, scene, "umbLoadModel");
