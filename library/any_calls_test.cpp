@@ -1,151 +1,270 @@
-// Calls of the C interface in any order, with any arguments.
+// Calls of the C interface in any order, with any arguments: tests/fuzz/calls.h, by a few seeds; and what such calls
+// have found.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
+#include <cstdint>
+#include <functional>
 #include <random>
+#include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
+#include "fuzz/calls.h"
 #include "umbrage/umbrage.h"
 
 namespace umbrage {
 namespace {
 
-/// Makes calls. Pointers are null or to as much memory as their call may read.
-class AnyCalls {
- public:
-  explicit AnyCalls(unsigned seed) : random_(seed) { std::fill(std::begin(memory_), std::end(memory_), 1.5f); }
-  ~AnyCalls() {
-    for (UmbJob job : jobs_) umbReleaseJob(job);
-    for (UmbScene scene : scenes_) umbReleaseScene(scene);
-    for (UmbDevice device : devices_) umbReleaseDevice(device);
-  }
+std::string bytes_of(unsigned seed) {
+  constexpr std::size_t kBytes = 2048;
+  std::mt19937 random(seed);
+  std::string bytes(kBytes, '\0');
+  for (char& byte : bytes) byte = char(random());
+  return bytes;
+}
 
-  void call() {
-    const UmbDevice device = one_of(devices_);
-    const UmbScene scene = one_of(scenes_);
-    const UmbJob job = one_of(jobs_);
-    switch (below(20)) {
-      case 0:
-        devices_.push_back(
-            umbNewDevice(one_of(std::vector<const char*>{"cpu", "gpu", "", nullptr}), int(below(4)) - 1));
-        break;
-      case 1:
-        scenes_.push_back(umbNewScene(device));
-        break;
-      case 2: {
-        jobs_.push_back(below(2) ? umbNewRenderJob(device, scene) : umbNewShadeJob(device));
-        const UmbImage depth = {memory_, UMB_TYPE_FLOAT32, 24, 24, 1, 0, 0,
-                                0};  // a start from which something can be made
-        umbSetJobImage(jobs_.back(), "depth", &depth);
-        umbSetJobInt(jobs_.back(), "width", 24);
-        umbSetJobInt(jobs_.back(), "height", 24);
-        break;
-      }
-      case 3:
-        umbReleaseJob(job);  // its handle stays in the list
-        break;
-      case 4:
-        if (below(4) == 0) umbReleaseScene(scene);
-        break;
-      case 5:
-        umbLoadModel(scene,
-                     one_of(std::vector<const char*>{"scene:solids?detail=1000", "scene:", "nothere.obj", nullptr}));
-        break;
-      case 6:
-        meshes_ = std::max(meshes_, umbAddMesh(scene, word(), below(2) ? 8 : below(3), below(13)));
-        break;
-      case 7:
-        umbSetMeshBuffer(scene, mesh(), word(), below(9) ? memory_ : nullptr, UmbType(below(7)), int(below(6)) - 1,
-                         std::ptrdiff_t(below(3)) * 4);
-        break;
-      case 8:
-        umbSetMeshFloats(scene, mesh(), word(), floats_, int(below(5)) - 1);
-        break;
-      case 9:
-        umbAddMeshInstance(scene, mesh(), floats_);
-        break;
-      case 10:
-        umbSetJobString(job, word(), one_of(words_));
-        break;
-      case 11:
-        umbSetJobFloats(job, word(), floats_, int(below(12)) - 1);
-        break;
-      case 12:
-        umbSetJobInt(job, below(2) ? "width" : "height", int(below(40)));
-        break;
-      case 13:
-        umbSetJobImage(job, word(), image());
-        break;
-      case 14:
-        umbSetJobOutput(job, word(), image());
-        break;
-      case 15:
-        umbSetSceneParameter(scene, word(), one_of(words_));
-        break;
-      case 16:
-        umbCheckJob(job);
-        break;
-      case 17: {
-        UmbImage made{};
-        umbGetJobOutput(job, word(), &made);
-        break;
-      }
-      case 18:
-        umbResetJobParameter(job, word());
-        break;
-      default:
-        if (umbExecuteJob(jobs_.back()) == UMB_ERROR_NONE) ++executed;
-        umbGetJobError(jobs_.back(), nullptr);
-    }
-  }
+TEST(AnyCalls, KeepTheHeadersPromises) {
+  fuzz::CallCounts all;
+  for (unsigned seed = 1; seed <= 60; ++seed) all += fuzz::make_calls(bytes_of(seed));
+  EXPECT_GT(all.calls, 2000);
+  EXPECT_GT(all.failed, 1000);
+  EXPECT_GT(all.executed, 30);
+  EXPECT_GT(all.cancelled, 15);
+}
 
-  int executed = 0;
+TEST(AnyCalls, KeepThemInThreads) {
+  fuzz::CallCounts all;
+  for (unsigned seed = 1; seed <= 3; ++seed) all += fuzz::make_calls_in_threads(bytes_of(seed), 3);
+  EXPECT_GT(all.executed, 5);
+}
+
+/// A device, a scene with a box, and a job that draws it.
+struct Picture {
+  UmbDevice device = umbNewDevice("cpu", 2);
+  UmbScene scene = umbNewScene(device);
+  UmbJob job = umbNewRenderJob(device, scene);
+
+  Picture() {
+    umbLoadModel(scene, "scene:solids?detail=1000");
+    for (const char* side : {"width", "height"}) umbSetJobInt(job, side, 24);
+  }
+  ~Picture() {
+    umbReleaseJob(job);
+    umbReleaseScene(scene);
+    umbReleaseDevice(device);
+  }
+  std::string error() const {
+    const char* message = "";
+    umbGetJobError(job, &message);
+    return message;
+  }
+  std::string scene_error() const {
+    const char* message = "";
+    umbGetSceneError(scene, &message);
+    return message;
+  }
+  /// Executes, and does something at the first progress.
+  UmbError execute(std::function<void()> act) {
+    umbSetJobProgressCallback(job, once, &act);
+    const UmbError code = umbExecuteJob(job);
+    umbSetJobProgressCallback(job, nullptr, nullptr);
+    EXPECT_FALSE(act) << "nobody was told";
+    return code;
+  }
 
  private:
-  unsigned below(unsigned end) { return random_() % end; }
-  template <class T>
-  T one_of(const std::vector<T>& all) {
-    return all.empty() ? T() : all[below(unsigned(all.size()))];
+  static bool once(void* user, double) {
+    if (const auto act = std::exchange(*static_cast<std::function<void()>*>(user), nullptr)) act();
+    return true;
   }
-  const char* word() { return one_of(words_); }
-  int mesh() { return int(below(unsigned(meshes_ + 3))) - 1; }
-  const UmbImage* image() {
-    if (below(8) == 0) return nullptr;
-    const int side = below(4) ? 24 : int(below(25));
-    image_ = {
-        below(6) ? memory_ : nullptr, int(below(7)), side, below(5) ? side : int(below(20)), int(below(5)), 0, 0, 0};
-    if (below(4) == 0) image_.row_stride = std::ptrdiff_t(below(3)) * 128;
-    return &image_;
-  }
-
-  std::minstd_rand random_;
-  std::vector<UmbDevice> devices_ = {umbNewDevice("cpu", 1), nullptr};
-  std::vector<UmbScene> scenes_ = {umbNewScene(devices_[0])};
-  std::vector<UmbJob> jobs_ = {umbNewShadeJob(devices_[0]), umbNewRenderJob(devices_[0], scenes_[0])};
-  const std::vector<const char*> words_ = {
-      "depth",  "normal", "albedo", "color",  "ao",           "object_id",       "position",      "index",
-      "uv",     "radius", "look",   "studio", "cartoon",      "effects",         "bitmask",       "bitmask,denoise",
-      "output", "1",      "-1",     "nan",    "width",        "camera.zoom",     "bitmask.steps", "camera.view_up",
-      "up",     "+Z",     "true",   "all",    "layer1.depth", "outline.opacity", "strokes",       "specular",
-      "",       nullptr,  "window", "ray",    "depth_kind",   "view_from_normal"};
-  int meshes_ = 0;
-  float floats_[16] = {1, 0, 0, 0.5f, 0, 1, 0, -2, 0, 0, 1, NAN, 3, 1e30f, -1, 0};
-  float memory_[4 * 128 * 25] = {};
-  UmbImage image_{};
 };
 
-TEST(AnyCalls, Return) {
-  int executed = 0;
-  const char* count = std::getenv("UMBRAGE_ANY_CALLS");  // for hours of it
-  for (int seed = 0; seed < (count ? std::atoi(count) : 30); ++seed) {
-    auto calls = std::make_unique<AnyCalls>(unsigned(seed) + 1);
-    for (int k = 0; k < 300; ++k) calls->call();
-    executed += calls->executed;
-  }
-  EXPECT_GT(executed, 10);
+/// `sentence` asks for it once the call is made.
+void expect_in_use(UmbError code, const std::function<std::string()>& sentence) {
+  EXPECT_EQ(code, UMB_ERROR_USAGE);
+  const std::string message = sentence();
+  EXPECT_NE(message.find("at work"), std::string::npos) << message;
+}
+
+TEST(AnyCalls, CallbacksCannotUseWhatIsAtWork) {
+  Picture p, other;
+  std::vector<float> pixels(24 * 24 * 4), small(4);
+  const UmbImage image{pixels.data(), UMB_TYPE_FLOAT32, 24, 24, 4, 0, 0, 0};
+  ASSERT_EQ(umbSetJobOutput(p.job, "color", &image), UMB_ERROR_NONE);
+  const auto error = [&] { return p.error(); };
+  const auto act = [&] {
+    // Another output would be written where the first one fits.
+    const UmbImage wrong{small.data(), UMB_TYPE_FLOAT32, 1, 1, 4, 0, 0, 0};
+    expect_in_use(umbSetJobOutput(p.job, "color", &wrong), error);
+    expect_in_use(umbSetJobInt(p.job, "width", 8), error);
+    expect_in_use(umbSetJobProgressCallback(p.job, nullptr, nullptr), error);
+    expect_in_use(umbExecuteJob(p.job), error);
+    expect_in_use(umbLoadModel(p.scene, "scene:solids?detail=1000"), [&] { return p.scene_error(); });
+    EXPECT_EQ(umbAddMesh(p.scene, "mesh", 1, 0), -1);
+    umbGetSceneError(p.scene, nullptr);
+    float box[6];
+    EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "read beside";
+    EXPECT_GE(umbGetJobCounter(p.job, "hierarchies_built"), 0);
+    EXPECT_EQ(umbGetJobOutputName(p.job, 0), nullptr);
+    // Two devices could wait for each other.
+    EXPECT_EQ(umbExecuteJob(other.job), UMB_ERROR_USAGE);
+    EXPECT_NE(other.error().find("a callback cannot execute"), std::string::npos);
+    EXPECT_EQ(umbPrepareJob(other.job), UMB_ERROR_USAGE);
+    other.error();
+    EXPECT_EQ(umbSetJobInt(other.job, "width", 8), UMB_ERROR_NONE) << other.error();
+    umbRetainJob(p.job);
+    umbReleaseJob(p.job);
+  };
+  EXPECT_EQ(p.execute(act), UMB_ERROR_NONE) << p.error();
+  EXPECT_EQ(umbSetJobInt(p.job, "width", 24), UMB_ERROR_NONE) << "afterwards";
+  EXPECT_EQ(umbExecuteJob(other.job), UMB_ERROR_NONE) << other.error();
+}
+
+TEST(AnyCalls, AJobMayBeReleasedWhileItExecutes) {
+  Picture p;
+  EXPECT_EQ(p.execute([&] { umbReleaseJob(p.job); }), UMB_ERROR_NONE);
+  EXPECT_EQ(umbExecuteJob(p.job), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_USAGE);
+}
+
+TEST(AnyCalls, ThreadsCannotUseWhatAnotherOneChanges) {
+  Picture p;
+  UmbError set = UMB_ERROR_NONE, executed = UMB_ERROR_NONE, checked = UMB_ERROR_NONE;
+  EXPECT_EQ(p.execute([&] {
+    std::thread([&] {
+      set = umbSetJobInt(p.job, "width", 8);
+      executed = umbExecuteJob(p.job);
+      checked = umbCheckJob(p.job);
+    }).join();
+  }),
+            UMB_ERROR_NONE);
+  for (const UmbError code : {set, executed, checked}) EXPECT_EQ(code, UMB_ERROR_USAGE);
+  EXPECT_NE(p.error().find("umbSetJobInt: another thread"), std::string::npos);
+}
+
+TEST(AnyCalls, ASceneServesSeveralDevicesAtOnce) {
+  Picture p, other;
+  const UmbJob job = umbNewRenderJob(other.device, p.scene);
+  for (const char* side : {"width", "height"}) umbSetJobInt(job, side, 24);
+  UmbError code = UMB_ERROR_INTERNAL;
+  EXPECT_EQ(p.execute([&] { std::thread([&] { code = umbExecuteJob(job); }).join(); }), UMB_ERROR_NONE) << p.error();
+  EXPECT_EQ(code, UMB_ERROR_NONE);
+  umbReleaseJob(job);
+}
+
+TEST(AnyCalls, ErrorCallbacksHearNothingOfTheirOwnErrors) {
+  Picture p;
+  struct Heard {
+    UmbJob job;
+    int count = 0;
+  } heard{p.job};
+  umbSetDeviceErrorCallback(
+      p.device,
+      [](void* user, UmbError, const char*) {
+        auto& h = *static_cast<Heard*>(user);
+        ++h.count;
+        EXPECT_EQ(umbSetJobInt(h.job, "widht", 1), UMB_ERROR_USAGE);
+      },
+      &heard);
+  EXPECT_EQ(umbSetJobInt(p.job, "heihgt", 1), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbSetJobInt(p.job, "heihgt", 1), UMB_ERROR_USAGE);
+  EXPECT_EQ(heard.count, 2);
+}
+
+TEST(AnyCalls, CountsAloneTakeNoMemory) {
+  Picture p;
+  constexpr std::size_t kMost = (std::size_t(1) << 31) - 1;
+  EXPECT_GE(umbAddMesh(p.scene, "huge", kMost, kMost), 0) << p.scene_error();
+  float box[6];
+  EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_USAGE);
+  EXPECT_NE(p.scene_error().find("lacks its positions"), std::string::npos);
+}
+
+TEST(AnyCalls, ATextureHasPixels) {
+  Picture p;
+  const int mesh = umbAddMesh(p.scene, "mesh", 3, 1);
+  const UmbImage none{nullptr, UMB_TYPE_UINT8, 4, 4, 4, 0, 0, 0};
+  EXPECT_EQ(umbSetMeshTexture(p.scene, mesh, "albedo", &none), UMB_ERROR_USAGE);
+  EXPECT_NE(p.scene_error().find("no pixels"), std::string::npos);
+}
+
+TEST(AnyCalls, PointsHaveTheRadiiThatTheyAreGiven) {
+  const UmbDevice device = umbNewDevice("cpu", 1);
+  const UmbScene scene = umbNewScene(device);
+  const int mesh = umbAddMesh(scene, "points", 3, 0);
+  const float at[9] = {0, 0, 0, 10, 0, 0, 0, 10, 0}, radii[3] = {1, 2, 3}, wrong[3] = {5, 5, -1};
+  ASSERT_EQ(umbSetMeshBuffer(scene, mesh, "position", at, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
+  ASSERT_EQ(umbSetMeshBuffer(scene, mesh, "radius", radii, UMB_TYPE_FLOAT32, 1, 0), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetMeshBuffer(scene, mesh, "radius", wrong, UMB_TYPE_FLOAT32, 1, 0), UMB_ERROR_USAGE);
+  const float twice[12] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0};
+  float box[6];
+  ASSERT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_NONE);
+  EXPECT_EQ(std::vector<float>(box, box + 6), (std::vector<float>{-3, -2, -3, 12, 13, 3}));
+  ASSERT_EQ(umbAddMeshInstance(scene, mesh, twice), UMB_ERROR_NONE);
+  ASSERT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_NONE);
+  EXPECT_EQ(std::vector<float>(box, box + 6), (std::vector<float>{-6, -4, -6, 24, 26, 6}));
+  umbReleaseScene(scene);
+  umbReleaseDevice(device);
+}
+
+TEST(AnyCalls, TheBoxIsThatOfWhatIsDrawn) {
+  const UmbDevice device = umbNewDevice("cpu", 1);
+  const UmbScene scene = umbNewScene(device);
+  // A triangle, one without an area, one that is not finite, and a vertex that none has.
+  const float at[8][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {9, 9, 9}, {8, 8, 8}, {NAN, 0, 0}, {7, 7, 7}, {-7, 0, 0}};
+  const std::uint8_t corners[9] = {0, 1, 2, 3, 4, 3, 5, 0, 1};
+  const int mesh = umbAddMesh(scene, "mesh", 8, 3);
+  ASSERT_EQ(umbSetMeshBuffer(scene, mesh, "position", at, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
+  float box[6];
+  EXPECT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_USAGE) << "no indices";
+  ASSERT_EQ(umbSetMeshBuffer(scene, mesh, "index", corners, UMB_TYPE_UINT8, 3, 0), UMB_ERROR_NONE);
+  ASSERT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_NONE);
+  EXPECT_EQ(std::vector<float>(box, box + 6), (std::vector<float>{0, 0, 0, 1, 1, 0}));
+  const float places[2][12] = {{-1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0}, {0, 0, 0, 50, 0, 0, 0, 50, 0, 0, 0, 50}};
+  for (const auto& place : places) ASSERT_EQ(umbAddMeshInstance(scene, mesh, place), UMB_ERROR_NONE);
+  ASSERT_EQ(umbGetSceneBounds(scene, box, box + 3), UMB_ERROR_NONE);
+  EXPECT_EQ(std::vector<float>(box, box + 6), (std::vector<float>{4, 0, 0, 5, 1, 0})) << "flat ones are not drawn";
+  umbReleaseScene(scene);
+  umbReleaseDevice(device);
+}
+
+TEST(AnyCalls, AnOutputOfAllIsMadeOnce) {
+  Picture p;
+  const UmbImage own{};
+  for (const char* pass : {"all", "color"}) ASSERT_EQ(umbSetJobOutput(p.job, pass, &own), UMB_ERROR_NONE);
+  ASSERT_EQ(umbExecuteJob(p.job), UMB_ERROR_NONE) << p.error();
+  int colors = 0, k = 0;
+  for (const char* name = nullptr; (name = umbGetJobOutputName(p.job, k)); ++k) colors += std::string(name) == "color";
+  EXPECT_EQ(colors, 1);
+  EXPECT_GT(k, 3);
+}
+
+TEST(AnyCalls, IdsThatAreTooLargeAreNone) {
+  Picture p;
+  const UmbJob job = umbNewShadeJob(p.device);
+  std::vector<float> depth(16, 2.0f), ids(16, 1e30f);
+  ids[0] = 3.0f;
+  std::vector<std::uint32_t> out(16);
+  const UmbImage depths{depth.data(), UMB_TYPE_FLOAT32, 4, 4, 1, 0, 0, 0};
+  const UmbImage given{ids.data(), UMB_TYPE_FLOAT32, 4, 4, 1, 0, 0, 0};
+  const UmbImage wanted{out.data(), UMB_TYPE_UINT32, 4, 4, 1, 0, 0, 0};
+  ASSERT_EQ(umbSetJobImage(job, "depth", &depths), UMB_ERROR_NONE);
+  ASSERT_EQ(umbSetJobImage(job, "object_id", &given), UMB_ERROR_NONE);
+  ASSERT_EQ(umbSetJobOutput(job, "object_id", &wanted), UMB_ERROR_NONE);
+  EXPECT_EQ(umbExecuteJob(job), UMB_ERROR_NONE);
+  EXPECT_EQ(out[0], 3u);
+  EXPECT_EQ(out[1], ~0u);
+  umbReleaseJob(job);
+}
+
+TEST(AnyCalls, CountersAreThoseThatAreListed) {
+  Picture p;
+  for (const char* name : {"hierarchies_built", "captures_made", "planes_copied"})
+    EXPECT_EQ(umbGetJobCounter(p.job, name), 0) << name;
+  EXPECT_EQ(umbGetJobCounter(p.job, "devices_opened"), -1);
+  EXPECT_EQ(umbGetJobCounter(p.job, nullptr), -1);
 }
 
 }  // namespace

@@ -141,6 +141,35 @@ TEST(CInterface, MeshesFromMemoryAreThoseOfAFile) {
   std::remove(file.c_str());
 }
 
+TEST(CInterface, ColoursOfAMeshMultiplyNoGrey) {
+  constexpr float kClay[3] = {0.5f, 0.3f, 0.2f}, kWhite[3] = {1, 1, 1}, kHalf[3] = {0.5f, 0.5f, 0.5f};
+  float colors[8][3];
+  for (auto& color : colors) std::copy(kClay, kClay + 3, color);
+  const auto drawn = [&](bool colored, const float* albedo) {
+    Objects o;
+    const int mesh = add_box(o.scene);
+    if (colored) {
+      EXPECT_EQ(umbSetMeshBuffer(o.scene, mesh, "color", colors, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
+    }
+    if (albedo) {
+      EXPECT_EQ(umbSetMeshFloats(o.scene, mesh, "albedo", albedo, 3), UMB_ERROR_NONE);
+    }
+    make_render_job(o, "lit");
+    want(o.job, "albedo");
+    EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+    return output(o.job, "albedo");
+  };
+  const auto clay = drawn(false, kClay);
+  const auto difference = [&](const std::vector<float>& other) {  // interpolation rounds
+    float largest = 0.0f;
+    for (std::size_t k = 0; k < clay.size(); ++k) largest = std::max(largest, std::abs(other[k] - clay[k]));
+    return largest;
+  };
+  EXPECT_LT(difference(drawn(true, nullptr)), 1e-6f);
+  EXPECT_LT(difference(drawn(true, kWhite)), 1e-6f);
+  EXPECT_NEAR(difference(drawn(true, kHalf)), 0.25f, 1e-6f);
+}
+
 TEST(CInterface, InstancesAreObjectsOfTheirOwn) {
   Objects o;
   const int mesh = add_box(o.scene);
@@ -362,6 +391,8 @@ TEST(CInterface, ParametersTakeTheirTypesAlone) {
   EXPECT_EQ(umbSetJobBool(o.job, "camera.orthographic", true), UMB_ERROR_NONE);
   EXPECT_EQ(umbSetJobFloat(o.job, "occlusion_radius", 0.5f), UMB_ERROR_NONE);
   EXPECT_EQ(umbSetJobString(o.job, "occlusion_radius", "5%"), UMB_ERROR_NONE);
+  EXPECT_EQ(umbSetJobString(o.job, "width", "40"), UMB_ERROR_NONE) << job_error(o.job);
+  EXPECT_EQ(umbSetJobString(o.job, "height", "30"), UMB_ERROR_NONE) << job_error(o.job);
   EXPECT_EQ(umbSetJobFloat(o.job, "guard_band", 2.5f), UMB_ERROR_NONE) << job_error(o.job);
   EXPECT_EQ(umbSetJobString(o.job, "bitmask.radius", "15%"), UMB_ERROR_NONE);
   EXPECT_EQ(umbSetJobInt(o.job, "bitmask.slices", 4), UMB_ERROR_NONE);
@@ -369,6 +400,8 @@ TEST(CInterface, ParametersTakeTheirTypesAlone) {
   EXPECT_EQ(umbCheckJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
   refused(umbSetJobFloat(o.job, "look", 1.0f), "`look` takes a string");
   refused(umbSetJobFloat(o.job, "width", 1e9f), "`width`");
+  refused(umbSetJobString(o.job, "width", "-3"), "`width`");
+  refused(umbSetJobBool(o.job, "width", true), "`width` cannot be true");
   refused(umbSetJobInt(o.job, "layers", 99), "1 to 16");
   refused(umbSetJobFloat(o.job, "layers", 1.5f), "a whole number");
   refused(umbSetJobInt(o.job, "camera.orthographic", 2), "true or false");

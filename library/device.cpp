@@ -5,6 +5,12 @@
 #include "renderer/options.h"
 
 namespace umbrage {
+namespace {
+
+thread_local bool has_turn = false;     // of a device
+thread_local bool tells_error = false;  // to a callback
+
+}  // namespace
 
 Result<std::shared_ptr<Object>> DeviceObject::make(const char* name, int threads) {
   Request request;
@@ -22,22 +28,22 @@ Result<std::shared_ptr<Object>> DeviceObject::make(const char* name, int threads
 }
 
 DeviceObject::Turn::Turn(DeviceObject& device) : device_(device) {
-  nested_ = device.user_ == std::this_thread::get_id();
+  nested_ = has_turn;
   if (nested_) return;
   device.in_use_.lock();
-  device.user_ = std::this_thread::get_id();
+  has_turn = true;
   device.drop_left();
 }
 
 DeviceObject::Turn::~Turn() {
   if (nested_) return;
   device_.drop_left();
-  device_.user_ = std::thread::id();
+  has_turn = false;
   device_.in_use_.unlock();
 }
 
 Result<void> DeviceObject::Turn::begun() const {
-  return nested_ ? usage_error("a callback cannot execute a job of the device that calls it") : Result<void>();
+  return nested_ ? usage_error("a callback cannot execute a job while another one executes") : Result<void>();
 }
 
 void DeviceObject::leave(std::unique_ptr<Scene> scene, std::vector<Frame> frames) {
@@ -71,7 +77,12 @@ void DeviceObject::tell_error(const Error& error) {
     callback = on_error_;
     user = error_user_;
   }
-  if (callback) callback(user, UmbError(error.kind), error.message.c_str());
+  if (!callback || tells_error) return;
+  tells_error = true;
+  struct Done {
+    ~Done() { tells_error = false; }  // a callback of C++ may throw
+  } done;
+  callback(user, UmbError(error.kind), error.message.c_str());
 }
 
 void DeviceObject::tell_warning(const std::string& message) {
@@ -123,14 +134,14 @@ uint64_t umbGetDeviceMemory(UmbDevice device) {
 }
 
 UmbError umbSetDeviceErrorCallback(UmbDevice device, UmbErrorCallback callback, void* user) {
-  return call_on<DeviceObject>(device, "umbSetDeviceErrorCallback", [&](DeviceObject& object) {
+  return call_on<DeviceObject>(device, "umbSetDeviceErrorCallback", Use::kFree, [&](DeviceObject& object) {
     object.set_error_callback(callback, user);
     return Result<void>();
   });
 }
 
 UmbError umbSetDeviceLogCallback(UmbDevice device, UmbLogCallback callback, void* user) {
-  return call_on<DeviceObject>(device, "umbSetDeviceLogCallback", [&](DeviceObject& object) {
+  return call_on<DeviceObject>(device, "umbSetDeviceLogCallback", Use::kFree, [&](DeviceObject& object) {
     object.set_log_callback(callback, user);
     return Result<void>();
   });

@@ -2,12 +2,10 @@
 #pragma once
 #include <tbb/task_arena.h>
 
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -29,7 +27,8 @@ class DeviceObject final : public Object {
 
   std::unique_ptr<Device> device;
   std::string description;
-  /// A picture's turn: jobs of one device execute one after the other. Errors: kUsage from within a callback.
+  /// A picture's turn: jobs of one device execute one after the other. Errors: kUsage from within a callback of a job
+  /// of any device, since two of them could wait for each other.
   class Turn {
    public:
     explicit Turn(DeviceObject& device);
@@ -56,7 +55,6 @@ class DeviceObject final : public Object {
   void drop_left();
 
   std::mutex in_use_;
-  std::atomic<std::thread::id> user_;
   std::mutex left_mutex_;
   std::vector<std::pair<std::unique_ptr<Scene>, std::vector<Frame>>> left_;
   int kept_width_ = 0, kept_height_ = 0;

@@ -43,6 +43,12 @@ std::string light_key(const Recipe& recipe) {
                      recipe.light_size_deg.value_or(-1.0f));
 }
 
+/// An id that a plane holds as a number; where there is none, or more than fits, all bits set.
+std::uint32_t id_of(float place) {
+  constexpr float kBeyond = 4294967296.0f;
+  return place >= 0.0f && place < kBeyond ? std::uint32_t(place) : ~std::uint32_t(0);
+}
+
 /// Whether outputs can be what a picture of that size makes. Errors: kUsage.
 Result<void> check_outputs(std::span<const Output> outputs, int width, int height) {
   for (const Output& output : outputs) {
@@ -62,11 +68,27 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
   return {};
 }
 
+/// A scene while a picture is made of it, or none.
+class SceneInUse {
+ public:
+  explicit SceneInUse(SceneObject* scene) {
+    if (scene) held_.emplace(scene->workers, Use::kReads);
+  }
+  /// Errors: kUsage where the scene is changed at the same time.
+  Result<void> begun() const {
+    return !held_ || *held_ ? Result<void>()
+                            : usage_error("the scene is changed by another thread, or by the call that calls back");
+  }
+
+ private:
+  std::optional<Held> held_;
+};
+
 }  // namespace
 
 JobObject::~JobObject() { device_->leave(std::move(furnished_), std::move(captures_)); }
 
-Result<Request> JobObject::full_request() const {
+Request JobObject::full_request() const {
   Request request = request_;
   for (const auto& [name, value] : settings_) request.settings.push_back(name + "=" + value);
   for (const Output& output : outputs_)
@@ -91,35 +113,34 @@ Result<Recipe> JobObject::recipe_of(const Request& request) const {
   return recipe;
 }
 
-Result<ParameterBytes> JobObject::lines_of(const Request& request, const Recipe& recipe) {
-  return request.strokes ? line_parameters(recipe) : ParameterBytes();
+Result<JobObject::Order> JobObject::order() const {
+  Request request = full_request();
+  auto recipe = recipe_of(request);
+  if (!recipe) return recipe.error();
+  auto lines_wanted = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
+  if (!lines_wanted) return lines_wanted.error();
+  if (auto fine = check_outputs(outputs_, request.width, request.height); !fine) return fine.error();
+  return Order{std::move(request), std::move(*recipe), std::move(*lines_wanted)};
 }
 
 Result<void> JobObject::check() const {
-  const auto request = full_request();
-  if (!request) return request.error();
-  const auto recipe = recipe_of(*request);
-  if (!recipe) return recipe.error();
-  if (const auto wanted_lines = lines_of(*request, *recipe); !wanted_lines) return wanted_lines.error();
-  return check_outputs(outputs_, request->width, request->height);
+  const auto wanted = order();
+  return wanted ? Result<void>() : wanted.error();
 }
 
 Result<void> JobObject::execute() {
-  const auto request = full_request();
-  if (!request) return request.error();
-  auto recipe = recipe_of(*request);
-  if (!recipe) return recipe.error();
-  const auto wanted_lines = lines_of(*request, *recipe);
-  if (!wanted_lines) return wanted_lines.error();
-  const ParameterBytes& of_lines = *wanted_lines;
-  if (auto fine = check_outputs(outputs_, request->width, request->height); !fine) return fine;
+  const auto wanted = order();
+  if (!wanted) return wanted.error();
+  const auto& [request, recipe, of_lines] = *wanted;
+  const SceneInUse in_use(scene_.get());
   const DeviceObject::Turn turn(*device_);
   if (auto begun = turn.begun(); !begun) return begun;
-  device_->keep_memory_for(request->width, request->height);
+  if (auto free = in_use.begun(); !free) return free;
+  device_->keep_memory_for(request.width, request.height);
   const KeptPlanes kept(device_->device->pool());
-  const auto frame = renders() ? rendered(*recipe) : shaded(*request, *recipe);
+  const auto frame = renders() ? rendered(recipe) : shaded(request, recipe);
   if (!frame) return frame.error();
-  tell_unused(*request, *recipe);
+  tell_unused(request, recipe);
   Lines traced;
   if (!of_lines.empty()) {
     auto found = traced_lines(*device_->device, *frame, of_lines);
@@ -128,7 +149,7 @@ Result<void> JobObject::execute() {
     if (const auto ids = ids_.find("object_id"); ids != ids_.end() && !renders())
       for (Line& line : traced.lines) line.object = int(callers_id(ids->second, float(line.object)));
   }
-  if (auto done = hand_out(*frame, outputs_.empty() ? usual_outputs(*recipe) : outputs_); !done) return done;
+  if (auto done = hand_out(*frame, outputs_.empty() ? usual_outputs(recipe) : outputs_); !done) return done;
   lines = std::move(traced);
   line_color = of_lines.empty() ? std::array<float, 3>() : umbrage::line_color(of_lines);
   line_opacity = of_lines.empty() ? 0.0f : umbrage::line_opacity(of_lines);
@@ -136,12 +157,12 @@ Result<void> JobObject::execute() {
 }
 
 Result<void> JobObject::prepare() {
-  const auto request = full_request();
-  if (!request) return request.error();
-  auto recipe = recipe_of(*request);
+  auto recipe = recipe_of(full_request());
   if (!recipe || !renders()) return recipe ? Result<void>() : recipe.error();
+  const SceneInUse in_use(scene_.get());
   const DeviceObject::Turn turn(*device_);
   if (auto begun = turn.begun(); !begun) return begun;
+  if (auto free = in_use.begun(); !free) return free;
   if (auto ready = make_scene_ready(*recipe, before_drawing()); !ready) return ready;
   return prepare_device(before_drawing());
 }
@@ -283,6 +304,8 @@ Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted)
     const auto chosen = chosen_planes(names, there, frame.info);
     if (!chosen) return chosen.error();
     for (const PassPlanes& pass : *chosen) {
+      if (std::any_of(outputs.begin(), outputs.end(), [&](const Output& o) { return o.pass == pass.name; }))
+        continue;  // it is one of "all", too
       const auto set = std::find_if(wanted.begin(), wanted.end(), [&](const Output& o) { return o.pass == pass.name; });
       outputs.push_back(set != wanted.end() ? std::move(*set) : Output{.pass = pass.name, .image = {}, .own = {}});
       planes.push_back(pass.planes);
@@ -323,10 +346,7 @@ Result<void> JobObject::fill(const Frame& frame, const std::vector<std::string>&
     for (int y = 0; y < to.height; ++y)
       for (int x = 0; x < to.width; ++x) {
         const float place = plane.at(x, y);
-        write_id(to, x, y,
-                 known != ids_.end() ? callers_id(known->second, place)
-                 : place >= 0.0f     ? std::uint32_t(place)
-                                     : ~std::uint32_t(0));
+        write_id(to, x, y, known != ids_.end() ? callers_id(known->second, place) : id_of(place));
       }
   });
 }

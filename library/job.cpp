@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/suggest.h"
@@ -30,16 +31,9 @@ std::string number_text(std::span<const double> numbers) {
   return text;
 }
 
-Result<void> set_row(const Option& row, const std::string& text, Request& request) {
-  if (text.empty()) {
-    reset_option(row, request);
-    return {};
-  }
-  return set_option(row, text, request);
-}
-
 Result<void> set_row(const Option& row, std::span<const double> numbers, Request& request) {
-  if (is_word(row) || numbers.empty()) return usage_error("`{}` takes a string, not numbers", row.field);
+  if (is_word(row) || numbers.empty())
+    return usage_error("`{}` takes a string, not {}", row.field, numbers.empty() ? "no numbers" : number_text(numbers));
   if (std::holds_alternative<FieldOf<bool>>(row.where)) return usage_error("`{}` takes true or false", row.field);
   if (row.form == OptionForm::kSize || row.field == "height") {  // one side of it
     if (numbers.size() != 1 || numbers[0] != std::floor(numbers[0]) || std::abs(numbers[0]) > 1e9)
@@ -50,17 +44,19 @@ Result<void> set_row(const Option& row, std::span<const double> numbers, Request
   return set_option(row, number_text(numbers) + (row.form == OptionForm::kPercent ? "%" : ""), request);
 }
 
+Result<void> set_row(const Option& row, const std::string& text, Request& request) {
+  if (text.empty()) {
+    reset_option(row, request);
+    return {};
+  }
+  const auto side = row.form == OptionForm::kSize || row.field == "height" ? parse_number(text) : std::nullopt;
+  return side ? set_row(row, std::array{*side}, request) : set_option(row, text, request);
+}
+
 /// Whether an effect's parameter takes that text. Errors: kUsage.
 Result<void> check_setting(const std::string& assignment) {
   EffectSettings settings = initial_settings(handed_in());
   return apply_setting(settings, assignment, handed_in());
-}
-
-Error unknown_parameter(const std::string& name, bool renders) {
-  std::vector<std::string_view> names;
-  for (const Option& row : options())
-    if (is_parameter(row, renders ? "render" : "shade")) names.push_back(row.field);
-  return usage_error("there is no parameter '{}'{}", name, suggestion(name, names));
 }
 
 }  // namespace
@@ -72,9 +68,16 @@ bool is_parameter(const Option& row, std::string_view owner) {
   return owner == "render" ? row.group != "G-buffer" : (row.commands & kShade) != 0 || row.field == "strokes";
 }
 
+Error unknown_parameter(const std::string& name, std::string_view owner) {
+  std::vector<std::string_view> names;
+  for (const Option& row : options())
+    if (is_parameter(row, owner)) names.push_back(row.field);
+  return usage_error("there is no parameter '{}'{}", name, suggestion(name, names));
+}
+
 std::string JobObject::asked(const char*) const {
-  const auto request = full_request();
-  return request ? fmt::format("a picture of {} x {} pixels", request->width, request->height) : "a picture";
+  const Request request = full_request();
+  return fmt::format("a picture of {} x {} pixels", request.width, request.height);
 }
 
 Result<void> JobObject::set(const std::string& name, const std::string& text) {
@@ -86,7 +89,7 @@ Result<void> JobObject::set(const std::string& name, const std::string& text) {
     return {};
   }
   const std::string owner = name.substr(0, name.find('.'));
-  if (owner == name || owner == "camera") return unknown_parameter(name, renders());
+  if (owner == name || owner == "camera") return unknown_parameter(name, renders() ? "render" : "shade");
   if (auto fine = check_setting(name + "=" + text); !fine) return fine;
   settings_[name] = text;
   return {};
@@ -104,7 +107,7 @@ Result<void> JobObject::set(const std::string& name, std::span<const double> num
 Result<void> JobObject::set(const std::string& name, bool value) {
   const Option* row = find_parameter_row(name, renders());
   if (row && !std::holds_alternative<FieldOf<bool>>(row->where))
-    return usage_error("`{}` is not true or false", row->field);
+    return usage_error("`{}` cannot be {}: it is no flag", row->field, value);
   return set(name, std::string(value ? "true" : "false"));
 }
 
@@ -121,7 +124,7 @@ Result<void> JobObject::reset(const char* name) {
   if (settings_.erase(name) > 0) return {};
   // One that is not set stays as it is, if there is one.
   const auto setting = parse_setting(std::string(name) + "=", handed_in());
-  return setting ? Result<void>() : unknown_parameter(name, renders());
+  return setting ? Result<void>() : unknown_parameter(name, renders() ? "render" : "shade");
 }
 
 Result<void> JobObject::set_image(const std::string& name, const UmbImage* image) {
@@ -189,7 +192,8 @@ Result<std::shared_ptr<Object>> new_job(UmbDevice device, UmbScene scene, bool r
 /// Sets a parameter, given as text or as numbers.
 template <class Value>
 UmbError set_parameter(UmbJob job, const char* call, const char* name, const Value& value) {
-  return call_on<JobObject>(job, call, [&](JobObject& object) { return object.set(text_of(name), value); });
+  return call_on<JobObject>(job, call, Use::kChanges,
+                            [&](JobObject& object) { return object.set(text_of(name), value); });
 }
 
 UmbError set_number(UmbJob job, const char* call, const char* name, double value) {
@@ -230,7 +234,7 @@ UmbError umbSetJobFloat(UmbJob job, const char* name, float value) {
 }
 
 UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int count) {
-  return call_on<JobObject>(job, "umbSetJobFloats", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbSetJobFloats", Use::kChanges, [&](JobObject& object) -> Result<void> {
     if (!values || count < 1) return usage_error("`{}` has no values", text_of(name));
     const std::vector<double> numbers(values, values + count);
     return object.set(text_of(name), numbers);
@@ -238,33 +242,34 @@ UmbError umbSetJobFloats(UmbJob job, const char* name, const float* values, int 
 }
 
 UmbError umbResetJobParameter(UmbJob job, const char* name) {
-  return call_on<JobObject>(job, "umbResetJobParameter", [&](JobObject& object) { return object.reset(name); });
+  return call_on<JobObject>(job, "umbResetJobParameter", Use::kChanges,
+                            [&](JobObject& object) { return object.reset(name); });
 }
 
 UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* image) {
-  return call_on<JobObject>(job, "umbSetJobImage",
+  return call_on<JobObject>(job, "umbSetJobImage", Use::kChanges,
                             [&](JobObject& object) { return object.set_image(text_of(name), image); });
 }
 
 UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image) {
-  return call_on<JobObject>(job, "umbSetJobOutput",
+  return call_on<JobObject>(job, "umbSetJobOutput", Use::kChanges,
                             [&](JobObject& object) { return object.set_output(text_of(name), image); });
 }
 
 UmbError umbCheckJob(UmbJob job) {
-  return call_on<JobObject>(job, "umbCheckJob", [](JobObject& object) { return object.check(); });
+  return call_on<JobObject>(job, "umbCheckJob", Use::kReads, [](JobObject& object) { return object.check(); });
 }
 
 UmbError umbPrepareJob(UmbJob job) {
-  return call_on<JobObject>(job, "umbPrepareJob", [](JobObject& object) { return object.prepare(); });
+  return call_on<JobObject>(job, "umbPrepareJob", Use::kChanges, [](JobObject& object) { return object.prepare(); });
 }
 
 UmbError umbExecuteJob(UmbJob job) {
-  return call_on<JobObject>(job, "umbExecuteJob", [](JobObject& object) { return object.execute(); });
+  return call_on<JobObject>(job, "umbExecuteJob", Use::kChanges, [](JobObject& object) { return object.execute(); });
 }
 
 UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image) {
-  return call_on<JobObject>(job, "umbGetJobOutput", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbGetJobOutput", Use::kReads, [&](JobObject& object) -> Result<void> {
     const auto output = object.output(text_of(name));
     if (!output) return output.error();
     if (!image) return usage_error("umbGetJobOutput: image cannot be NULL");
@@ -274,17 +279,16 @@ UmbError umbGetJobOutput(UmbJob job, const char* name, UmbImage* image) {
 }
 
 const char* umbGetJobOutputName(UmbJob job, int index) {
-  const auto object = object_of<JobObject>(job);
-  return object ? object->output_name(index) : nullptr;
+  const char* none = nullptr;
+  return read_of<JobObject>(job, none, [&](const JobObject& object) { return object.output_name(index); });
 }
 
 size_t umbGetJobStrokeCount(UmbJob job) {
-  const auto object = object_of<JobObject>(job);
-  return object ? object->lines.lines.size() : 0;
+  return read_of<JobObject>(job, std::size_t(0), [](const JobObject& object) { return object.lines.lines.size(); });
 }
 
 UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
-  return call_on<JobObject>(job, "umbGetJobStroke", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbGetJobStroke", Use::kReads, [&](JobObject& object) -> Result<void> {
     const auto& lines = object.lines.lines;
     if (index >= lines.size() || !stroke)
       return usage_error("there is no stroke {}: there are {}", index, lines.size());
@@ -297,7 +301,7 @@ UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
 }
 
 UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity) {
-  return call_on<JobObject>(job, "umbGetJobStrokeColor", [&](JobObject& object) -> Result<void> {
+  return call_on<JobObject>(job, "umbGetJobStrokeColor", Use::kReads, [&](JobObject& object) -> Result<void> {
     if (!rgb || !opacity) return usage_error("umbGetJobStrokeColor: rgb and opacity cannot be NULL");
     std::copy_n(object.line_color.begin(), 3, rgb);
     *opacity = object.line_opacity;
@@ -310,7 +314,6 @@ int64_t umbGetJobCounter(UmbJob job, const char* name) {
   if (!object) return -1;
   const std::string_view which = name ? name : "";
   const Counters& counters = object->counters;
-  if (which == "devices_opened") return counters.devices_opened;
   if (which == "hierarchies_built") return counters.hierarchies_built;
   if (which == "captures_made") return counters.captures_made;
   if (which == "planes_copied") return counters.planes_copied;

@@ -1,5 +1,6 @@
 // JobObject: a picture of the C interface that is made again and again, and what it keeps from one to the next.
 #pragma once
+#include <atomic>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,6 +18,9 @@ namespace umbrage {
 /// Whether a row is a parameter of "render", "shade" or "scene": see umbGetParameter.
 bool is_parameter(const Option& row, std::string_view owner);
 
+/// That "render", "shade" or "scene" has no such parameter.
+Error unknown_parameter(const std::string& name, std::string_view owner);
+
 /// A pass that is wanted, and where.
 struct Output {
   std::string pass;
@@ -24,9 +28,9 @@ struct Output {
   std::vector<float> own;  ///< the library's memory
 };
 
-/// See umbGetJobCounter.
+/// See umbGetJobCounter. Callbacks and other threads may look while the job executes.
 struct Counters {
-  std::int64_t devices_opened = 0, hierarchies_built = 0, captures_made = 0, planes_copied = 0;
+  std::atomic<std::int64_t> hierarchies_built = 0, captures_made = 0, planes_copied = 0;
 };
 
 class JobObject final : public Object {
@@ -63,11 +67,16 @@ class JobObject final : public Object {
   DeviceObject* teller() override { return device_.get(); }
 
  private:
-  /// The request with the passes that are wanted, and its recipe.
-  Result<Request> full_request() const;
+  /// What an execution is to do, as far as the parameters tell.
+  struct Order {
+    Request request;  ///< with the passes that are wanted
+    Recipe recipe;
+    ParameterBytes lines;  ///< of the lines where strokes are wanted; else empty
+  };
+  /// Errors: kUsage.
+  Result<Order> order() const;
+  Request full_request() const;
   Result<Recipe> recipe_of(const Request& request) const;
-  /// The parameters of the lines where strokes are wanted; else empty.
-  static Result<ParameterBytes> lines_of(const Request& request, const Recipe& recipe);
   /// Warns of settings that do nothing, but of the same ones once.
   void tell_unused(const Request& request, const Recipe& recipe);
   Result<Frame> rendered(Recipe recipe);

@@ -1,9 +1,12 @@
 // Meshes from memory: their buffers, materials, textures and places.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <span>
 
 #include "core/srgb.h"
+#include "core/suggest.h"
 #include "library/scene.h"
 #include "library/shared.h"
 
@@ -44,24 +47,24 @@ void copy_floats(const Buffer& buffer, std::size_t count, std::vector<Vector>& t
   }
 }
 
-Result<void> set_indices(const Buffer& buffer, Mesh& mesh) {
+Result<void> set_indices(const Buffer& buffer, SharedMesh& shared) {
   const auto index = [&](std::size_t triangle, int corner) -> std::uint32_t {
     if (buffer.type == PixelType::kUint8) return buffer.at<std::uint8_t>(triangle, corner);
     if (buffer.type == PixelType::kUint16) return buffer.at<std::uint16_t>(triangle, corner);
     return buffer.at<std::uint32_t>(triangle, corner);
   };
-  std::vector<std::uint32_t> indices(mesh.indices.size());
+  std::vector<std::uint32_t> indices(3 * shared.triangles);
   for (std::size_t k = 0; k < indices.size(); ++k) {
     indices[k] = index(k / 3, int(k % 3));
-    if (indices[k] >= mesh.positions.size())
-      return usage_error("triangle {} has the vertex {}: the mesh has {}", k / 3, indices[k], mesh.positions.size());
+    if (indices[k] >= shared.vertices)
+      return usage_error("triangle {} has the vertex {}: the mesh has {}", k / 3, indices[k], shared.vertices);
   }
-  mesh.indices = std::move(indices);
+  shared.mesh.indices = std::move(indices);
   return {};
 }
 
-void set_colors(const Buffer& buffer, Mesh& mesh) {
-  mesh.colors.resize(mesh.positions.size());
+void set_colors(const Buffer& buffer, std::size_t count, Mesh& mesh) {
+  mesh.colors.resize(count);
   for (std::size_t k = 0; k < mesh.colors.size(); ++k)
     for (int c = 0; c < 3; ++c)
       mesh.colors[k][c] = buffer.type == PixelType::kFloat32 ? buffer.at<float>(k, c)
@@ -73,11 +76,10 @@ void set_colors(const Buffer& buffer, Mesh& mesh) {
 Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMesh& shared) {
   constexpr auto kFloat = PixelType::kFloat32;
   Mesh& mesh = shared.mesh;
-  const std::size_t count = mesh.positions.size();
+  const std::size_t count = shared.vertices;
   if (name == "position") {
     if (auto fine = expect(buffer, name, {kFloat}, 3, 3); !fine) return fine;
     copy_floats(buffer, count, mesh.positions);
-    shared.has_positions = true;
   } else if (name == "normal") {
     if (auto fine = expect(buffer, name, {kFloat}, 3, 3); !fine) return fine;
     copy_floats(buffer, count, mesh.normals);
@@ -88,34 +90,39 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
   } else if (name == "radius") {
     if (!mesh.points) return usage_error("the buffer 'radius' is for points: the mesh has triangles");
     if (auto fine = expect(buffer, name, {kFloat}, 1, 1); !fine) return fine;
-    copy_floats(buffer, count, mesh.radii);
-    for (const float r : mesh.radii)
+    std::vector<float> radii;
+    copy_floats(buffer, count, radii);
+    for (const float r : radii)
       if (!(r > 0.0f) || !std::isfinite(r)) return usage_error("a point's radius cannot be {}: it is above 0", r);
+    mesh.radii = std::move(radii);
   } else if (name == "color") {
     if (auto fine = expect(buffer, name, {kFloat, PixelType::kUint8, PixelType::kUint16}, 3, 4); !fine) return fine;
-    set_colors(buffer, mesh);
+    set_colors(buffer, count, mesh);
   } else if (name == "index") {
     if (mesh.points) return usage_error("the mesh has no triangles that an index buffer could make");
     if (auto fine = expect(buffer, name, {PixelType::kUint8, PixelType::kUint16, PixelType::kUint32}, 3, 3); !fine)
       return fine;
-    if (auto set = set_indices(buffer, mesh); !set) return set;
-    shared.has_indices = true;
+    if (auto set = set_indices(buffer, shared); !set) return set;
   } else {
-    return usage_error("a mesh has no buffer '{}': it has position, normal, color, uv, radius and index", name);
+    constexpr std::array<std::string_view, 6> kBuffers = {"position", "normal", "color", "uv", "radius", "index"};
+    return usage_error("a mesh has no buffer '{}'{}", name, suggestion(name, kBuffers));
   }
   return {};
 }
 
-Result<void> set_floats(const std::string& name, std::span<const float> values, Material& material) {
+Result<void> set_floats(const std::string& name, std::span<const float> values, SharedMesh& shared) {
+  constexpr std::array<std::string_view, 5> kNames = {"albedo", "emission", "specular", "shininess", "alpha_cutoff"};
   const std::size_t count = name == "albedo" || name == "emission" ? 3 : 1;
-  const bool known = count == 3 || name == "specular" || name == "shininess" || name == "alpha_cutoff";
-  if (!known)
-    return usage_error("a mesh has no parameter '{}': it has albedo, emission, specular, shininess and alpha_cutoff",
-                       name);
+  if (std::find(kNames.begin(), kNames.end(), name) == kNames.end())
+    return usage_error("a mesh has no parameter '{}'{}", name, suggestion(name, kNames));
   if (values.size() != count) return usage_error("'{}' of a mesh takes {} numbers, not {}", name, count, values.size());
   for (const float v : values)
     if (!(v >= 0.0f) || !std::isfinite(v)) return usage_error("'{}' of a mesh cannot be {}: it is 0 or more", name, v);
-  if (name == "albedo") material.albedo = {values[0], values[1], values[2]};
+  Material& material = shared.material;
+  if (name == "albedo") {
+    material.albedo = {values[0], values[1], values[2]};
+    shared.has_albedo = true;
+  }
   if (name == "emission") material.emission = {values[0], values[1], values[2]};
   if (name == "specular") material.specular_strength = std::min(values[0], 1.0f);
   if (name == "shininess") material.specular_exponent = values[0];
@@ -129,6 +136,7 @@ Result<void> set_floats(const std::string& name, std::span<const float> values, 
 Result<Texture> texture_of(const std::string& name, const UmbImage& from) {
   const auto image = shared_image("the texture '" + name + "'", from);
   if (!image) return image.error();
+  if (!image->data) return usage_error("the texture '{}' has no pixels", name);
   if (image->type != PixelType::kUint8 || image->channels < 3 || image->channels > 4)
     return usage_error("the texture '{}' takes 3 or 4 channels of 8 bits", name);
   Texture texture{.name = name, .width = image->width, .height = image->height, .rgba = {}};
@@ -143,7 +151,7 @@ Result<Texture> texture_of(const std::string& name, const UmbImage& from) {
 /// Changes a mesh of a scene; `change` gets the mesh.
 template <class Change>
 UmbError change_mesh(UmbScene scene, int mesh, const char* call, const Change& change) {
-  return call_on<SceneObject>(scene, call, [&](SceneObject& object) -> Result<void> {
+  return call_on<SceneObject>(scene, call, Use::kChanges, [&](SceneObject& object) -> Result<void> {
     const auto found = object.mesh(mesh);
     if (!found) return found.error();
     if (Result<void> done = change(**found); !done) return done;
@@ -172,7 +180,7 @@ UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void
 UmbError umbSetMeshFloats(UmbScene scene, int mesh, const char* name, const float* values, int count) {
   return change_mesh(scene, mesh, "umbSetMeshFloats", [&](SharedMesh& shared) -> Result<void> {
     if (!values || count < 0) return usage_error("'{}' of a mesh has no values", text_of(name));
-    return set_floats(text_of(name), {values, std::size_t(count)}, shared.material);
+    return set_floats(text_of(name), {values, std::size_t(count)}, shared);
   });
 }
 

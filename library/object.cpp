@@ -42,6 +42,19 @@ ErrorSlot& thread_errors() {
   return errors;
 }
 
+bool Workers::begin(Use use) {
+  if (use == Use::kFree) return true;
+  int seen = count_;
+  while (use == Use::kChanges ? seen == 0 : seen != kAlone)
+    if (count_.compare_exchange_weak(seen, use == Use::kChanges ? kAlone : seen + 1)) return true;
+  return false;
+}
+
+void Workers::end(Use use) {
+  if (use == Use::kChanges) count_ = 0;
+  if (use == Use::kReads) --count_;
+}
+
 UmbError Object::fail(Error error) {
   const UmbError code = errors.note(error);
   if (DeviceObject* device = teller()) {

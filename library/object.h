@@ -32,6 +32,42 @@ class ErrorSlot {
 /// Of calls that have no object.
 ErrorSlot& thread_errors();
 
+/// How a call uses its object.
+enum class Use {
+  kChanges,  ///< alone
+  kReads,    ///< beside others that read
+  kFree,     ///< what it uses has locks of its own
+};
+
+/// Who is at work on an object. Nobody waits, so that no callback can wait for the call that it is a part of.
+class Workers {
+ public:
+  /// Whether the use may begin; then it has to end.
+  bool begin(Use use);
+  void end(Use use);
+
+ private:
+  static constexpr int kAlone = -1;
+  std::atomic<int> count_ = 0;  ///< that read, or kAlone
+};
+
+/// A use of an object, from begin to end, unless it is refused.
+class Held {
+ public:
+  Held(Workers& workers, Use use) : workers_(workers), use_(use), begun_(workers.begin(use)) {}
+  ~Held() {
+    if (begun_) workers_.end(use_);
+  }
+  Held(const Held&) = delete;
+  Held& operator=(const Held&) = delete;
+  explicit operator bool() const { return begun_; }
+
+ private:
+  Workers& workers_;
+  const Use use_;
+  const bool begun_;
+};
+
 class DeviceObject;
 
 class Object {
@@ -43,6 +79,7 @@ class Object {
   UmbError fail(Error error);
 
   ErrorSlot errors{true};
+  Workers workers;
   std::atomic<long> references{1};
 
  protected:
@@ -79,9 +116,10 @@ UmbError call_alone(const char* call, const Work& work) {
   return done ? UMB_ERROR_NONE : thread_errors().note(std::move(done.error()));
 }
 
-/// Runs a call on an object, by the name of its function. Errors are the object's.
+/// Runs a call on an object, by the name of its function. Errors are the object's; kUsage where others are at work on
+/// it.
 template <class T, class Work>
-UmbError call_on(const void* handle, const char* call, const Work& work) {
+UmbError call_on(const void* handle, const char* call, Use use, const Work& work) {
   std::shared_ptr<T> object;
   const UmbError found = call_alone(call, [&]() -> Result<void> {
     object = object_of<T>(handle);
@@ -89,8 +127,26 @@ UmbError call_on(const void* handle, const char* call, const Work& work) {
     return {};
   });
   if (found != UMB_ERROR_NONE) return found;
-  Result<void> done = guarded([&] { return object->asked(call); }, [&]() -> Result<void> { return work(*object); });
-  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));
+  Result<void> done;
+  {
+    const Held held(object->workers, use);
+    done =
+        guarded([&] { return held ? object->asked(call) : std::string(call); },
+                [&]() -> Result<void> {
+                  if (held) return work(*object);
+                  return usage_error("{}: another thread is at work on the object, or the call that calls back", call);
+                });
+  }
+  return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));  // whose callback may use the object
+}
+
+/// What `get` reads of an object; `otherwise` where the handle is none, or others change the object.
+template <class T, class Value, class Get>
+Value read_of(const void* handle, Value otherwise, const Get& get) {
+  const auto object = object_of<T>(handle);
+  if (!object) return otherwise;
+  const Held held(object->workers, Use::kReads);
+  return held ? get(*object) : otherwise;
 }
 
 /// The first error of an object, or, where the handle is none of that kind, the thread's: see umbGetError.

@@ -8,14 +8,9 @@
 #include "library/job.h"
 #include "renderer/models.h"
 #include "renderer/recipe.h"
-#include "scene/finish.h"
 
 namespace umbrage {
 namespace {
-
-bool is_whole(const SharedMesh& shared) {
-  return shared.has_positions && (shared.has_indices || shared.mesh.indices.empty());
-}
 
 /// The mesh at a place.
 Mesh placed(const Mesh& mesh, const glm::mat4& world_from_mesh) {
@@ -33,11 +28,14 @@ Mesh placed(const Mesh& mesh, const glm::mat4& world_from_mesh) {
   return at;
 }
 
-/// A scene of one mesh, at all of its places.
+/// A scene of one mesh, at all of its places, but unfinished.
 Scene scene_of(const SharedMesh& shared) {
   Scene scene;
   scene.name = shared.mesh.name;
   scene.materials.push_back(shared.material);
+  // Colours and textures multiply it, as in files.
+  if (!shared.has_albedo && (!shared.mesh.colors.empty() || !shared.albedo.rgba.empty()))
+    scene.materials[0].albedo = glm::vec3(1.0f);
   const auto add = [&](const Texture& texture, int& index) {
     if (texture.rgba.empty()) return;
     index = int(scene.textures.size());
@@ -50,8 +48,25 @@ Scene scene_of(const SharedMesh& shared) {
     scene.meshes.push_back(placed(shared.mesh, instance));
     scene.meshes.back().object = int(scene.meshes.size()) - 1;
   }
+  if (shared.settings.up != glm::vec3(0.0f)) scene.up = shared.settings.up;
   return scene;
 }
+
+/// The box of a mesh at all of its places, as finish_scene would find it; empty where nothing is left.
+SceneBox box_of(const SharedMesh& shared) {
+  SceneBox box;
+  if (!shared.mesh.points) {
+    if (shared.instances.empty()) add_triangles(shared.mesh, glm::mat4(1.0f), box);
+    for (const glm::mat4& instance : shared.instances) add_triangles(shared.mesh, instance, box);
+    return box;
+  }
+  Scene cloud = scene_of(shared);  // how large points are depends on their neighbours
+  finish_scene(cloud, shared.settings.crease_angle_deg, shared.settings.points);
+  if (!cloud.meshes.empty()) box = {cloud.bounds_min, cloud.bounds_max};
+  return box;
+}
+
+Error nothing_there() { return usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it"); }
 
 }  // namespace
 
@@ -59,9 +74,7 @@ Result<void> SceneObject::set_parameter(const std::string& name, const char* val
   const Option* row = nullptr;
   for (const Option& option : options())
     if (is_parameter(option, "scene") && option.field == name) row = &option;
-  if (!row)
-    return usage_error(
-        "a scene has no parameter '{}': it has up, crease_angle_deg, point_size, point_sprites and scene_index", name);
+  if (!row) return unknown_parameter(name, "scene");
   Request changed = request_;
   if (value) {
     if (auto set = set_option(*row, value, changed); !set) return set;
@@ -95,11 +108,9 @@ Result<int> SceneObject::add_mesh(const std::string& name, std::size_t vertices,
                        kMaxCount - 1);
   const auto settings = import_settings(request_);
   if (!settings) return settings.error();
-  SharedMesh shared{.settings = *settings};
+  SharedMesh shared{.vertices = vertices, .triangles = triangles, .settings = *settings};
   shared.mesh.name = name;
   shared.mesh.points = triangles == 0;
-  shared.mesh.positions.resize(vertices);
-  shared.mesh.indices.resize(3 * triangles);
   meshes_.push_back(std::move(shared));
   changed();
   return int(meshes_.size()) - 1;
@@ -111,16 +122,22 @@ Result<SharedMesh*> SceneObject::mesh(int index) {
   return &meshes_[std::size_t(index)];
 }
 
-Result<Scene> SceneObject::copied() {
+Result<void> SceneObject::check_whole() const {
+  for (std::size_t k = 0; k < meshes_.size(); ++k) {
+    const Mesh& mesh = meshes_[k].mesh;
+    if (mesh.positions.empty()) return usage_error("mesh {} of the scene lacks its positions", k);
+    if (mesh.indices.empty() && !mesh.points) return usage_error("mesh {} of the scene lacks its indices", k);
+  }
+  return {};
+}
+
+Result<Scene> SceneObject::copied() const {
+  if (auto whole = check_whole(); !whole) return whole.error();
   Scene all;
   bool is_empty = !has_models_;
   if (has_models_) all = models_;
-  for (std::size_t k = 0; k < meshes_.size(); ++k) {
-    const SharedMesh& shared = meshes_[k];
-    if (!is_whole(shared))
-      return usage_error("mesh {} of the scene lacks its {}", k, shared.has_positions ? "indices" : "positions");
+  for (const SharedMesh& shared : meshes_) {
     Scene part = scene_of(shared);
-    if (shared.settings.up != glm::vec3(0.0f)) part.up = shared.settings.up;
     finish_scene(part, shared.settings.crease_angle_deg, shared.settings.points);
     if (part.meshes.empty()) continue;
     if (is_empty)
@@ -129,7 +146,19 @@ Result<Scene> SceneObject::copied() {
       append_scene(std::move(part), all);
     is_empty = false;
   }
-  if (is_empty) return usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it");
+  if (is_empty) return nothing_there();
+  return all;
+}
+
+Result<SceneBox> SceneObject::bounds() const {
+  if (auto whole = check_whole(); !whole) return whole.error();
+  SceneBox all;
+  if (has_models_) all = {models_.bounds_min, models_.bounds_max};
+  for (const SharedMesh& shared : meshes_) {
+    const SceneBox box = box_of(shared);
+    all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
+  }
+  if (all.is_empty()) return nothing_there();
   return all;
 }
 
@@ -155,17 +184,18 @@ UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callbac
 }
 
 UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value) {
-  return call_on<SceneObject>(scene, "umbSetSceneParameter",
+  return call_on<SceneObject>(scene, "umbSetSceneParameter", Use::kChanges,
                               [&](SceneObject& object) { return object.set_parameter(text_of(name), value); });
 }
 
 UmbError umbLoadModel(UmbScene scene, const char* model) {
-  return call_on<SceneObject>(scene, "umbLoadModel", [&](SceneObject& object) { return object.load(text_of(model)); });
+  return call_on<SceneObject>(scene, "umbLoadModel", Use::kChanges,
+                              [&](SceneObject& object) { return object.load(text_of(model)); });
 }
 
 int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangles) {
   int index = -1;
-  call_on<SceneObject>(scene, "umbAddMesh", [&](SceneObject& object) -> Result<void> {
+  call_on<SceneObject>(scene, "umbAddMesh", Use::kChanges, [&](SceneObject& object) -> Result<void> {
     const auto added = object.add_mesh(text_of(name), vertices, triangles);
     if (!added) return added.error();
     index = *added;
@@ -175,19 +205,18 @@ int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangl
 }
 
 UmbError umbGetSceneBounds(UmbScene scene, float lower[3], float upper[3]) {
-  return call_on<SceneObject>(scene, "umbGetSceneBounds", [&](SceneObject& object) -> Result<void> {
+  return call_on<SceneObject>(scene, "umbGetSceneBounds", Use::kReads, [&](SceneObject& object) -> Result<void> {
     if (!lower || !upper) return usage_error("umbGetSceneBounds: lower and upper cannot be NULL");
-    const auto whole = object.copied();
-    if (!whole) return whole.error();
+    const auto box = object.bounds();
+    if (!box) return box.error();
     for (int k = 0; k < 3; ++k) {
-      lower[k] = whole->bounds_min[k];
-      upper[k] = whole->bounds_max[k];
+      lower[k] = box->low[k];
+      upper[k] = box->high[k];
     }
     return {};
   });
 }
 
 int umbGetSceneCameraCount(UmbScene scene) {
-  const auto object = object_of<SceneObject>(scene);
-  return object ? object->camera_count() : 0;
+  return read_of<SceneObject>(scene, 0, [](const SceneObject& object) { return object.camera_count(); });
 }

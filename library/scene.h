@@ -8,18 +8,20 @@
 
 #include "library/device.h"
 #include "renderer/options.h"
+#include "scene/finish.h"
 #include "scene/readers/import.h"
 #include "scene/scene.h"
 
 namespace umbrage {
 
-/// A mesh from memory, as its buffers are set.
+/// A mesh from memory, as its buffers are set. Lists that nobody has set are empty: numbers alone take no memory.
 struct SharedMesh {
+  std::size_t vertices = 0, triangles = 0;
   ImportSettings settings;  ///< as they were when it was added
   Mesh mesh;
   Material material;
+  bool has_albedo = false;   ///< that the caller set
   Texture albedo, emission;  ///< without pixels: none
-  bool has_positions = false, has_indices = false;
   std::vector<glm::mat4> instances;
 };
 
@@ -29,7 +31,9 @@ class SceneObject final : public Object {
 
   /// The models and all meshes that are whole, finished. A copy: what a picture adds to it is that picture's.
   /// Errors: kUsage for an empty scene, and meshes that are not whole.
-  Result<Scene> copied();
+  Result<Scene> copied() const;
+  /// The box of that. Errors: the same.
+  Result<SceneBox> bounds() const;
   /// Changes with each change.
   long version() const { return version_; }
 
@@ -48,6 +52,8 @@ class SceneObject final : public Object {
   DeviceObject* teller() override { return device_.get(); }
 
  private:
+  Result<void> check_whole() const;
+
   std::shared_ptr<DeviceObject> device_;
   Request request_;  // how what follows is read
   Scene models_;
@@ -59,7 +65,7 @@ class SceneObject final : public Object {
 /// Has a caller's callback told of the progress of a scene or a job; null: nobody.
 template <class T>
 UmbError set_progress(const void* handle, const char* call, UmbProgressCallback callback, void* user) {
-  return call_on<T>(handle, call, [&](T& object) -> Result<void> {
+  return call_on<T>(handle, call, Use::kChanges, [&](T& object) -> Result<void> {
     object.progress = {};
     if (callback) object.progress = [callback, user](double done) { return callback(user, done); };
     return {};

@@ -150,6 +150,15 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
   return hand_over(device, request.signal);
 }
 
+/// What a device was asked for by a call that fails, with an exception, too.
+struct DropUnlessDone {
+  Device& device;
+  bool done = false;
+  ~DropUnlessDone() {
+    if (!done) drop(device);
+  }
+};
+
 Result<std::shared_ptr<Object>> new_shading(const UmbVulkanContext* context) {
   if (!context || !context->get_instance_proc_addr || !context->instance || !context->physical_device ||
       !context->device || !context->queue)
@@ -178,19 +187,20 @@ UmbError umbGetVulkanShadingError(UmbVulkanShading shading, const char** message
 }
 
 UmbError umbShadeVulkanImages(UmbVulkanShading shading, const UmbVulkanGBuffer* gbuffer, const UmbVulkanWork* work) {
-  const UmbError code =
-      call_on<VulkanShadingObject>(shading, "umbShadeVulkanImages", [&](VulkanShadingObject& object) -> Result<void> {
-        if (!gbuffer || !work) return usage_error("umbShadeVulkanImages: gbuffer and work cannot be NULL");
-        object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
-        return shade_images(*object.device, *gbuffer, *work);
-      });
-  if (code != UMB_ERROR_NONE)
-    if (const auto object = object_of<VulkanShadingObject>(shading)) drop(*object->device);
-  return code;
+  return call_on<VulkanShadingObject>(shading, "umbShadeVulkanImages", Use::kChanges,
+                                      [&](VulkanShadingObject& object) -> Result<void> {
+                                        if (!gbuffer || !work)
+                                          return usage_error("umbShadeVulkanImages: gbuffer and work cannot be NULL");
+                                        object.size = fmt::format("{} x {} pixels", gbuffer->width, gbuffer->height);
+                                        DropUnlessDone asked{*object.device};
+                                        auto done = shade_images(*object.device, *gbuffer, *work);
+                                        asked.done = bool(done);
+                                        return done;
+                                      });
 }
 
 UmbError umbFinishVulkanShading(UmbVulkanShading shading) {
-  return call_on<VulkanShadingObject>(shading, "umbFinishVulkanShading",
+  return call_on<VulkanShadingObject>(shading, "umbFinishVulkanShading", Use::kChanges,
                                       [](VulkanShadingObject& object) { return object.device->finish(); });
 }
 

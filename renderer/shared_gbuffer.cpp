@@ -336,7 +336,7 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
 }
 
 std::uint32_t callers_id(std::span<const std::uint32_t> known, float place) {
-  return place >= 0.0f && std::size_t(place) < known.size() ? known[std::size_t(place)] : 0;
+  return place >= 0.0f && place < float(known.size()) ? known[std::size_t(place)] : 0;
 }
 
 }  // namespace umbrage

@@ -49,6 +49,11 @@ bool is_degenerate(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   return !(glm::dot(area, area) > kDegenerate * kDegenerate * longest * longest);
 }
 
+/// Whether a triangle can be drawn.
+bool stays(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  return usable(a) && usable(b) && usable(c) && !is_degenerate(a, b, c);
+}
+
 Face face_of(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
   const glm::dvec3 ab = glm::dvec3(b) - glm::dvec3(a), ac = glm::dvec3(c) - glm::dvec3(a), bc = ac - ab;
   const glm::dvec3 area = glm::cross(ab, ac);
@@ -175,7 +180,7 @@ std::size_t clean_triangles(Mesh& mesh) {
     const Index a = mesh.indices[i], b = mesh.indices[i + 1], c = mesh.indices[i + 2];
     if (std::max({a, b, c}) >= mesh.positions.size()) continue;
     const glm::vec3 &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];
-    if (!usable(p) || !usable(q) || !usable(r) || is_degenerate(p, q, r)) continue;
+    if (!stays(p, q, r)) continue;
     mesh.indices[kept++] = a;
     mesh.indices[kept++] = b;
     mesh.indices[kept++] = c;
@@ -396,6 +401,17 @@ void make_normals(Mesh& mesh, float crease_angle_deg, Poll* poll) {
   mesh.indices = std::move(made.indices);
 }
 
+void add_triangles(const Mesh& mesh, const glm::mat4& world_from_mesh, SceneBox& box) {
+  const auto at = [&](Index vertex) { return glm::vec3(world_from_mesh * glm::vec4(mesh.positions[vertex], 1.0f)); };
+  for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    const Index* corner = &mesh.indices[i];
+    if (std::max({corner[0], corner[1], corner[2]}) >= mesh.positions.size()) continue;
+    const glm::vec3 corners[3] = {at(corner[0]), at(corner[1]), at(corner[2])};
+    if (!stays(corners[0], corners[1], corners[2])) continue;
+    for (const glm::vec3& p : corners) box = {glm::min(box.low, p), glm::max(box.high, p)};
+  }
+}
+
 std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettings& points, Poll* poll) {
   std::size_t dropped = 0;
   if (scene.materials.empty()) scene.materials.emplace_back();
@@ -409,6 +425,7 @@ std::size_t finish_scene(Scene& scene, float crease_angle_deg, const PointSettin
     if (mesh.normals.size() != mesh.positions.size()) mesh.normals.clear();
     if (mesh.uvs.size() != mesh.positions.size()) mesh.uvs.clear();
     if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
+    if (mesh.radii.size() != mesh.positions.size()) mesh.radii.clear();
     for (glm::vec3& color : mesh.colors) {
       for (int c = 0; c < 3; ++c) color[c] = color[c] >= 0.0f ? std::min(color[c], 1.0f) : 0.0f;
     }

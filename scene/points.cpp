@@ -50,6 +50,8 @@ bool usable(const glm::vec3& p) {
          std::abs(p.z) <= kLargestCoordinate;
 }
 
+bool usable(float radius) { return radius > 0.0f && radius <= kLargestCoordinate; }
+
 /// Orders points as a balanced tree: the middle of each range divides it along the axis in which it is widest.
 struct Tree {
   static constexpr std::size_t kLeaf = 12;  // points in a range that is searched one by one
@@ -280,7 +282,8 @@ std::size_t clean_points(Mesh& mesh) {
   std::vector<Placed> order;
   order.reserve(before);
   for (std::size_t i = 0; i < before; ++i)
-    if (usable(mesh.positions[i])) order.push_back({mesh.positions[i], std::uint32_t(i)});
+    if (usable(mesh.positions[i]) && (mesh.radii.empty() || usable(mesh.radii[i])))
+      order.push_back({mesh.positions[i], std::uint32_t(i)});
   const std::size_t finite = order.size();
   tbb::parallel_sort(order.begin(), order.end(), [](const Placed& a, const Placed& b) {
     return std::tie(a.position.x, a.position.y, a.position.z, a.index) <
@@ -293,10 +296,10 @@ std::size_t clean_points(Mesh& mesh) {
   reorder(mesh.positions, order);
   reorder(mesh.normals, order);
   reorder(mesh.colors, order);
+  reorder(mesh.radii, order);
   mesh.positions.resize(order.size());
   mesh.uvs.clear();
   mesh.indices.clear();
-  mesh.radii.clear();
   return before - finite;
 }
 
@@ -315,7 +318,8 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     }
   }
   const bool has_normals = !mesh.normals.empty() && lacking.size() < size;
-  const bool given_size = settings.size.value > 0.0f;
+  const bool given_radii = !mesh.radii.empty();
+  const bool given_size = given_radii || settings.size.value > 0.0f;
   const bool wants_planes = settings.shape != PointShape::kSpheres && (!has_normals || !lacking.empty());
   Surroundings around;
   if (wants_planes || !given_size) around = surroundings_of(mesh);
@@ -335,6 +339,7 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     for (const std::size_t i : lacking) mesh.normals[i] = around.planes[i].direction;
   }
 
+  if (given_radii) return;
   if (given_size) {
     const float across = absolute_length(settings.size, scene_radius);
     mesh.radii.assign(size, 0.5f * across);

@@ -7,11 +7,20 @@
  *
  * Errors. A function that can fail returns a UmbError and leaves a sentence with the object: see umbGetJobError. A
  * function that makes an object returns NULL, and leaves the error with the thread: see umbGetError. A NULL handle is
- * UMB_ERROR_USAGE. Nothing throws, ends the process or prints. Callbacks must not throw; from within one no job of its
- * device can be executed.
+ * UMB_ERROR_USAGE. Nothing throws, ends the process or prints.
  *
- * Threads. Different threads may use different objects at the same time. Jobs of one device execute one after the
- * other; a scene must not change while a job that uses it executes.
+ * Callbacks must not throw. From within one the library may be called, but not on the object whose call calls back, the
+ * job that executes or the scene that loads; nor may the scene of that job be changed, nor another job, of any device, be
+ * executed or prepared. These calls return UMB_ERROR_USAGE. Retaining, releasing, errors and counters are free. An error
+ * callback runs after its call, and may use all objects; of what fails within it, it is not told.
+ *
+ * Threads. Different threads may use different objects at the same time. While a function changes, executes or loads an
+ * object, calls of other threads on it return UMB_ERROR_USAGE, or what stands for nothing, and do nothing; those that
+ * only read, such as umbGetJobOutput, may be made side by side. Functions of devices, retaining and releasing (by who has
+ * a reference), errors and counters are free at any time. Jobs of one device wait for each other; a callback must not
+ * wait for a thread that executes one. Jobs of several devices may draw one scene at the same time; while one does, the
+ * scene cannot be changed: UMB_ERROR_USAGE. Strings, strokes and images that an object returns are for the thread that
+ * uses it next.
  *
  * Spaces. World space is the scene's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
  * the positive distance along the view axis, +infinity where there is no surface. Normals are unit vectors in view
@@ -76,7 +85,8 @@ UMB_API void umbReleaseDevice(UmbDevice device);
 UMB_API const char* umbGetDeviceDescription(UmbDevice device);
 /* Bytes of GPU memory that it holds; 0 on the CPU. */
 UMB_API uint64_t umbGetDeviceMemory(UmbDevice device);
-/* Called for each error of the device, its scenes and its jobs. NULL: nothing is called. */
+/* Called for each error of the device, its scenes and its jobs, by the thread whose call failed. NULL: nothing is
+ * called. */
 UMB_API UmbError umbSetDeviceErrorCallback(UmbDevice device, UmbErrorCallback callback, void* user);
 /* Called for each warning of its scenes and jobs. */
 UMB_API UmbError umbSetDeviceLogCallback(UmbDevice device, UmbLogCallback callback, void* user);
@@ -125,14 +135,15 @@ UMB_API UmbError umbLoadModel(UmbScene scene, const char* model);
 UMB_API int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangles);
 
 /* Copies a buffer of the caller's: "position" (3 channels, FLOAT32), "normal" (3), "color" (3 or 4, linear if floats,
- * sRGB if integers), "uv" (2, (0, 0) is the lower left corner), "radius" (1, of points), each of one value a vertex; or
+ * sRGB if integers), "uv" (2, (0, 0) is the lower left corner), "radius" (1, of points, above 0), each of one value a vertex; or
  * "index" (3 a triangle: UINT32, UINT16 or UINT8). `stride`: bytes from an element to the next, 0: packed. Errors:
  * UMB_ERROR_USAGE, also for an index beyond the vertices. */
 UMB_API UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type,
                                   int channels, ptrdiff_t stride);
 
 /* The mesh's material: "albedo" (3), "specular" (1, peak of the highlight), "shininess" (1, Blinn-Phong exponent),
- * "emission" (3), "alpha_cutoff" (1: parts of the texture with less alpha are cut away). */
+ * "emission" (3), "alpha_cutoff" (1: parts of the texture with less alpha are cut away). Colours and textures multiply
+ * albedo, which starts at 0.8, or at 1 where the mesh has some of them. */
 UMB_API UmbError umbSetMeshFloats(UmbScene scene, int mesh, const char* name, const float* values, int count);
 
 /* "albedo" or "emission": an image of UINT8, 3 or 4 channels, sRGB with linear alpha, that multiplies the parameter of
@@ -223,8 +234,8 @@ UMB_API UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity);
 /* Whether the parameters are right, as far as can be said without the scene or the images. Errors: UMB_ERROR_USAGE. */
 UMB_API UmbError umbCheckJob(UmbJob job);
 
-/* Counters of all executions of the job: "devices_opened", "hierarchies_built", "captures_made", "planes_copied" (of
- * inputs). -1: there is no such counter. */
+/* Counters of all executions of the job: "hierarchies_built", "captures_made", "planes_copied" (of inputs). -1: there is
+ * no such counter. */
 UMB_API int64_t umbGetJobCounter(UmbJob job, const char* name);
 
 /* ---- Files ---- */

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_COUNTERS = ("devices_opened", "hierarchies_built", "captures_made", "planes_copied")
+_COUNTERS = ("hierarchies_built", "captures_made", "planes_copied")
 _DTYPES = ("uint8", "uint16", "float16", "float32")
 # Channels of passes, learned when they are first made: then arrays of ours can be written to directly.
 channels_of_passes: Dict[str, int] = {}
@@ -93,8 +93,8 @@ class Job:
         return int(native.lib.umbGetDeviceMemory(self._device.pointer))
 
     def counter(self, name: str) -> int:
-        """How often something was done so far: "hierarchies_built", "captures_made", "planes_copied" (of inputs) or
-        "devices_opened". Errors: UsageError."""
+        """How often something was done so far: "hierarchies_built", "captures_made" or "planes_copied" (of inputs).
+        Errors: UsageError."""
         self._check_open()
         count = int(native.lib.umbGetJobCounter(self._job.pointer, native.bytes_of(name, "name")))
         if count < 0:

@@ -1,0 +1,205 @@
+#include "call_memory.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+
+namespace umbrage::fuzz {
+namespace {
+
+/// The strides that an image has, with those in place of which it says 0.
+UmbImage with_strides(UmbImage image) {
+  const auto size = std::ptrdiff_t(bytes_of(image.type));
+  if (image.channel_stride == 0) image.channel_stride = size;
+  if (image.pixel_stride == 0) image.pixel_stride = size * image.channels;
+  if (image.row_stride == 0) image.row_stride = image.pixel_stride * image.width;
+  return image;
+}
+
+template <class Take>
+void for_numbers(const UmbImage& packed, const Take& take) {
+  const UmbImage image = with_strides(packed);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < image.channels; ++c)
+        take(static_cast<std::byte*>(image.data) + y * image.row_stride + x * image.pixel_stride +
+             c * image.channel_stride);
+}
+
+/// A block that holds the image from its first byte to its last, and the image's place in it.
+Pixels placed(UmbImage image, std::size_t skewed) {
+  const UmbImage full = with_strides(image);
+  std::ptrdiff_t first = 0, last = 0;
+  const auto reach = [&](std::ptrdiff_t stride, int count) { (stride < 0 ? first : last) += stride * (count - 1); };
+  reach(full.channel_stride, full.channels);
+  reach(full.pixel_stride, full.width);
+  reach(full.row_stride, full.height);
+  const auto size = std::size_t(last - first) + bytes_of(image.type);
+  Pixels made{image, std::make_shared<Block>(size, skewed)};
+  made.image.data = made.block->data() - first;
+  return made;
+}
+
+float any_float(Choices& choose) {
+  static const std::vector<float> kOdd = {0.0f,
+                                          -0.0f,
+                                          -1.0f,
+                                          1e-45f,
+                                          1e-38f,
+                                          3e38f,
+                                          -3e38f,
+                                          65536.0f,
+                                          16777216.0f,
+                                          5e9f,
+                                          std::numeric_limits<float>::infinity(),
+                                          -std::numeric_limits<float>::infinity(),
+                                          std::numeric_limits<float>::quiet_NaN()};
+  return choose.one_in(4) ? choose.one_of(kOdd) : float(choose.below(200)) / 100.0f;
+}
+
+/// Values from a short list, so that an image does not use up all bytes.
+void fill_with_values(Choices& choose, const Pixels& pixels) {
+  constexpr int kValues = 16;
+  std::byte values[kValues][4];
+  for (auto& value : values) {
+    const float number = any_float(choose);
+    const std::uint32_t whole = choose.below(1u << 31);
+    if (pixels.image.type == UMB_TYPE_FLOAT32)
+      std::memcpy(value, &number, sizeof number);
+    else
+      std::memcpy(value, &whole, sizeof whole);
+  }
+  unsigned state = choose.below(256) + 1;
+  for_numbers(pixels.image, [&](std::byte* at) {
+    state = state * 1664525u + 1013904223u;
+    std::memcpy(at, values[state >> 28], bytes_of(pixels.image.type));
+  });
+}
+
+}  // namespace
+
+void demand(bool holds, const std::string& sentence) {
+  if (holds) return;
+  std::fprintf(stderr, "calls: %s\n", sentence.c_str());
+  std::abort();
+}
+
+unsigned Choices::below(unsigned end) {
+  if (end <= 1) return 0;
+  std::uint32_t number = next();
+  for (unsigned reach = 256; reach < end && reach != 0; reach <<= 8) number = number << 8 | next();
+  return number % end;
+}
+
+Block::Block(std::size_t size, std::size_t skewed)
+    : bytes_(new std::byte[size + skewed]), size_(size), skewed_(skewed) {
+  fill(std::byte(0));
+}
+
+void Block::fill(std::byte with) { std::fill_n(bytes_.get(), size_ + skewed_, with); }
+
+std::size_t bytes_of(int type) {
+  switch (type) {
+    case UMB_TYPE_UINT8:
+      return 1;
+    case UMB_TYPE_FLOAT16:
+    case UMB_TYPE_UINT16:
+      return 2;
+    default:
+      return 4;
+  }
+}
+
+Pixels sound_image(Choices& choose, int type, int width, int height, int channels) {
+  UmbImage image{nullptr, type, width, height, channels, 0, 0, 0};
+  const auto size = std::ptrdiff_t(bytes_of(type));
+  const std::ptrdiff_t pixel = size * channels, gap = choose.below(2) ? 1 : 5;
+  switch (choose.below(9)) {
+    case 0:  // plane after plane
+      image.channel_stride = size * width * height;
+      image.pixel_stride = size;
+      break;
+    case 1:  // from the bottom up
+      image.row_stride = -pixel * width;
+      break;
+    case 2:  // from right to left
+      image.pixel_stride = -pixel;
+      break;
+    case 3:  // all of it turned
+      image.channel_stride = -size;
+      image.pixel_stride = -pixel;
+      image.row_stride = -pixel * width;
+      break;
+    case 4:  // gaps between pixels
+      image.pixel_stride = pixel + gap;
+      break;
+    case 5:  // gaps between rows
+      image.row_stride = pixel * width + gap;
+      break;
+    case 6:  // columns
+      image.row_stride = pixel;
+      image.pixel_stride = pixel * height;
+      break;
+    default:
+      break;
+  }
+  Pixels made = placed(image, choose.one_in(4) ? 1 + choose.below(3) : 0);
+  fill_with_values(choose, made);
+  return made;
+}
+
+Pixels depth_image(Choices& choose, int width, int height) {
+  Pixels made = sound_image(choose, UMB_TYPE_FLOAT32, width, height, 1);
+  if (choose.one_in(3)) return made;
+  unsigned state = choose.below(256);
+  const unsigned odd = choose.below(2) * 9;
+  for_numbers(made.image, [&](std::byte* at) {
+    state = state * 1664525u + 1013904223u;
+    const float depth = state >> 28 < odd ? any_float(choose) : 2.0f + float(state >> 26) / 64.0f;
+    std::memcpy(at, &depth, sizeof depth);
+  });
+  return made;
+}
+
+void put_canaries(Pixels& pixels, std::byte with) {
+  if (pixels.block) pixels.block->fill(with);
+}
+
+std::vector<std::size_t> numbers_of(const Pixels& pixels, std::byte canary) {
+  std::vector<std::size_t> found;
+  std::size_t number = 0;
+  const std::size_t size = bytes_of(pixels.image.type);
+  for_numbers(pixels.image, [&](const std::byte* at) {
+    if (std::all_of(at, at + size, [&](std::byte b) { return b == canary; })) found.push_back(number);
+    ++number;
+  });
+  return found;
+}
+
+bool is_whole_beside(const NamedPixels& images, const BlockPtr& block, std::byte canary) {
+  std::vector<bool> inside(block->size() + block->skewed());
+  const std::byte* const start = block->data() - block->skewed();
+  for (const auto& [name, pixels] : images)
+    if (pixels.block == block)
+      for_numbers(pixels.image, [&](const std::byte* at) {
+        std::fill_n(inside.begin() + (at - start), bytes_of(pixels.image.type), true);
+      });
+  for (std::size_t k = 0; k < inside.size(); ++k)
+    if (!inside[k] && start[k] != canary) return false;
+  return true;
+}
+
+bool is_untouched(Block& block, std::byte canary) {
+  const std::byte* const start = block.data() - block.skewed();
+  return std::all_of(start, start + block.size() + block.skewed(), [&](std::byte b) { return b == canary; });
+}
+
+std::uint64_t hash_of(Block& block) {
+  std::uint64_t hash = 14695981039346656037ull;
+  for (std::size_t k = 0; k < block.size(); ++k) hash = (hash ^ std::uint64_t(block.data()[k])) * 1099511628211ull;
+  return hash;
+}
+
+}  // namespace umbrage::fuzz

@@ -1,0 +1,44 @@
+// Names and values that calls hand over: all that the library lists, and what it cannot know.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "call_memory.h"
+
+namespace umbrage::fuzz {
+
+/// A parameter as umbGetParameter lists it.
+struct ListedParameter {
+  std::string name, type;
+  std::vector<std::string> choices;
+  double min = 0.0, max = 0.0;
+};
+
+struct Words {
+  std::vector<ListedParameter> parameters;  ///< of jobs
+  std::vector<std::string> effects, looks, scenes, passes;
+  std::vector<std::string> odd;  ///< not UTF-8, very long, of formats
+};
+const Words& words();
+
+/// Text of which none is kept: null now and then.
+class Text {
+ public:
+  Text() = default;
+  Text(std::string text) : text_(std::move(text)), is_null_(false) {}
+  const char* get() const { return is_null_ ? nullptr : text_.c_str(); }
+  std::string shown() const;
+
+ private:
+  std::string text_;
+  bool is_null_ = true;
+};
+
+Text any_odd(Choices& choose);
+/// A pass, most of the time.
+Text any_pass(Choices& choose);
+/// A parameter's value as text, most of the time in its range; of numbers that make work, small ones.
+std::string value_of(Choices& choose, const ListedParameter& parameter);
+float any_number(Choices& choose);
+
+}  // namespace umbrage::fuzz

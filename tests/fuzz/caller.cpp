@@ -1,0 +1,234 @@
+#include "caller.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <tuple>
+
+namespace umbrage::fuzz {
+
+void on_error(void*, UmbError code, const char* message) {
+  if (current) current->hear_error(code, message);
+}
+void on_warning(void*, const char* message) {
+  if (current) current->hear_warning(message);
+}
+bool on_progress(void*, double share) { return !current || current->hear_progress(share); }
+
+void Caller::hear_error(UmbError code, const char* message) {
+  demand(code != UMB_ERROR_NONE && message && *message, "an error callback without an error");
+  if (choose_.one_in(8)) call_nested();
+}
+
+void Caller::hear_warning(const char* message) {
+  demand(message && *message, "a log callback without a message");
+  if (choose_.one_in(8)) call_nested();
+}
+
+bool Caller::hear_progress(double share) {
+  demand(!ended_, "a call goes on after its callback returned false");
+  demand(share >= told_ && share <= 1.0, "progress falls or leaves its range");
+  told_ = share;
+  if (choose_.one_in(8)) call_nested();
+  ended_ = Clock::now() - began_ > kLongEnough || choose_.one_in(12);
+  return !ended_;
+}
+
+void Caller::call_nested() {
+  if (depth_ >= kDeepest) return;
+  const auto around = std::make_tuple(told_, ended_, began_);
+  called_back_ = true;
+  ++depth_;
+  call();
+  --depth_;
+  std::tie(told_, ended_, began_) = around;
+}
+
+bool Caller::is_shared(const void* handle) const {
+  return shared_ && (handle == shared_->device || handle == shared_->scene ||
+                     std::count(shared_->jobs.begin(), shared_->jobs.end(), handle) > 0);
+}
+
+UmbError Caller::done(UmbError code, Kind kind, const void* handle, const char* call) {
+  if (code == UMB_ERROR_NONE) return code;
+  ++counts.failed;
+  if (code == UMB_ERROR_CANCELLED) ++counts.cancelled;
+  if (is_shared(handle)) return code;  // another thread may ask before, and end the sentence
+  const char* message = nullptr;
+  UmbError kept = UMB_ERROR_NONE;
+  const auto raw = const_cast<void*>(handle);
+  if (kind == Kind::kNone) kept = umbGetError(&message);
+  if (kind == Kind::kDevice) kept = umbGetDeviceError(static_cast<UmbDevice>(raw), &message);
+  if (kind == Kind::kScene) kept = umbGetSceneError(static_cast<UmbScene>(raw), &message);
+  if (kind == Kind::kJob) kept = umbGetJobError(static_cast<UmbJob>(raw), &message);
+  const std::string said = std::string(call) + " returned " + std::to_string(int(code));
+  demand(code == UMB_ERROR_USAGE || code == UMB_ERROR_FILE || code == UMB_ERROR_DEVICE || code == UMB_ERROR_CANCELLED,
+         said + ": " + (message ? message : ""));
+  if (called_back_) return code;  // and may have asked
+  demand(kept != UMB_ERROR_NONE && message && *message, said + " and keeps no error");
+  if (traces_) std::fprintf(stderr, "%*s  -> %d %.150s\n", 2 * depth_, "", int(code), message);
+  return code;
+}
+
+int Caller::any_int() {
+  static const std::vector<int> kOdd = {-1, 0, 2147483647, -2147483647 - 1, 65536, 16385};
+  return choose_.one_in(5) ? choose_.one_of(kOdd) : 1 + int(choose_.below(32));
+}
+
+void Caller::call() {
+  if (shared_ && choose_.below(2)) return call_shared();
+  switch (choose_.below(24)) {
+    case 0:
+      if (choose_.one_in(3)) {
+        static const std::vector<const char*> kNames = {"cpu", "gpu", "", "vulkan:99", "cpu:1"};
+        new_device(choose_.one_of(kNames), int(choose_.below(4)) - 1);
+      }
+      return;
+    case 1:
+      if (choose_.one_in(3)) return new_scene(choose_.below(unsigned(devices_.size())));
+      return new_job(choose_.below(2) != 0);
+    case 2:
+      return retain_or_release();
+    case 3:
+      return set_callbacks();
+    case 4:
+      return ask_objects();
+    case 5:
+    case 6:
+      return change_scene();
+    case 7:
+    case 8:
+      return set_mesh_buffer();
+    case 9:
+      return set_mesh_texture();
+    case 10:
+    case 11:
+    case 12:
+    case 13:
+      return set_parameter();
+    case 14:
+    case 15:
+      return set_image();
+    case 16:
+    case 17:
+      return set_output();
+    case 18:
+      return ask_job();
+    case 19:
+      return choose_.one_in(4) ? write_files() : ask_lists();
+    default:
+      return execute(one(jobs_));
+  }
+}
+
+// ---- Objects ----
+
+void Caller::new_device(const char* name, int threads) {
+  trace("umbNewDevice", name);
+  const UmbDevice device = umbNewDevice(name, threads);
+  if (!device) done(UMB_ERROR_USAGE, Kind::kNone, nullptr, "umbNewDevice");
+  if (device) devices_.push_back({device, 1});
+}
+
+void Caller::new_scene(std::size_t number) {
+  const UmbDevice device = handle_of(devices_[number]);
+  trace("umbNewScene");
+  const UmbScene scene = umbNewScene(device);
+  if (!scene) done(UMB_ERROR_USAGE, Kind::kNone, nullptr, "umbNewScene");
+  scenes_.push_back({{scene, scene ? 1 : 0}, {}});
+}
+
+void Caller::new_job(bool renders) {
+  const UmbDevice device = any_device();
+  const UmbScene scene = any_scene();
+  trace(renders ? "umbNewRenderJob" : "umbNewShadeJob");
+  const UmbJob handle = renders ? umbNewRenderJob(device, scene) : umbNewShadeJob(device);
+  if (!handle) done(UMB_ERROR_USAGE, Kind::kNone, nullptr, "umbNewRenderJob");
+  JobState& job = jobs_.emplace_back();
+  job.ref = {handle, handle ? 1 : 0};
+  job.renders = renders;
+  if (!handle) return;
+  umbSetJobProgressCallback(handle, on_progress, nullptr);
+  if (renders) {
+    umbSetJobInt(handle, "width", job.width);
+    umbSetJobInt(handle, "height", job.height);
+    if (scene && choose_.below(2)) {
+      trace("umbLoadModel", "scene:solids");
+      begin_progress();
+      umbLoadModel(scene, "scene:solids?detail=1000");
+      umbGetSceneError(scene, nullptr);
+    }
+    return;
+  }
+  job.width = 16 + int(choose_.below(3)) * 8;
+  Pixels depth = depth_image(choose_, job.width, job.height);
+  if (umbSetJobImage(handle, "depth", &depth.image) == UMB_ERROR_NONE) job.inputs["depth"] = depth;
+}
+
+void Caller::retain_or_release() {
+  const bool retains = choose_.below(3) != 0;
+  trace(retains ? "umbRetain" : "umbRelease");
+  if (choose_.one_in(5)) {  // nobody's references
+    if (retains) {
+      umbRetainJob(nullptr);
+      umbRetainScene(reinterpret_cast<UmbScene>(any_job()));
+    } else {
+      umbReleaseDevice(nullptr);
+      umbReleaseJob(reinterpret_cast<UmbJob>(this));
+    }
+    return;
+  }
+  const auto change = [&](auto& ref, auto retain, auto release) {
+    if (retains) {
+      retain(ref.handle);
+      ref.references += ref.references > 0 ? 1 : 0;
+    } else {
+      release(ref.handle);
+      ref.references = std::max(0, ref.references - 1);
+    }
+  };
+  switch (choose_.below(4)) {
+    case 0:
+      return change(one(devices_), umbRetainDevice, umbReleaseDevice);
+    case 1:
+      return change(one(scenes_).ref, umbRetainScene, umbReleaseScene);
+    default:
+      JobState& job = one(jobs_);
+      change(job.ref, umbRetainJob, umbReleaseJob);
+      if (job.ref.references > 0) return;
+      buried_.push_back(std::move(job.inputs));
+      buried_.push_back(std::move(job.outputs));
+      job.inputs.clear();
+      job.outputs.clear();
+  }
+}
+
+void Caller::set_callbacks() {
+  trace("umbSet...Callback");
+  const bool on = !choose_.one_in(3);
+  const UmbDevice device = any_device();
+  const UmbScene scene = any_scene();
+  const UmbJob job = any_job();
+  done(umbSetDeviceErrorCallback(device, on ? on_error : nullptr, this), Kind::kDevice, device, "error callback");
+  done(umbSetDeviceLogCallback(device, on ? on_warning : nullptr, this), Kind::kDevice, device, "log callback");
+  done(umbSetSceneProgressCallback(scene, on ? on_progress : nullptr, this), Kind::kScene, scene, "scene's callback");
+  done(umbSetJobProgressCallback(job, on ? on_progress : nullptr, this), Kind::kJob, job, "job's callback");
+}
+
+void Caller::ask_objects() {
+  trace("umbGetDeviceDescription and so on");
+  const UmbDevice device = any_device();
+  if (const char* text = umbGetDeviceDescription(device)) demand(*text, "a device without a description");
+  umbGetDeviceMemory(device);
+  umbGetDeviceError(device, nullptr);
+  demand(umbGetVersion() == UMB_VERSION, "the version");
+  const UmbScene scene = any_scene();
+  demand(umbGetSceneCameraCount(scene) >= 0, "a count of cameras below 0");
+  float box[6] = {};
+  const UmbError code = umbGetSceneBounds(scene, choose_.one_in(9) ? nullptr : box, box + 3);
+  if (done(code, Kind::kScene, scene, "umbGetSceneBounds") == UMB_ERROR_NONE)
+    for (int k = 0; k < 3; ++k)
+      demand(std::isfinite(box[k]) && std::isfinite(box[3 + k]) && box[k] <= box[3 + k], "a box that is none");
+}
+
+}  // namespace umbrage::fuzz
