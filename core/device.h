@@ -76,6 +76,8 @@ class Device {
   /// Gets the scene ready (acceleration structure, textures); capture does it when it has not been done. The scene
   /// must live until the next prepare or the last capture. After kInterrupted it is not ready.
   virtual Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor = {}) = 0;
+  /// Frees what prepare made, where the device can: capture takes a prepare again.
+  virtual void forget_scene() {}
   /// Draws the prepared scene into a frame with the planes of core/gbuffer.h.
   virtual Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                                 const ProgressMonitor& monitor = {}) = 0;

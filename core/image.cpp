@@ -23,12 +23,6 @@ constexpr std::size_t kCacheWay = 1024;
 constexpr std::size_t kStagger = 17 * kCacheLine;
 constexpr unsigned kStaggers = 32;
 
-int padded_stride(int width) {
-  const int stride = (width + kRowAlignment - 1) / kRowAlignment * kRowAlignment;
-  const bool aliased = stride * sizeof(float) % kCacheWay == 0;
-  return aliased ? stride + kRowAlignment : stride;
-}
-
 /// Where in its memory a large plane starts, bytes: another place for each that a thread makes.
 std::size_t next_stagger() {
   thread_local unsigned count = 0;
@@ -39,6 +33,12 @@ std::size_t next_stagger() {
 thread_local const PlanePoolPtr* pool_of_thread = nullptr;
 
 }  // namespace
+
+int plane_stride(int width) {
+  const int stride = (width + kRowAlignment - 1) / kRowAlignment * kRowAlignment;
+  const bool aliased = stride * sizeof(float) % kCacheWay == 0;
+  return aliased ? stride + kRowAlignment : stride;
+}
 
 PlanePool::~PlanePool() { drop_all(); }
 
@@ -95,7 +95,7 @@ void Plane::Free::operator()(float*) {
   std::free(base);
 }
 
-Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(padded_stride(width_)) {
+Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(plane_stride(width_)) {
   const std::size_t bytes = std::size_t(stride) * height * sizeof(float);
   if (bytes == 0) return;
   // Large planes ask for huge pages: a picture's planes are fresh memory, whose page faults cost as much as an effect.
@@ -124,7 +124,8 @@ Plane::Plane(int width_, int height_) : width(width_), height(height_), stride(p
 Plane Plane::view(const float* data, int width, int height) {
   check_equal(width % kRowAlignment, 0, "width of a view");
   Plane view;
-  view.width = view.stride = width;
+  view.width = width;
+  view.stride = plane_stride(width);
   view.height = height;
   view.data_ = {const_cast<float*>(data), Free{nullptr, 0, {}}};
   return view;
@@ -135,7 +136,8 @@ Plane::Plane(int width_, int height_, float value) : Plane(width_, height_) {
 }
 
 Plane::Plane(const Plane& other) : Plane(other.width, other.height) {
-  if (data_) std::memcpy(data(), other.data(), std::size_t(stride) * height * sizeof(float));
+  // Behind a view's last row nothing need be.
+  if (data_) std::memcpy(data(), other.data(), (std::size_t(stride) * (height - 1) + width) * sizeof(float));
 }
 
 Plane& Plane::operator=(Plane other) noexcept {

@@ -65,6 +65,9 @@ class KeptPlanes {
   const PlanePoolPtr* before_;  // of this thread
 };
 
+/// The stride of planes of that width, floats. It is the same for all, since a kernel has one stride for its planes.
+int plane_stride(int width);
+
 /// One float per pixel. Row y starts at data() + y * stride; row 0 is the top one.
 class Plane {
  public:
@@ -75,8 +78,8 @@ class Plane {
   Plane(const Plane& other);
   Plane(Plane&&) noexcept = default;
   Plane& operator=(Plane other) noexcept;
-  /// The caller's floats, row after row, which outlive it. A copy has memory of its own. The width is a multiple of
-  /// kRowAlignment.
+  /// The caller's floats, rows plane_stride(width) apart, which outlive it. A copy has memory of its own. The width is
+  /// a multiple of kRowAlignment.
   static Plane view(const float* data, int width, int height);
   bool is_view() const { return data_ && !data_.get_deleter().base; }
 

@@ -46,9 +46,14 @@ Result<void> DeviceObject::Turn::begun() const {
   return nested_ ? usage_error("a callback cannot execute a job while another one executes") : Result<void>();
 }
 
-void DeviceObject::leave(std::unique_ptr<Scene> scene, std::vector<Frame> frames) {
-  const std::lock_guard lock(left_mutex_);
-  left_.emplace_back(std::move(scene), std::move(frames));
+void DeviceObject::leave(std::list<Left> left) noexcept {
+  {
+    const std::lock_guard lock(left_mutex_);
+    left_.splice(left_.end(), left);
+  }
+  if (has_turn || !in_use_.try_lock()) return;  // whose turn it is drops it
+  drop_left();
+  in_use_.unlock();
 }
 
 void DeviceObject::drop_left() {
@@ -58,7 +63,10 @@ void DeviceObject::drop_left() {
     left.swap(left_);
   }
   for (const auto& [scene, frames] : left)
-    if (scene && scene.get() == prepared) prepared = nullptr;
+    if (scene && scene.get() == prepared) {
+      prepared = nullptr;
+      device->forget_scene();
+    }
 }
 
 void DeviceObject::keep_memory_for(int width, int height) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <tbb/task_arena.h>
 
+#include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -39,8 +40,13 @@ class DeviceObject final : public Object {
     DeviceObject& device_;
     bool nested_ = false;
   };
-  /// What a job that ends leaves: it goes with the next turn, since it is the device's memory.
-  void leave(std::unique_ptr<Scene> scene, std::vector<Frame> frames);
+  /// What a job has of the device's memory.
+  struct Left {
+    std::unique_ptr<Scene> scene;
+    std::vector<Frame> frames;
+  };
+  /// Frees it now, or at the end of the picture that is being made.
+  void leave(std::list<Left> left) noexcept;
   /// Memory of planes stays from picture to picture of one size; under Turn.
   void keep_memory_for(int width, int height);
 
@@ -56,7 +62,7 @@ class DeviceObject final : public Object {
 
   std::mutex in_use_;
   std::mutex left_mutex_;
-  std::vector<std::pair<std::unique_ptr<Scene>, std::vector<Frame>>> left_;
+  std::list<Left> left_;
   int kept_width_ = 0, kept_height_ = 0;
   std::mutex callbacks_;
   UmbErrorCallback on_error_ = nullptr;

@@ -72,7 +72,7 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
 class SceneInUse {
  public:
   explicit SceneInUse(SceneObject* scene) {
-    if (scene) held_.emplace(scene->workers, Use::kReads);
+    if (scene) held_.emplace(scene->workers, Use::kDraws);
   }
   /// Errors: kUsage where the scene is changed at the same time.
   Result<void> begun() const {
@@ -86,7 +86,16 @@ class SceneInUse {
 
 }  // namespace
 
-JobObject::~JobObject() { device_->leave(std::move(furnished_), std::move(captures_)); }
+JobObject::~JobObject() {
+  last_left_.front() = {std::move(furnished_), std::move(captures_)};
+  device_->leave(std::move(last_left_));
+}
+
+const NamedImage* JobObject::find_image(std::string_view name) const {
+  const auto found =
+      std::find_if(images_.begin(), images_.end(), [&](const NamedImage& named) { return named.name == name; });
+  return found != images_.end() ? &*found : nullptr;
+}
 
 Request JobObject::full_request() const {
   Request request = request_;
@@ -94,9 +103,7 @@ Request JobObject::full_request() const {
   for (const Output& output : outputs_)
     if (output.pass != "color") request.passes.push_back(output.pass);
   if (renders()) return request;
-  const auto depth =
-      std::find_if(images_.begin(), images_.end(), [](const NamedImage& named) { return named.name == "depth"; });
-  if (depth != images_.end()) {
+  if (const NamedImage* depth = find_image("depth")) {
     request.width = depth->image.width;
     request.height = depth->image.height;
   }
@@ -119,7 +126,9 @@ Result<JobObject::Order> JobObject::order() const {
   if (!recipe) return recipe.error();
   auto lines_wanted = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
   if (!lines_wanted) return lines_wanted.error();
-  if (auto fine = check_outputs(outputs_, request.width, request.height); !fine) return fine.error();
+  // The size of a picture that is shaded is that of its depth.
+  if (renders() || find_image("depth"))
+    if (auto fine = check_outputs(outputs_, request.width, request.height); !fine) return fine.error();
   return Order{std::move(request), std::move(*recipe), std::move(*lines_wanted)};
 }
 
@@ -171,7 +180,11 @@ void JobObject::tell_unused(const Request& request, const Recipe& recipe) {
   auto sentences = unused_settings(request, recipe, furnished_.get(), [](std::string_view) { return true; });
   if (sentences == told_) return;
   told_ = std::move(sentences);
-  for (const std::string& sentence : told_) device_->tell_warning(sentence);
+  constexpr std::string_view kSettings = "`settings` ";  // which here are parameters by their own names
+  for (std::string sentence : told_) {
+    if (sentence.starts_with(kSettings)) sentence.erase(0, kSettings.size());
+    device_->tell_warning(sentence);
+  }
 }
 
 ProgressMonitor JobObject::before_drawing() const {
@@ -208,7 +221,9 @@ Result<void> JobObject::make_scene_ready(Recipe& recipe, const ProgressMonitor& 
   if (!copied) return copied.error();
   if (scene_->version() != furnished_version_) lightings_.clear();
   captured_plan_.reset();
-  device_->leave(std::move(furnished_), std::move(captures_));
+  std::list<DeviceObject::Left> left(1);
+  left.front() = {std::move(furnished_), std::move(captures_)};
+  device_->leave(std::move(left));
   captures_.clear();
   furnished_ = std::make_unique<Scene>(std::move(*copied));
   furnished_for_.clear();

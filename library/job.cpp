@@ -45,10 +45,6 @@ Result<void> set_row(const Option& row, std::span<const double> numbers, Request
 }
 
 Result<void> set_row(const Option& row, const std::string& text, Request& request) {
-  if (text.empty()) {
-    reset_option(row, request);
-    return {};
-  }
   const auto side = row.form == OptionForm::kSize || row.field == "height" ? parse_number(text) : std::nullopt;
   return side ? set_row(row, std::array{*side}, request) : set_option(row, text, request);
 }
@@ -81,11 +77,11 @@ std::string JobObject::asked(const char*) const {
 }
 
 Result<void> JobObject::set(const std::string& name, const std::string& text) {
+  if (text.empty()) return reset(name.c_str());
   if (const Option* row = find_parameter_row(name, renders())) {
     Request changed = request_;
     if (auto set = set_row(*row, text, changed); !set) return set;
     request_ = std::move(changed);
-    if (name == "hdri_file") hdri_ = {};  // read anew
     return {};
   }
   const std::string owner = name.substr(0, name.find('.'));
@@ -97,7 +93,14 @@ Result<void> JobObject::set(const std::string& name, const std::string& text) {
 
 Result<void> JobObject::set(const std::string& name, std::span<const double> numbers) {
   const Option* row = find_parameter_row(name, renders());
-  if (!row) return set(name, number_text(numbers));
+  if (!row) {
+    const auto setting = parse_setting(name + "=", handed_in());
+    const ParameterType type = setting ? setting->parameter->type : ParameterType::kReal;
+    if (type == ParameterType::kBool || type == ParameterType::kChoice)
+      return usage_error("`{}` takes {}, not {}", name, type == ParameterType::kBool ? "true or false" : "a string",
+                         number_text(numbers));
+    return set(name, number_text(numbers));
+  }
   Request changed = request_;
   if (auto set = set_row(*row, numbers, changed); !set) return set;
   request_ = std::move(changed);
@@ -146,6 +149,7 @@ Result<void> JobObject::set_image(const std::string& name, const UmbImage* image
 }
 
 Result<void> JobObject::set_output(const std::string& name, const UmbImage* image) {
+  if (name != "color" && name != "all" && channels_of(name).empty()) return unknown_image(name);
   std::optional<SharedImage> shared;
   if (image && image->data) {
     if (name == "all") return usage_error("the output 'all' is many images: it takes no memory of one");
@@ -159,7 +163,6 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
         return usage_error("the outputs '{}' and '{}' share memory", name, other.pass);
     shared = *made;
   }
-  if (name != "color" && name != "all" && channels_of(name).empty()) return unknown_image(name);
   std::erase_if(outputs_, [&](const Output& output) { return output.pass == name; });
   if (image) outputs_.push_back({.pass = name, .image = shared.value_or(SharedImage())});
   return {};
@@ -172,7 +175,7 @@ Result<UmbImage> JobObject::output(const std::string& name) const {
 }
 
 const char* JobObject::output_name(int index) const {
-  return index >= 0 && std::size_t(index) < made_.size() ? kept_text(made_[std::size_t(index)].pass) : nullptr;
+  return index >= 0 && std::size_t(index) < made_.size() ? made_[std::size_t(index)].pass.c_str() : nullptr;
 }
 
 }  // namespace umbrage

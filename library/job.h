@@ -1,6 +1,7 @@
 // JobObject: a picture of the C interface that is made again and again, and what it keeps from one to the next.
 #pragma once
 #include <atomic>
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -41,7 +42,7 @@ class JobObject final : public Object {
 
   std::string asked(const char* call) const override;
   bool renders() const { return scene_ != nullptr; }
-  /// A parameter from text, or from numbers; flags are whole numbers. Errors: kUsage.
+  /// A parameter from text, numbers or a flag. Empty text resets it. Errors: kUsage.
   Result<void> set(const std::string& name, const std::string& text);
   Result<void> set(const std::string& name, std::span<const double> numbers);
   Result<void> set(const std::string& name, bool value);
@@ -76,6 +77,8 @@ class JobObject final : public Object {
   /// Errors: kUsage.
   Result<Order> order() const;
   Request full_request() const;
+  /// Null where it is not set.
+  const NamedImage* find_image(std::string_view name) const;
   Result<Recipe> recipe_of(const Request& request) const;
   /// Warns of settings that do nothing, but of the same ones once.
   void tell_unused(const Request& request, const Recipe& recipe);
@@ -94,6 +97,7 @@ class JobObject final : public Object {
   std::vector<Output> usual_outputs(const Recipe& recipe) const;
 
   std::shared_ptr<DeviceObject> device_;
+  std::list<DeviceObject::Left> last_left_{1};  // memory for the end, when there may be none
   std::shared_ptr<SceneObject> scene_;
   Request request_;
   std::map<std::string, std::string> settings_;  // of effects, by "effect.parameter"

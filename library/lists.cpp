@@ -108,7 +108,8 @@ UmbParameter parameter_of(const Effect& effect, const Parameter& row) {
           kept_text(kTypes[std::size_t(row.type)]),
           kept_text(row.help),
           kept_text(row.unit),
-          kept_text(parameter_text(row, initial)),
+          kept_text(row.type == ParameterType::kBool ? (parameter_text(row, initial) == "on" ? "true" : "false")
+                                                     : parameter_text(row, initial)),
           kept_text(joined(row.choices)),
           row.least,
           row.most};
@@ -167,6 +168,7 @@ UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter) 
     there = index >= 0 && std::size_t(index) < all->size();
     if (there) {
       const std::size_t size = parameter->size;
+      std::memset(parameter, 0, size);  // what a newer header has besides
       std::memcpy(parameter, &(*all)[std::size_t(index)], std::min(size, sizeof(UmbParameter)));
       parameter->size = size;
     }

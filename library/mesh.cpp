@@ -33,7 +33,8 @@ Result<void> expect(const Buffer& buffer, const std::string& name, std::initiali
   if (std::find(types.begin(), types.end(), buffer.type) == types.end())
     return usage_error("the buffer '{}' cannot be of {}", name, name_of(buffer.type));
   if (buffer.channels < channels || buffer.channels > max_channels)
-    return usage_error("the buffer '{}' cannot have {} channels: it takes {}", name, buffer.channels, channels);
+    return usage_error("the buffer '{}' cannot have {} channels: it takes {}{}", name, buffer.channels, channels,
+                       max_channels > channels ? fmt::format(" or {}", max_channels) : "");
   return {};
 }
 
@@ -210,4 +211,9 @@ UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mes
     shared.instances.push_back(matrix);
     return {};
   });
+}
+
+UmbError umbRemoveMesh(UmbScene scene, int mesh) {
+  return call_on<SceneObject>(scene, "umbRemoveMesh", Use::kChanges,
+                              [&](SceneObject& object) { return object.remove_mesh(mesh); });
 }

@@ -44,25 +44,33 @@ ErrorSlot& thread_errors() {
 
 bool Workers::begin(Use use) {
   if (use == Use::kFree) return true;
-  int seen = count_;
-  while (use == Use::kChanges ? seen == 0 : seen != kAlone)
-    if (count_.compare_exchange_weak(seen, use == Use::kChanges ? kAlone : seen + 1)) return true;
-  return false;
+  std::unique_lock lock(mutex_);
+  if (is_changed_ || (use == Use::kChanges && drawers_ > 0)) return false;
+  if (use == Use::kReads) ++readers_;
+  if (use == Use::kDraws) ++drawers_;
+  if (use == Use::kChanges) {
+    is_changed_ = true;
+    read_.wait(lock, [&] { return readers_ == 0; });
+  }
+  return true;
 }
 
 void Workers::end(Use use) {
-  if (use == Use::kChanges) count_ = 0;
-  if (use == Use::kReads) --count_;
+  if (use == Use::kFree) return;
+  const std::lock_guard lock(mutex_);
+  if (use == Use::kChanges) is_changed_ = false;
+  if (use == Use::kDraws) --drawers_;
+  if (use == Use::kReads && --readers_ == 0) read_.notify_one();
 }
 
 UmbError Object::fail(Error error) {
-  const UmbError code = errors.note(error);
-  if (DeviceObject* device = teller()) {
-    if (device != this) device->errors.note(error);
-    try {
-      device->tell_error(error);
-    } catch (...) {  // a callback's: it must not go on to C
-    }
+  const auto code = UmbError(error.kind);
+  try {
+    DeviceObject* device = teller();
+    if (device && device != this) device->errors.note(error);
+    errors.note(error);
+    if (device) device->tell_error(error);
+  } catch (...) {  // a callback's, or memory for the sentence is short: it must not go on to C
   }
   return code;
 }

@@ -3,6 +3,7 @@
 // Handles are numbers in a table of all objects that live: one that was released, or is none, is found out.
 #pragma once
 #include <atomic>
+#include <condition_variable>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -35,11 +36,13 @@ ErrorSlot& thread_errors();
 /// How a call uses its object.
 enum class Use {
   kChanges,  ///< alone
-  kReads,    ///< beside others that read
+  kReads,    ///< beside others that read; it is short, and calls nobody back
+  kDraws,    ///< beside others that read or draw; it may call back
   kFree,     ///< what it uses has locks of its own
 };
 
-/// Who is at work on an object. Nobody waits, so that no callback can wait for the call that it is a part of.
+/// Who is at work on an object. A change waits for those that read, and for nobody else: no callback waits for the call
+/// that it is a part of.
 class Workers {
  public:
   /// Whether the use may begin; then it has to end.
@@ -47,8 +50,10 @@ class Workers {
   void end(Use use);
 
  private:
-  static constexpr int kAlone = -1;
-  std::atomic<int> count_ = 0;  ///< that read, or kAlone
+  std::mutex mutex_;
+  std::condition_variable read_;
+  int readers_ = 0, drawers_ = 0;
+  bool is_changed_ = false;
 };
 
 /// A use of an object, from begin to end, unless it is refused.
@@ -116,8 +121,8 @@ UmbError call_alone(const char* call, const Work& work) {
   return done ? UMB_ERROR_NONE : thread_errors().note(std::move(done.error()));
 }
 
-/// Runs a call on an object, by the name of its function. Errors are the object's; kUsage where others are at work on
-/// it.
+/// Runs a call on an object, by the name of its function. Errors are the object's, but for kUsage where others are at
+/// work on it: that is the thread's, since the object's belong to those.
 template <class T, class Work>
 UmbError call_on(const void* handle, const char* call, Use use, const Work& work) {
   std::shared_ptr<T> object;
@@ -130,12 +135,11 @@ UmbError call_on(const void* handle, const char* call, Use use, const Work& work
   Result<void> done;
   {
     const Held held(object->workers, use);
-    done =
-        guarded([&] { return held ? object->asked(call) : std::string(call); },
-                [&]() -> Result<void> {
-                  if (held) return work(*object);
-                  return usage_error("{}: another thread is at work on the object, or the call that calls back", call);
-                });
+    if (!held)
+      return call_alone(call, [&]() -> Result<void> {
+        return usage_error("{}: another thread is at work on the object, or the call that calls back", call);
+      });
+    done = guarded([&] { return object->asked(call); }, [&]() -> Result<void> { return work(*object); });
   }
   return done ? UMB_ERROR_NONE : object->fail(std::move(done.error()));  // whose callback may use the object
 }
@@ -146,7 +150,7 @@ Value read_of(const void* handle, Value otherwise, const Get& get) {
   const auto object = object_of<T>(handle);
   if (!object) return otherwise;
   const Held held(object->workers, Use::kReads);
-  return held ? get(*object) : otherwise;
+  return held ? get(*object) : otherwise;  // which throws nothing
 }
 
 /// The first error of an object, or, where the handle is none of that kind, the thread's: see umbGetError.

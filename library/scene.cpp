@@ -66,8 +66,6 @@ SceneBox box_of(const SharedMesh& shared) {
   return box;
 }
 
-Error nothing_there() { return usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it"); }
-
 }  // namespace
 
 Result<void> SceneObject::set_parameter(const std::string& name, const char* value) {
@@ -76,7 +74,7 @@ Result<void> SceneObject::set_parameter(const std::string& name, const char* val
     if (is_parameter(option, "scene") && option.field == name) row = &option;
   if (!row) return unknown_parameter(name, "scene");
   Request changed = request_;
-  if (value) {
+  if (value && *value) {
     if (auto set = set_option(*row, value, changed); !set) return set;
   } else {
     reset_option(*row, changed);
@@ -92,10 +90,13 @@ Result<void> SceneObject::load(const std::string& model) {
   auto scene = load_scene(model, *settings, progress);
   if (!scene) return scene.error();
   for (const std::string& warning : scene->warnings) device_->tell_warning(warning);
-  if (has_models_)
-    append_scene(std::move(*scene), models_);
-  else
+  if (has_models_) {
+    Scene both = models_;  // so that the scene stays as it is where memory ends
+    append_scene(std::move(*scene), both);
+    models_ = std::move(both);
+  } else {
     models_ = std::move(*scene);
+  }
   has_models_ = true;
   changed();
   return {};
@@ -119,24 +120,33 @@ Result<int> SceneObject::add_mesh(const std::string& name, std::size_t vertices,
 Result<SharedMesh*> SceneObject::mesh(int index) {
   if (index < 0 || std::size_t(index) >= meshes_.size())
     return usage_error("the scene has no mesh {}: umbAddMesh made {}", index, meshes_.size());
-  return &meshes_[std::size_t(index)];
+  SharedMesh& mesh = meshes_[std::size_t(index)];
+  if (mesh.is_removed) return usage_error("mesh {} of the scene was removed", index);
+  return &mesh;
 }
 
-Result<void> SceneObject::check_whole() const {
-  for (std::size_t k = 0; k < meshes_.size(); ++k) {
-    const Mesh& mesh = meshes_[k].mesh;
-    if (mesh.positions.empty()) return usage_error("mesh {} of the scene lacks its positions", k);
-    if (mesh.indices.empty() && !mesh.points) return usage_error("mesh {} of the scene lacks its indices", k);
-  }
+Result<void> SceneObject::remove_mesh(int index) {
+  const auto found = mesh(index);
+  if (!found) return found.error();
+  **found = SharedMesh{.is_removed = true};
+  changed();
   return {};
 }
 
+Error SceneObject::nothing_there() const {
+  for (std::size_t k = 0; k < meshes_.size(); ++k)
+    if (!meshes_[k].is_removed && !meshes_[k].is_whole())
+      return usage_error("the scene is empty: its mesh {} lacks its {}", k,
+                         meshes_[k].mesh.positions.empty() ? "positions" : "indices");
+  return usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it");
+}
+
 Result<Scene> SceneObject::copied() const {
-  if (auto whole = check_whole(); !whole) return whole.error();
   Scene all;
   bool is_empty = !has_models_;
   if (has_models_) all = models_;
   for (const SharedMesh& shared : meshes_) {
+    if (!shared.is_whole()) continue;
     Scene part = scene_of(shared);
     finish_scene(part, shared.settings.crease_angle_deg, shared.settings.points);
     if (part.meshes.empty()) continue;
@@ -151,10 +161,10 @@ Result<Scene> SceneObject::copied() const {
 }
 
 Result<SceneBox> SceneObject::bounds() const {
-  if (auto whole = check_whole(); !whole) return whole.error();
   SceneBox all;
   if (has_models_) all = {models_.bounds_min, models_.bounds_max};
   for (const SharedMesh& shared : meshes_) {
+    if (!shared.is_whole()) continue;
     const SceneBox box = box_of(shared);
     all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
   }

@@ -23,6 +23,9 @@ struct SharedMesh {
   bool has_albedo = false;   ///< that the caller set
   Texture albedo, emission;  ///< without pixels: none
   std::vector<glm::mat4> instances;
+  bool is_removed = false;  ///< its number stays
+
+  bool is_whole() const { return !mesh.positions.empty() && (mesh.points || !mesh.indices.empty()); }
 };
 
 class SceneObject final : public Object {
@@ -30,7 +33,7 @@ class SceneObject final : public Object {
   explicit SceneObject(std::shared_ptr<DeviceObject> device) : device_(std::move(device)) {}
 
   /// The models and all meshes that are whole, finished. A copy: what a picture adds to it is that picture's.
-  /// Errors: kUsage for an empty scene, and meshes that are not whole.
+  /// Errors: kUsage for an empty scene.
   Result<Scene> copied() const;
   /// The box of that. Errors: the same.
   Result<SceneBox> bounds() const;
@@ -41,6 +44,7 @@ class SceneObject final : public Object {
   Result<void> load(const std::string& model);
   Result<int> add_mesh(const std::string& name, std::size_t vertices, std::size_t triangles);
   Result<SharedMesh*> mesh(int index);
+  Result<void> remove_mesh(int index);
   void changed() { ++version_; }
   int camera_count() const {
     return int(!models_.cameras.empty() ? models_.cameras.size() : meshes_.empty() ? models_.views.size() : 0);
@@ -52,7 +56,7 @@ class SceneObject final : public Object {
   DeviceObject* teller() override { return device_.get(); }
 
  private:
-  Result<void> check_whole() const;
+  Error nothing_there() const;
 
   std::shared_ptr<DeviceObject> device_;
   Request request_;  // how what follows is read

@@ -102,6 +102,9 @@ bool is_rotation(const float (&m)[9]) {
 Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVulkanWork& request) {
   const Lens lens = lens_of(g);
   if (auto fine = check(g, lens); !fine) return fine;
+  if ((!request.effects && request.effect_count > 0) || (!request.settings && request.setting_count > 0) ||
+      (!request.outputs && request.output_count > 0))
+    return usage_error("the effects, settings or outputs are NULL, and their count is not 0");
   std::vector<const Effect*> wanted;
   for (const std::string& name : texts_of(request.effects, request.effect_count)) {
     const auto effect = require_named("effect", effects(), name);
@@ -139,7 +142,6 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
     if (auto read = read_image(device, device_image(g.light), {}, kLit, *frame); !read) return read;
   for (const Effect* effect : wanted)
     if (auto done = device.run(*effect, params_of(settings, effect->name), *frame); !done) return done.error();
-  if (!request.outputs && request.output_count > 0) return usage_error("the outputs are NULL");
   for (int k = 0; k < request.output_count; ++k) {
     const UmbVulkanOutput& output = request.outputs[k];
     const auto planes = texts_of(output.planes, output.plane_count);

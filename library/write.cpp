@@ -37,6 +37,10 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
   const auto channels = channels_to_write(name, from.channels);
   if (int(channels.size()) != from.channels)
     return usage_error("the image '{}' cannot have {} channels: a pass has 1 to 4", name, from.channels);
+  if (from.type == PixelType::kUint32 && !is_id(name))
+    return usage_error("the image '{}' cannot be of 32-bit integers: ids alone are", name);
+  if (name == "color" && from.channels < 3)
+    return usage_error("the image 'color' cannot have {} channels: it has 3 or 4", from.channels);
   const bool whole_numbers = is_id(name) && is_whole(from.type);
   if (whole_numbers) settings.whole_numbers.push_back(name);
   for (int c = 0; c < from.channels; ++c) {
@@ -90,8 +94,11 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
   Lines lines{width, height, {}};
   for (const UmbStroke& stroke : strokes) {
     Line& line = lines.lines.emplace_back();
-    if (stroke.kind < UMB_STROKE_OUTLINE || stroke.kind > UMB_STROKE_CREASE || (!stroke.points && stroke.point_count))
-      return usage_error("stroke {} has no kind {}, or no points", &stroke - strokes.data(), stroke.kind);
+    if (stroke.kind < UMB_STROKE_OUTLINE || stroke.kind > UMB_STROKE_CREASE)
+      return usage_error("stroke {} cannot be of the kind {}: see UmbStrokeKind", &stroke - strokes.data(),
+                         stroke.kind);
+    if (!stroke.points && stroke.point_count)
+      return usage_error("stroke {} has {} points at NULL", &stroke - strokes.data(), stroke.point_count);
     line.kind = LineKind(stroke.kind);
     line.object = int(stroke.object_id);
     line.closed = stroke.closed != 0;

@@ -126,6 +126,7 @@ Result<Look> look_of(const std::vector<std::string>& names) {
 /// A recipe of effects alone: nothing of a look. Errors: kUsage.
 Result<Recipe> recipe_of_effects(const Request& request) {
   if (auto fine = check_request(request, kMostPixels); !fine) return fine.error();
+  if (const auto known = require_named("look", looks(), request.look); !known) return known.error();
   auto look = look_of(request.effects);
   if (!look) return look.error();
   Recipe recipe{.width = request.width, .height = request.height};

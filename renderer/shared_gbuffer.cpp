@@ -112,7 +112,7 @@ bool lies_as_planes(const NamedImage& named, int channels) {
   const SharedImage& image = named.image;
   const auto size = std::ptrdiff_t(sizeof(float));
   return image.type == PixelType::kFloat32 && image.pixel_stride == size && image.width % kRowAlignment == 0 &&
-         image.row_stride == size * image.width && reinterpret_cast<std::uintptr_t>(image.data) % sizeof(float) == 0 &&
+         image.row_stride == size * plane_stride(image.width) && reinterpret_cast<std::uintptr_t>(image.data) % sizeof(float) == 0 &&
          (channels == 1 || image.channel_stride % size == 0);
 }
 

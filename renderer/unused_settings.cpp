@@ -26,7 +26,9 @@ void add_of_effects(const Request& request, const Recipe& recipe, const std::fun
   for (const std::string& setting : request.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
     if (runs(recipe, effect) || !is_told(setting)) continue;
-    if (contains(techniques, effect))
+    if (recipe.own_look)
+      sentences.push_back(fmt::format("`settings` {} does nothing: {} is not among the `effects`", setting, effect));
+    else if (contains(techniques, effect))
       sentences.push_back(
           fmt::format("`settings` {} does nothing: the occlusion of this picture is {}; try "
                       "`occlusion` {}",
@@ -35,6 +37,17 @@ void add_of_effects(const Request& request, const Recipe& recipe, const std::fun
       sentences.push_back(
           fmt::format("`settings` {} does nothing: the look {} has no {}", setting, recipe.look->name, effect));
   }
+}
+
+/// Of a look, where the request names effects in its place.
+void add_of_looks(const Request& request, std::vector<std::string>& sentences) {
+  const Request initial;
+  const std::pair<const char*, bool> all[] = {{"look", request.look != initial.look},
+                                              {"quality", request.quality != initial.quality},
+                                              {"occlusion", request.occlusion != initial.occlusion},
+                                              {"occlusion_scale", request.occlusion_scale != initial.occlusion_scale}};
+  for (const auto& [field, is_set] : all)
+    if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` stand in place of the look", field));
 }
 
 void add_of_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
@@ -65,7 +78,8 @@ std::vector<std::string> unused_settings(const Request& request, const Recipe& r
                                          const std::function<bool(std::string_view setting)>& is_told) {
   std::vector<std::string> sentences;
   add_of_effects(request, recipe, is_told, sentences);
-  if (recipe.radius && recipe.occlusion == kNoOcclusion)
+  if (recipe.own_look) add_of_looks(request, sentences);
+  if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.own_look)
     sentences.push_back(
         fmt::format("`occlusion_radius` {} does nothing: this picture has no occlusion", request.occlusion_radius));
   add_of_images(request, recipe, sentences);

@@ -56,7 +56,7 @@ Result<nlohmann::json> list_devices() {
   nlohmann::json records = nlohmann::json::array({{{"name", "cpu"}, {"summary", summary}}});
   const auto gpus = vulkan_gpus();
   if (!gpus) {
-    records.push_back({{"name", "vulkan"}, {"summary", "not to be had: " + gpus.error().message}});
+    records.push_back({{"name", "vulkan"}, {"summary", "not available: " + in_options(gpus.error().message)}});
     return records;
   }
   for (const VulkanGpu& gpu : *gpus) records.push_back({{"name", gpu.name}, {"summary", gpu.summary}});

@@ -59,6 +59,11 @@ class CpuDevice final : public Device {
     return {};
   }
 
+  void forget_scene() override {
+    traced_.reset();
+    scene_ = nullptr;
+  }
+
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                         const ProgressMonitor& monitor) override {
     if (!traced_) fail_check("capture before prepare");

@@ -2,6 +2,7 @@
 // what is given back serves the next one of its size, so that pictures that are drawn one after the other take no new
 // memory.
 #pragma once
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -95,7 +96,7 @@ class Memory : public std::enable_shared_from_this<Memory> {
   GpuPtr gpu_;
   std::vector<std::unique_ptr<Slab>> slabs_;
   std::vector<Block> free_host_;
-  std::uint64_t device_bytes_ = 0, host_bytes_ = 0;
+  std::atomic<std::uint64_t> device_bytes_ = 0, host_bytes_ = 0;  ///< which any thread may ask for
 };
 
 }  // namespace umbrage

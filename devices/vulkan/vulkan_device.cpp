@@ -67,6 +67,10 @@ class VulkanDevice final : public Device {
     return capture_ ? capture_->prepare(scene, monitor) : scene_->prepare(scene, monitor);
   }
 
+  void forget_scene() override {
+    if (capture_) capture_->forget_scene();
+  }
+
   Result<Frame> capture(const Camera& camera, const CaptureSettings& settings,
                         const ProgressMonitor& monitor) override {
     if (!capture_ && is_ended(monitor)) return interrupted();

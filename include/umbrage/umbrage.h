@@ -5,9 +5,10 @@
  * Handles. An object starts with one reference. umbRetain... adds one, umbRelease... drops one, the last one frees it.
  * Objects retain those that they were made with. Releasing NULL does nothing.
  *
- * Errors. A function that can fail returns a UmbError and leaves a sentence with the object: see umbGetJobError. A
- * function that makes an object returns NULL, and leaves the error with the thread: see umbGetError. A NULL handle is
- * UMB_ERROR_USAGE. Nothing throws, ends the process or prints.
+ * Errors. A function that can fail returns a UmbError and leaves a sentence with the object, which keeps the first one
+ * until somebody asks: see umbGetJobError. A function that makes an object returns NULL, and leaves the error with the
+ * thread: see umbGetError. So do calls with a NULL handle, which return UMB_ERROR_USAGE, and those on an object that is
+ * in use. Nothing throws, ends the process or prints.
  *
  * Callbacks must not throw. From within one the library may be called, but not on the object whose call calls back, the
  * job that executes or the scene that loads; nor may the scene of that job be changed, nor another job, of any device, be
@@ -15,8 +16,8 @@
  * callback runs after its call, and may use all objects; of what fails within it, it is not told.
  *
  * Threads. Different threads may use different objects at the same time. While a function changes, executes or loads an
- * object, calls of other threads on it return UMB_ERROR_USAGE, or what stands for nothing, and do nothing; those that
- * only read, such as umbGetJobOutput, may be made side by side. Functions of devices, retaining and releasing (by who has
+ * object, calls of other threads on it return UMB_ERROR_USAGE, or what stands for nothing, and do nothing. Functions that
+ * only read, such as umbGetJobOutput, may be called side by side; a change waits until they are done. Functions of devices, retaining and releasing (by who has
  * a reference), errors and counters are free at any time. Jobs of one device wait for each other; a callback must not
  * wait for a thread that executes one. Jobs of several devices may draw one scene at the same time; while one does, the
  * scene cannot be changed: UMB_ERROR_USAGE. Strings, strokes and images that an object returns are for the thread that
@@ -27,8 +28,8 @@
  * space that face the camera, 0 where there is no surface. Row 0 of an image is the top one. Light is linear Rec. 709.
  * The pass "color" is the finished picture, sRGB, as an 8-bit file holds it, alpha not premultiplied.
  *
- * Strings are UTF-8. A string that a function returns belongs to the library. It lives as long as its object, unless
- * the function says otherwise. */
+ * Strings are UTF-8. A string that a function returns belongs to the library. It lives as long as its object, or, of
+ * errors, until the next call of the same function. */
 #ifndef UMBRAGE_UMBRAGE_H
 #define UMBRAGE_UMBRAGE_H
 #include <stdbool.h>
@@ -104,7 +105,7 @@ typedef enum UmbType {
 } UmbType;
 
 /* Pixels in the caller's memory. Strides are in bytes and may be negative; 0 means packed: channels side by side, then
- * pixels, then rows. `channels` of 0 are as many as the pass has. `data` is channel 0 of the upper left pixel. */
+ * pixels, then rows. Of a job's images and outputs `channels` of 0 are as many as the pass has. `data` is channel 0 of the upper left pixel. */
 typedef struct UmbImage {
   void* data;
   int32_t type; /* UmbType */
@@ -119,20 +120,24 @@ typedef struct UmbImage {
 UMB_API UmbScene umbNewScene(UmbDevice device);
 UMB_API void umbRetainScene(UmbScene scene);
 UMB_API void umbReleaseScene(UmbScene scene);
+/* The first error since the last call: see umbGetDeviceError. */
 UMB_API UmbError umbGetSceneError(UmbScene scene, const char** message);
 UMB_API UmbError umbSetSceneProgressCallback(UmbScene scene, UmbProgressCallback callback, void* user);
 
 /* How what follows is added: "up" (axis "+Z" or "x,y,z"), "crease_angle_deg", "point_size", "point_sprites",
- * "scene_index", written as on the command line. NULL: as at first. */
+ * "scene_index", written as on the command line. NULL or "": as at first. */
 UMB_API UmbError umbSetSceneParameter(UmbScene scene, const char* name, const char* value);
 
 /* Adds a model: a file, or "scene:NAME?detail=N". Errors: UMB_ERROR_USAGE for a scene or index that there is not;
- * UMB_ERROR_FILE; UMB_ERROR_CANCELLED. The scene is then as it was. */
+ * UMB_ERROR_FILE; UMB_ERROR_DEVICE where memory is short; UMB_ERROR_CANCELLED. The scene is then as it was. */
 UMB_API UmbError umbLoadModel(UmbScene scene, const char* model);
 
 /* Adds a mesh of so many vertices and triangles and returns its number; below 0: an error. Without triangles it is a
  * cloud of points. It is part of the scene once its positions and indices are set; without normals these are made. */
 UMB_API int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t triangles);
+
+/* Takes a mesh out of the scene. Its number is not given to another one. */
+UMB_API UmbError umbRemoveMesh(UmbScene scene, int mesh);
 
 /* Copies a buffer of the caller's: "position" (3 channels, FLOAT32), "normal" (3), "color" (3 or 4, linear if floats,
  * sRGB if integers), "uv" (2, (0, 0) is the lower left corner), "radius" (1, of points, above 0), each of one value a vertex; or
@@ -168,12 +173,13 @@ UMB_API UmbJob umbNewRenderJob(UmbDevice device, UmbScene scene);
 UMB_API UmbJob umbNewShadeJob(UmbDevice device);
 UMB_API void umbRetainJob(UmbJob job);
 UMB_API void umbReleaseJob(UmbJob job);
+/* The first error since the last call: see umbGetDeviceError. */
 UMB_API UmbError umbGetJobError(UmbJob job, const char** message);
 UMB_API UmbError umbSetJobProgressCallback(UmbJob job, UmbProgressCallback callback, void* user);
 
 /* Parameters. The names are those that umbGetParameter lists for "render" and "shade", such as "look", "width" or
  * "camera.position", and those of effects, such as "bitmask.radius". A setter whose type is not the parameter's is
- * UMB_ERROR_USAGE; a string is taken for all, written as on the command line. */
+ * UMB_ERROR_USAGE; a string is taken for all, written as on the command line. NULL or "" resets it. */
 UMB_API UmbError umbSetJobString(UmbJob job, const char* name, const char* value);
 UMB_API UmbError umbSetJobBool(UmbJob job, const char* name, bool value);
 UMB_API UmbError umbSetJobInt(UmbJob job, const char* name, int value);
@@ -193,7 +199,8 @@ UMB_API UmbError umbSetJobImage(UmbJob job, const char* name, const UmbImage* im
 UMB_API UmbError umbSetJobOutput(UmbJob job, const char* name, const UmbImage* image);
 
 /* Does what comes before the first picture of a render job: reads the image around the scene, builds the hierarchy.
- * umbExecuteJob does it where nobody has. Errors: UMB_ERROR_FILE, UMB_ERROR_DEVICE, UMB_ERROR_CANCELLED besides. */
+ * umbExecuteJob does it where nobody has. Errors: UMB_ERROR_USAGE, UMB_ERROR_FILE, UMB_ERROR_DEVICE,
+ * UMB_ERROR_CANCELLED. */
 UMB_API UmbError umbPrepareJob(UmbJob job);
 
 /* Makes the picture. What is the same as the last time is kept: the device, the scene's hierarchy, what the camera sees
@@ -277,7 +284,7 @@ typedef struct UmbParameter {
 UMB_API int umbGetPassChannels(const char* pass);
 
 /* The parameters of "render", "shade", "scene" or an effect. Of a smaller `size`, as an older header has it, the first
- * members are filled. Errors: UMB_ERROR_USAGE; beyond the last one the same, and no error to be asked for. */
+ * members are filled; of a larger one those that this library has, the others are 0. Errors: UMB_ERROR_USAGE; beyond the last one the same, and no error to be asked for. */
 UMB_API UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter);
 
 #ifdef __cplusplus
