@@ -19,7 +19,11 @@ class Calls {
   Outcome outcome;
   bool fine() const { return outcome.code == 0; }
 
-  void device(UmbDevice made) { note(made ? UMB_ERROR_NONE : UMB_ERROR_DEVICE, umbGetError); }
+  /// Of a call that makes an object.
+  template <class Handle>
+  void made(Handle handle) {
+    if (!handle && fine()) note(told_without_code(UMB_ERROR_INTERNAL, umbGetError));
+  }
   void alone(UmbError code) { note(code, umbGetError); }
   void scene(UmbScene scene, UmbError code) {
     note(code, [scene](const char** message) { return umbGetSceneError(scene, message); });
@@ -31,11 +35,12 @@ class Calls {
  private:
   template <class Take>
   void note(UmbError code, const Take& take) {
-    if (code == UMB_ERROR_NONE) return;
-    const char* message = "";
-    const UmbError taken = take(&message);
-    outcome.code = int(taken != UMB_ERROR_NONE ? taken : code);
-    outcome.message = message;
+    if (code != UMB_ERROR_NONE) note(told(code, take));
+  }
+  /// Warnings stay.
+  void note(Outcome error) {
+    outcome.code = error.code;
+    outcome.message = std::move(error.message);
   }
 };
 
@@ -194,15 +199,18 @@ class FrameRenderer {
     auto state = std::make_unique<State>(request.progress);
     detail::Calls calls;
     state->device = Device_(umbNewDevice(request.device.c_str(), request.threads));
-    calls.device(state->device.get());
+    calls.made(state->device.get());
     if (!calls.fine()) return calls.outcome;
     const UmbDevice device = state->device.get();
     umbSetDeviceLogCallback(device, detail::note_warning, &calls.outcome.warnings);
     state->scene = Scene_(umbNewScene(device));
+    calls.made(state->scene.get());
     const UmbScene scene = state->scene.get();
     detail::set_scene(request, scene, calls);
-    umbSetSceneProgressCallback(scene, state->watch.callback_before(), &state->watch);
+    if (calls.fine())
+      calls.scene(scene, umbSetSceneProgressCallback(scene, state->watch.callback_before(), &state->watch));
     state->job = Job_(umbNewRenderJob(device, scene));
+    calls.made(state->job.get());
     const UmbJob job = state->job.get();
     detail::Setter set(job, calls);
     detail::set_all(request, set);
@@ -216,7 +224,7 @@ class FrameRenderer {
     models.insert(models.end(), request.more_models.begin(), request.more_models.end());
     for (const std::string& model : models)
       if (calls.fine()) calls.scene(scene, umbLoadModel(scene, model.c_str()));
-    umbSetJobProgressCallback(job, state->watch.callback(), &state->watch);
+    if (calls.fine()) calls.job(job, umbSetJobProgressCallback(job, state->watch.callback(), &state->watch));
     if (calls.fine()) calls.job(job, umbPrepareJob(job));
     umbSetDeviceLogCallback(device, nullptr, nullptr);
     state->watch.rethrow();
@@ -304,14 +312,15 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   detail::Watch watch(request.progress);
   const detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> device(
       umbNewDevice(request.device.c_str(), request.threads));
-  calls.device(device.get());
+  calls.made(device.get());
   if (!calls.fine()) return calls.outcome;
   umbSetDeviceLogCallback(device.get(), detail::note_warning, &calls.outcome.warnings);
   const detail::Ref<UmbJob, umbRetainJob, umbReleaseJob> made(umbNewShadeJob(device.get()));
   const UmbJob job = made.get();
+  calls.made(job);
   detail::Setter set(job, calls);
   detail::set_all(request, set);
-  umbSetJobProgressCallback(job, watch.callback(), &watch);
+  if (calls.fine()) calls.job(job, umbSetJobProgressCallback(job, watch.callback(), &watch));
   const auto refuse = [&](const std::string& message) {
     if (calls.fine()) calls.outcome = {int(UMB_ERROR_USAGE), message, {}};
   };
