@@ -164,4 +164,32 @@ TEST(CppCalls, ACallThrowsItsOwnErrorAndNoOlderOne) {
   EXPECT_EQ(thrown([&] { scene.set("uq", "+Z"); }).code, UMB_ERROR_USAGE);
 }
 
+TEST(CppCalls, HandlesOfTheCInterfaceAreAdopted) {
+  const UmbDevice of_c = umbNewDevice("cpu", 1);
+  umbRetainDevice(of_c);
+  umb::Device device = umb::Device::adopt(of_c);
+  EXPECT_EQ(device.get(), of_c);
+  umb::Scene scene = umb::Scene::adopt(umbNewScene(of_c));
+  scene.load(kSolids);
+  int told = 0;
+  {
+    umb::Job job = umb::Job::adopt(umbNewRenderJob(of_c, scene.get()));
+    job.set("width", 8);
+    job.set("height", 8);
+    job.execute([&](double) { return ++told, true; });
+    EXPECT_EQ(job.output("color").width, 8);
+    const UmbJob gone = job.get();
+    job = {};
+    EXPECT_EQ(umbCheckJob(gone), UMB_ERROR_USAGE) << "it had the only reference";
+    umbGetError(nullptr);
+  }
+  EXPECT_GT(told, 0);
+  scene = {};
+  device = {};
+  EXPECT_NE(umbGetDeviceDescription(of_c), nullptr) << "the caller's own reference";
+  umbReleaseDevice(of_c);
+  EXPECT_EQ(umbGetDeviceDescription(of_c), nullptr);
+  EXPECT_FALSE(umb::Device::adopt(nullptr) || umb::Scene::adopt(nullptr) || umb::Job::adopt(nullptr));
+}
+
 }  // namespace

@@ -121,6 +121,9 @@ class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> 
  public:
   Device() = default;
   explicit Device(const std::string& name, int threads = 0) : Ref(detail::made(umbNewDevice(name.c_str(), threads))) {}
+  /// Of a handle of the C interface, whose reference it takes over: umbRetainDevice first where the caller keeps one.
+  /// NULL: an empty one. So do Scene::adopt and Job::adopt.
+  static Device adopt(UmbDevice handle) { return Device(handle, detail::Adopted()); }
   std::string description() const {
     const char* text = umbGetDeviceDescription(get());
     return text ? text : "";
@@ -141,6 +144,7 @@ class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> 
   }
 
  private:
+  Device(UmbDevice handle, detail::Adopted) : Ref(handle) {}
   UmbError checked(UmbError code) const { return detail::check(code, get(), umbGetDeviceError); }
 };
 
@@ -149,6 +153,8 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
  public:
   Scene() = default;
   explicit Scene(const Device& device) : Scene(detail::made(umbNewScene(device.get())), detail::Adopted()) {}
+  /// Takes over a reference.
+  static Scene adopt(UmbScene handle) { return Scene(handle, detail::Adopted()); }
   // set(name, value), of detail::Parameters: how what follows is added.
   /// As if it had never been set.
   UmbError reset(const std::string& name) { return checked(umbSetSceneParameter(get(), name.c_str(), nullptr)); }
@@ -231,6 +237,8 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
       : Job(detail::made(umbNewRenderJob(device.get(), scene.get())), detail::Adopted()) {}
   /// Shades images.
   explicit Job(const Device& device) : Job(detail::made(umbNewShadeJob(device.get())), detail::Adopted()) {}
+  /// Takes over a reference.
+  static Job adopt(UmbJob handle) { return Job(handle, detail::Adopted()); }
 
   // set(name, value), of detail::Parameters: a parameter.
   /// As if it had never been set; without a name: all of them.
