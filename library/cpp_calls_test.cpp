@@ -192,4 +192,34 @@ TEST(CppCalls, HandlesOfTheCInterfaceAreAdopted) {
   EXPECT_FALSE(umb::Device::adopt(nullptr) || umb::Scene::adopt(nullptr) || umb::Job::adopt(nullptr));
 }
 
+TEST(CppCalls, FramesReadNothingAgain) {
+  const std::string file = testing::TempDir() + "umbrage_frames.pfm";
+  {
+    const std::vector<float> sky(3 * 8 * 4, 0.5f);
+    std::ofstream pfm(file, std::ios::binary);
+    pfm << "PF\n8 4\n-1.0\n";
+    pfm.write(reinterpret_cast<const char*>(sky.data()), std::streamsize(sky.size() * sizeof(float)));
+  }
+  umb::RenderRequest request = {.model = kSolids, .look = "lit", .width = 24, .height = 16, .device = "cpu"};
+  request.hdri_file = file;
+  request.camera.azimuth_deg = 30.0f;
+  umb::FrameRenderer renderer;
+  const umb::Outcome opened = renderer.open(request);
+  ASSERT_EQ(opened.code, 0) << opened.message;
+  umb::Picture first, placed, again;
+  ASSERT_EQ(renderer.draw({}, first).code, 0);
+  std::filesystem::remove(file);
+  umb::FrameCamera camera;
+  camera.placed = true;
+  camera.eye[0] = 6.0f, camera.eye[1] = 3.0f, camera.eye[2] = 6.0f;
+  const umb::Outcome moved = renderer.draw(camera, placed);
+  ASSERT_EQ(moved.code, 0) << moved.message;
+  EXPECT_NE(placed.rgba, first.rgba);
+  // A camera that cannot be leaves nothing behind, and the request's own comes back.
+  camera.up[1] = 0.0f;
+  EXPECT_EQ(renderer.draw(camera, again).code, 2);
+  ASSERT_EQ(renderer.draw({}, again).code, 0);
+  EXPECT_EQ(again.rgba, first.rgba);
+}
+
 }  // namespace

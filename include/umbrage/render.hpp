@@ -102,11 +102,7 @@ void set_common(const Request& r, Setter& set) {
   for (const std::string& setting : r.settings) set.assign(setting);
 }
 
-inline void set_all(const RenderRequest& r, Setter& set) {
-  set_common(r, set);
-  const CameraRequest& camera = r.camera;
-  set("width", r.width);
-  set("height", r.height);
+inline void set_camera(const CameraRequest& camera, Setter& set) {
   set("camera.index", camera.index);
   set("camera.position", camera.position);
   set("camera.focal_point", camera.focal_point);
@@ -117,6 +113,13 @@ inline void set_all(const RenderRequest& r, Setter& set) {
   set("camera.elevation_deg", camera.elevation_deg);
   set("camera.zoom", camera.zoom);
   set("camera.orthographic", camera.orthographic);
+}
+
+inline void set_all(const RenderRequest& r, Setter& set) {
+  set_common(r, set);
+  set("width", r.width);
+  set("height", r.height);
+  set_camera(r.camera, set);
   set("anti_aliasing", r.anti_aliasing);
   set("ground", r.ground);
   set("hdri_file", r.hdri_file);
@@ -268,25 +271,22 @@ class FrameRenderer {
     Job_ job;
   };
 
-  /// Puts the camera where the frame says, or else where the request does.
+  /// Puts the camera where the frame says, or else where the request does. All else is as it was set once, so that
+  /// nothing is read anew.
   void place(const FrameCamera& camera, detail::Calls& calls) {
     const UmbJob job = state_->job.get();
     for (const char* name :
          {"camera.index", "camera.position", "camera.focal_point", "camera.view_up", "camera.direction",
           "camera.view_angle_deg", "camera.azimuth_deg", "camera.elevation_deg", "camera.zoom", "camera.orthographic"})
-      umbResetJobParameter(job, name);
-    RenderRequest request = state_->request;
-    if (camera.placed) {
-      CameraRequest placed;
-      placed.position = {camera.eye[0], camera.eye[1], camera.eye[2]};
-      placed.focal_point = {camera.target[0], camera.target[1], camera.target[2]};
-      placed.view_up = {camera.up[0], camera.up[1], camera.up[2]};
-      placed.view_angle_deg = camera.angle_deg;
-      request.camera = placed;
-    }
-    request.settings.clear();  // they stay
+      if (calls.fine()) calls.job(job, umbResetJobParameter(job, name));
     detail::Setter set(job, calls);
-    detail::set_all(request, set);
+    if (!camera.placed) return detail::set_camera(state_->request.camera, set);
+    CameraRequest placed;
+    placed.position = {camera.eye[0], camera.eye[1], camera.eye[2]};
+    placed.focal_point = {camera.target[0], camera.target[1], camera.target[2]};
+    placed.view_up = {camera.up[0], camera.up[1], camera.up[2]};
+    placed.view_angle_deg = camera.angle_deg;
+    detail::set_camera(placed, set);
   }
 
   std::unique_ptr<State> state_;
