@@ -222,4 +222,23 @@ TEST(CppCalls, FramesReadNothingAgain) {
   EXPECT_EQ(again.rgba, first.rgba);
 }
 
+TEST(CppCalls, LargeIdsComeWithTheirPlaces) {
+  constexpr std::uint32_t kLow = 16777217, kNext = 16777218, kHigh = 4000000001;  // of which floats tell one from two
+  const std::vector<float> depth = {2, 2, 2, 2, 2, std::numeric_limits<float>::infinity()};
+  const std::vector<std::uint32_t> ids = {kHigh, kHigh, kLow, kNext, kLow, kHigh};
+  umb::ShadeRequest request;
+  request.width = 3;
+  request.height = 2;
+  request.device = "cpu";
+  request.effects = {"outline"};
+  request.passes = {"object_id"};
+  request.arrays = {{.name = "depth", .values = depth.data()}, {.name = "object_id", .ids = ids.data()}};
+  umb::Picture picture;
+  const umb::Outcome outcome = umb::shade(request, picture);
+  ASSERT_EQ(outcome.code, 0) << outcome.message;
+  ASSERT_EQ(picture.passes.size(), 1u);
+  EXPECT_EQ(picture.passes[0].ids, (std::vector<std::uint32_t>{kHigh, kHigh, kLow, kNext, kLow, 0}));
+  EXPECT_EQ(picture.passes[0].values, (std::vector<float>{3, 3, 1, 2, 1, 0})) << "0 is the first one: no surface";
+}
+
 }  // namespace

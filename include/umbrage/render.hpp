@@ -159,6 +159,20 @@ inline void set_scene(const RenderRequest& r, UmbScene scene, Calls& calls) {
   set("point_sprites", r.point_sprites);
 }
 
+/// The places of ids in the rising list of those that there are: floats do not tell all ids of 32 bits apart.
+inline std::vector<float> places_of(const std::vector<std::uint32_t>& ids) {
+  std::vector<std::uint32_t> known;
+  for (const std::uint32_t id : ids)
+    if (known.empty() || known.back() != id) known.push_back(id);  // pixels side by side are mostly of one object
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  std::vector<float> places;
+  places.reserve(ids.size());
+  for (const std::uint32_t id : ids)
+    places.push_back(float(std::lower_bound(known.begin(), known.end(), id) - known.begin()));
+  return places;
+}
+
 /// Takes what a job has made into a picture.
 inline void take(UmbJob job, bool strokes, Picture& picture) {
   Picture made;
@@ -171,7 +185,7 @@ inline void take(UmbJob job, bool strokes, Picture& picture) {
     if (image.type == UMB_TYPE_UINT32) {
       const auto* ids = static_cast<const std::uint32_t*>(image.data);
       Pixels pass{name, image.channels, {}, {ids, ids + count}};
-      for (const std::uint32_t id : pass.ids) pass.values.push_back(float(id));
+      pass.values = places_of(pass.ids);
       made.passes.push_back(std::move(pass));
       continue;
     }
