@@ -214,9 +214,15 @@ def check(code: int) -> None:
 
 
 def _taken(code: int, take: Callable[..., int], *handle: Optional[int]) -> Exception:
+    """The error of a call that returned the code; 0: of one that returns none. What `take` has may be an older error;
+    that another thread is at work on an object is noted with the thread."""
     message = c_char_p()
     taken = take(*handle, ctypes.byref(message))
-    return error_of(taken or code, _text(message.value))
+    if taken == 0 or code not in (0, taken):
+        taken = lib.umbGetError(ctypes.byref(message))
+    if taken == 0 or code not in (0, taken):
+        return error_of(code)
+    return error_of(taken, _text(message.value))
 
 
 class Handle:
@@ -229,7 +235,7 @@ class Handle:
         self._take: Callable[..., int] = getattr(lib, f"umbGet{kind}Error")
         self.pointer = pointer
         if pointer is None:
-            raise _taken(1, lib.umbGetError)
+            raise _taken(0, lib.umbGetError)
 
     def check(self, code: int) -> None:
         """Raises the object's error."""
