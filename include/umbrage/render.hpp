@@ -19,7 +19,11 @@ class Calls {
   Outcome outcome;
   bool fine() const { return outcome.code == 0; }
 
-  void device(UmbDevice made) { note(made ? UMB_ERROR_NONE : UMB_ERROR_DEVICE, umbGetError); }
+  /// Of a call that makes an object.
+  template <class Handle>
+  void made(Handle handle) {
+    if (!handle && fine()) note(told_without_code(UMB_ERROR_INTERNAL, umbGetError));
+  }
   void alone(UmbError code) { note(code, umbGetError); }
   void scene(UmbScene scene, UmbError code) {
     note(code, [scene](const char** message) { return umbGetSceneError(scene, message); });
@@ -31,11 +35,12 @@ class Calls {
  private:
   template <class Take>
   void note(UmbError code, const Take& take) {
-    if (code == UMB_ERROR_NONE) return;
-    const char* message = "";
-    const UmbError taken = take(&message);
-    outcome.code = int(taken != UMB_ERROR_NONE ? taken : code);
-    outcome.message = message;
+    if (code != UMB_ERROR_NONE) note(told(code, take));
+  }
+  /// Warnings stay.
+  void note(Outcome error) {
+    outcome.code = error.code;
+    outcome.message = std::move(error.message);
   }
 };
 
@@ -97,11 +102,7 @@ void set_common(const Request& r, Setter& set) {
   for (const std::string& setting : r.settings) set.assign(setting);
 }
 
-inline void set_all(const RenderRequest& r, Setter& set) {
-  set_common(r, set);
-  const CameraRequest& camera = r.camera;
-  set("width", r.width);
-  set("height", r.height);
+inline void set_camera(const CameraRequest& camera, Setter& set) {
   set("camera.index", camera.index);
   set("camera.position", camera.position);
   set("camera.focal_point", camera.focal_point);
@@ -112,6 +113,13 @@ inline void set_all(const RenderRequest& r, Setter& set) {
   set("camera.elevation_deg", camera.elevation_deg);
   set("camera.zoom", camera.zoom);
   set("camera.orthographic", camera.orthographic);
+}
+
+inline void set_all(const RenderRequest& r, Setter& set) {
+  set_common(r, set);
+  set("width", r.width);
+  set("height", r.height);
+  set_camera(r.camera, set);
   set("anti_aliasing", r.anti_aliasing);
   set("ground", r.ground);
   set("hdri_file", r.hdri_file);
@@ -151,6 +159,20 @@ inline void set_scene(const RenderRequest& r, UmbScene scene, Calls& calls) {
   set("point_sprites", r.point_sprites);
 }
 
+/// The places of ids in the rising list of those that there are: floats do not tell all ids of 32 bits apart.
+inline std::vector<float> places_of(const std::vector<std::uint32_t>& ids) {
+  std::vector<std::uint32_t> known;
+  for (const std::uint32_t id : ids)
+    if (known.empty() || known.back() != id) known.push_back(id);  // pixels side by side are mostly of one object
+  std::sort(known.begin(), known.end());
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  std::vector<float> places;
+  places.reserve(ids.size());
+  for (const std::uint32_t id : ids)
+    places.push_back(float(std::lower_bound(known.begin(), known.end(), id) - known.begin()));
+  return places;
+}
+
 /// Takes what a job has made into a picture.
 inline void take(UmbJob job, bool strokes, Picture& picture) {
   Picture made;
@@ -163,7 +185,7 @@ inline void take(UmbJob job, bool strokes, Picture& picture) {
     if (image.type == UMB_TYPE_UINT32) {
       const auto* ids = static_cast<const std::uint32_t*>(image.data);
       Pixels pass{name, image.channels, {}, {ids, ids + count}};
-      for (const std::uint32_t id : pass.ids) pass.values.push_back(float(id));
+      pass.values = places_of(pass.ids);
       made.passes.push_back(std::move(pass));
       continue;
     }
@@ -194,15 +216,18 @@ class FrameRenderer {
     auto state = std::make_unique<State>(request.progress);
     detail::Calls calls;
     state->device = Device_(umbNewDevice(request.device.c_str(), request.threads));
-    calls.device(state->device.get());
+    calls.made(state->device.get());
     if (!calls.fine()) return calls.outcome;
     const UmbDevice device = state->device.get();
     umbSetDeviceLogCallback(device, detail::note_warning, &calls.outcome.warnings);
     state->scene = Scene_(umbNewScene(device));
+    calls.made(state->scene.get());
     const UmbScene scene = state->scene.get();
     detail::set_scene(request, scene, calls);
-    umbSetSceneProgressCallback(scene, state->watch.callback_before(), &state->watch);
+    if (calls.fine())
+      calls.scene(scene, umbSetSceneProgressCallback(scene, state->watch.callback_before(), &state->watch));
     state->job = Job_(umbNewRenderJob(device, scene));
+    calls.made(state->job.get());
     const UmbJob job = state->job.get();
     detail::Setter set(job, calls);
     detail::set_all(request, set);
@@ -216,7 +241,7 @@ class FrameRenderer {
     models.insert(models.end(), request.more_models.begin(), request.more_models.end());
     for (const std::string& model : models)
       if (calls.fine()) calls.scene(scene, umbLoadModel(scene, model.c_str()));
-    umbSetJobProgressCallback(job, state->watch.callback(), &state->watch);
+    if (calls.fine()) calls.job(job, umbSetJobProgressCallback(job, state->watch.callback(), &state->watch));
     if (calls.fine()) calls.job(job, umbPrepareJob(job));
     umbSetDeviceLogCallback(device, nullptr, nullptr);
     state->watch.rethrow();
@@ -260,25 +285,22 @@ class FrameRenderer {
     Job_ job;
   };
 
-  /// Puts the camera where the frame says, or else where the request does.
+  /// Puts the camera where the frame says, or else where the request does. All else is as it was set once, so that
+  /// nothing is read anew.
   void place(const FrameCamera& camera, detail::Calls& calls) {
     const UmbJob job = state_->job.get();
     for (const char* name :
          {"camera.index", "camera.position", "camera.focal_point", "camera.view_up", "camera.direction",
           "camera.view_angle_deg", "camera.azimuth_deg", "camera.elevation_deg", "camera.zoom", "camera.orthographic"})
-      umbResetJobParameter(job, name);
-    RenderRequest request = state_->request;
-    if (camera.placed) {
-      CameraRequest placed;
-      placed.position = {camera.eye[0], camera.eye[1], camera.eye[2]};
-      placed.focal_point = {camera.target[0], camera.target[1], camera.target[2]};
-      placed.view_up = {camera.up[0], camera.up[1], camera.up[2]};
-      placed.view_angle_deg = camera.angle_deg;
-      request.camera = placed;
-    }
-    request.settings.clear();  // they stay
+      if (calls.fine()) calls.job(job, umbResetJobParameter(job, name));
     detail::Setter set(job, calls);
-    detail::set_all(request, set);
+    if (!camera.placed) return detail::set_camera(state_->request.camera, set);
+    CameraRequest placed;
+    placed.position = {camera.eye[0], camera.eye[1], camera.eye[2]};
+    placed.focal_point = {camera.target[0], camera.target[1], camera.target[2]};
+    placed.view_up = {camera.up[0], camera.up[1], camera.up[2]};
+    placed.view_angle_deg = camera.angle_deg;
+    detail::set_camera(placed, set);
   }
 
   std::unique_ptr<State> state_;
@@ -304,14 +326,15 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   detail::Watch watch(request.progress);
   const detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> device(
       umbNewDevice(request.device.c_str(), request.threads));
-  calls.device(device.get());
+  calls.made(device.get());
   if (!calls.fine()) return calls.outcome;
   umbSetDeviceLogCallback(device.get(), detail::note_warning, &calls.outcome.warnings);
   const detail::Ref<UmbJob, umbRetainJob, umbReleaseJob> made(umbNewShadeJob(device.get()));
   const UmbJob job = made.get();
+  calls.made(job);
   detail::Setter set(job, calls);
   detail::set_all(request, set);
-  umbSetJobProgressCallback(job, watch.callback(), &watch);
+  if (calls.fine()) calls.job(job, umbSetJobProgressCallback(job, watch.callback(), &watch));
   const auto refuse = [&](const std::string& message) {
     if (calls.fine()) calls.outcome = {int(UMB_ERROR_USAGE), message, {}};
   };

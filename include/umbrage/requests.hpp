@@ -31,7 +31,8 @@ struct Pixels {
   int channels = 1;             ///< 3 for normals (x, y, z) and colours (red, green, blue)
   std::vector<float> values{};  ///< width * height * channels
   /// Of object_id and material_id that were handed in as PixelArray::ids: the same; 0 where there is no surface. Then
-  /// `values` are their places in the list of all that there are.
+  /// `values` are their places, from 0, in the rising list of the numbers that are in `ids`, since floats do not tell
+  /// all ids apart.
   std::vector<std::uint32_t> ids{};
 };
 

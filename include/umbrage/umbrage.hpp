@@ -8,23 +8,23 @@
 //
 // A function that returns UmbError throws Error in place of all but UMB_ERROR_NONE. Without exceptions
 // (-fno-exceptions) it returns the code, and error() has the sentence; an object that could not be made is empty, and
-// thread_error() has the reason. Calls of an empty object, such as one that was moved from, are UMB_ERROR_USAGE.
+// thread_error() has the reason, as it has of a call that came while another thread was at work on the object. Calls of
+// an empty object, such as one that was moved from, are UMB_ERROR_USAGE.
 #pragma once
 #include <array>
 #include <climits>
 #include <cstddef>
 #include <cstdint>
-#include <exception>
 #include <initializer_list>
 #include <locale>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "umbrage/detail.hpp"
 #include "umbrage/requests.hpp"
 #include "umbrage/umbrage.h"
 
@@ -32,103 +32,7 @@ namespace umb {
 
 // ---- Objects ----
 
-/// An error of the C interface as an exception.
-class Error : public std::runtime_error {
- public:
-  Error(UmbError code_, const std::string& message) : std::runtime_error(message), code(code_) {}
-  UmbError code;
-};
-
 namespace detail {
-/// Throws the error that `take` gives, or returns the code.
-template <class Take>
-UmbError check_with(UmbError code, const Take& take) {
-#ifdef __cpp_exceptions
-  if (code == UMB_ERROR_NONE) return code;
-  const char* message = "";
-  const UmbError taken = take(&message);
-  throw Error(taken != UMB_ERROR_NONE ? taken : code, message);
-#else
-  (void)take;
-  return code;
-#endif
-}
-
-/// Of an object.
-template <class Handle>
-UmbError check(UmbError code, Handle handle, UmbError (*take)(Handle, const char**)) {
-  return check_with(code, [&](const char** message) { return take(handle, message); });
-}
-
-/// The error that `take` gives; then there is none.
-template <class Take>
-Outcome taken(const Take& take) {
-  const char* message = "";
-  const UmbError code = take(&message);
-  return {int(code), message, {}};
-}
-
-/// The handle of a new object. Throws where it is null.
-template <class Handle>
-Handle made(Handle handle) {
-  if (!handle) check_with(UMB_ERROR_INTERNAL, umbGetError);
-  return handle;
-}
-
-/// A handle that counts its references.
-template <class Handle, void (*retain)(Handle), void (*release)(Handle)>
-class Ref {
- public:
-  Ref() = default;
-  explicit Ref(Handle handle) : handle_(handle) {}
-  Ref(const Ref& other) : handle_(other.handle_) { retain(handle_); }
-  Ref(Ref&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
-  Ref& operator=(Ref other) noexcept {
-    std::swap(handle_, other.handle_);
-    return *this;
-  }
-  ~Ref() { release(handle_); }
-  /// For calls of the C interface.
-  Handle get() const { return handle_; }
-  explicit operator bool() const { return handle_ != nullptr; }
-
- private:
-  Handle handle_ = nullptr;
-};
-/// A caller's Progress, which may throw what it likes: that ends the work as its false would, and goes on to the caller
-/// once the call has returned.
-class Watch {
- public:
-  explicit Watch(const Progress& progress) : progress_(progress) {}
-  UmbProgressCallback callback() const { return progress_ ? &Watch::call : nullptr; }
-  /// Of work that comes before what shares are told of.
-  UmbProgressCallback callback_before() const { return progress_ ? &Watch::call_before : nullptr; }
-  bool has_thrown() const { return thrown_ != nullptr; }
-  void rethrow() {
-    if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
-  }
-
- private:
-  static bool call(void* user, double done) { return static_cast<Watch*>(user)->tell(done); }
-  static bool call_before(void* user, double) { return static_cast<Watch*>(user)->tell(0.0); }
-  bool tell(double done) {
-    if (thrown_) return false;
-#ifdef __cpp_exceptions
-    try {
-      return progress_(done);
-    } catch (...) {
-      thrown_ = std::current_exception();
-      return false;
-    }
-#else
-    return progress_(done);
-#endif
-  }
-
-  Progress progress_;
-  std::exception_ptr thrown_;
-};
-
 /// Of parameters: numbers, but no characters, which are neither numbers nor strings.
 template <class T>
 constexpr bool is_number = (std::is_arithmetic_v<T> && !std::is_same_v<T, char> && !std::is_same_v<T, wchar_t> &&
@@ -217,6 +121,9 @@ class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> 
  public:
   Device() = default;
   explicit Device(const std::string& name, int threads = 0) : Ref(detail::made(umbNewDevice(name.c_str(), threads))) {}
+  /// Of a handle of the C interface, whose reference it takes over: umbRetainDevice first where the caller keeps one.
+  /// NULL: an empty one. So do Scene::adopt and Job::adopt.
+  static Device adopt(UmbDevice handle) { return Device(handle, detail::Adopted()); }
   std::string description() const {
     const char* text = umbGetDeviceDescription(get());
     return text ? text : "";
@@ -237,6 +144,7 @@ class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> 
   }
 
  private:
+  Device(UmbDevice handle, detail::Adopted) : Ref(handle) {}
   UmbError checked(UmbError code) const { return detail::check(code, get(), umbGetDeviceError); }
 };
 
@@ -244,17 +152,21 @@ class Device : public detail::Ref<UmbDevice, umbRetainDevice, umbReleaseDevice> 
 class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, public detail::Parameters<Scene> {
  public:
   Scene() = default;
-  explicit Scene(const Device& device) : Ref(detail::made(umbNewScene(device.get()))) {}
+  explicit Scene(const Device& device) : Scene(detail::made(umbNewScene(device.get())), detail::Adopted()) {}
+  /// Takes over a reference.
+  static Scene adopt(UmbScene handle) { return Scene(handle, detail::Adopted()); }
   // set(name, value), of detail::Parameters: how what follows is added.
   /// As if it had never been set.
   UmbError reset(const std::string& name) { return checked(umbSetSceneParameter(get(), name.c_str(), nullptr)); }
-  UmbError load(const std::string& model) { return checked(umbLoadModel(get(), model.c_str())); }
+  UmbError load(const std::string& model) {
+    return checked(progresses_.run(get(), [&](UmbScene scene) { return umbLoadModel(scene, model.c_str()); }));
+  }
   /// Tells how far it is. What `progress` throws comes out.
   UmbError load(const std::string& model, const Progress& progress) {
+    if (!progress) return load(model);
     detail::Watch watch(progress);
-    if (set_progress_callback(watch.callback(), &watch) != UMB_ERROR_NONE) return UMB_ERROR_USAGE;
-    const UmbError code = umbLoadModel(get(), model.c_str());
-    umbSetSceneProgressCallback(get(), nullptr, nullptr);
+    const UmbError code =
+        progresses_.run(get(), watch, [&](UmbScene scene) { return umbLoadModel(scene, model.c_str()); });
     if (watch.has_thrown()) umbGetSceneError(get(), nullptr);
     watch.rethrow();
     return checked(code);
@@ -262,7 +174,11 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   /// The number of the new mesh; below 0, without exceptions: an error.
   int add_mesh(const std::string& name, std::size_t vertices, std::size_t triangles) {
     const int mesh = umbAddMesh(get(), name.c_str(), vertices, triangles);
-    if (mesh < 0) checked(UMB_ERROR_USAGE);
+    if (mesh < 0)
+      detail::fail([this] {
+        return detail::told_without_code(UMB_ERROR_INTERNAL,
+                                         [this](const char** message) { return umbGetSceneError(get(), message); });
+      });
     return mesh;
   }
   UmbError set_buffer(int mesh, const char* name, const void* data, UmbType type, int channels,
@@ -286,8 +202,9 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   }
   /// Cameras that the scene's files hold.
   int camera_count() const { return umbGetSceneCameraCount(get()); }
+  /// For calls without a Progress. It stays after calls with one.
   UmbError set_progress_callback(UmbProgressCallback callback, void* user = nullptr) {
-    return checked(umbSetSceneProgressCallback(get(), callback, user));
+    return checked(progresses_.set(get(), callback, user));
   }
   /// The first error since somebody asked; then there is none.
   Outcome error() {
@@ -296,6 +213,7 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
 
  private:
   friend class detail::Parameters<Scene>;
+  Scene(UmbScene handle, detail::Adopted) : Ref(handle), progresses_(handle) {}
   UmbError checked(UmbError code) const { return detail::check(code, get(), umbGetSceneError); }
   UmbError assign(const std::string& name, const std::string& value) {
     return checked(umbSetSceneParameter(get(), name.c_str(), value.c_str()));
@@ -306,6 +224,8 @@ class Scene : public detail::Ref<UmbScene, umbRetainScene, umbReleaseScene>, pub
   UmbError assign(const std::string& name, const float* values, std::size_t count) {
     return assign(name, detail::text_of(values, count));
   }
+
+  detail::Progresses<UmbScene, umbSetSceneProgressCallback> progresses_;
 };
 
 /// One picture that is made again and again.
@@ -313,9 +233,12 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
  public:
   Job() = default;
   /// Renders a scene.
-  Job(const Device& device, const Scene& scene) : Ref(detail::made(umbNewRenderJob(device.get(), scene.get()))) {}
+  Job(const Device& device, const Scene& scene)
+      : Job(detail::made(umbNewRenderJob(device.get(), scene.get())), detail::Adopted()) {}
   /// Shades images.
-  explicit Job(const Device& device) : Ref(detail::made(umbNewShadeJob(device.get()))) {}
+  explicit Job(const Device& device) : Job(detail::made(umbNewShadeJob(device.get())), detail::Adopted()) {}
+  /// Takes over a reference.
+  static Job adopt(UmbJob handle) { return Job(handle, detail::Adopted()); }
 
   // set(name, value), of detail::Parameters: a parameter.
   /// As if it had never been set; without a name: all of them.
@@ -333,14 +256,14 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
   /// Whether the parameters are right, as far as can be said without scene or images.
   UmbError check() const { return checked(umbCheckJob(get())); }
   /// Does what comes before the first picture.
-  UmbError prepare() { return checked(umbPrepareJob(get())); }
-  UmbError execute() { return checked(umbExecuteJob(get())); }
+  UmbError prepare() { return checked(progresses_.run(get(), umbPrepareJob)); }
+  UmbError execute() { return checked(progresses_.run(get(), umbExecuteJob)); }
   /// Tells how far it is. What `progress` throws comes out, and the job may go on.
   UmbError prepare(const Progress& progress) { return watched(progress, umbPrepareJob); }
   UmbError execute(const Progress& progress) { return watched(progress, umbExecuteJob); }
-  /// For calls without a Progress.
+  /// For calls without a Progress. It stays after calls with one.
   UmbError set_progress_callback(UmbProgressCallback callback, void* user = nullptr) {
-    return checked(umbSetJobProgressCallback(get(), callback, user));
+    return checked(progresses_.set(get(), callback, user));
   }
 
   /// What the last execution has made.
@@ -367,6 +290,7 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
 
  private:
   friend class detail::Parameters<Job>;
+  Job(UmbJob handle, detail::Adopted) : Ref(handle), progresses_(handle) {}
   UmbError checked(UmbError code) const { return detail::check(code, get(), umbGetJobError); }
   UmbError assign(const std::string& name, const std::string& value) {
     return checked(umbSetJobString(get(), name.c_str(), value.c_str()));
@@ -378,14 +302,15 @@ class Job : public detail::Ref<UmbJob, umbRetainJob, umbReleaseJob>, public deta
     return checked(umbSetJobFloats(get(), name.c_str(), values, int(count)));
   }
   UmbError watched(const Progress& progress, UmbError (*work)(UmbJob)) {
+    if (!progress) return checked(progresses_.run(get(), work));
     detail::Watch watch(progress);
-    if (set_progress_callback(watch.callback(), &watch) != UMB_ERROR_NONE) return UMB_ERROR_USAGE;
-    const UmbError code = work(get());
-    umbSetJobProgressCallback(get(), nullptr, nullptr);
+    const UmbError code = progresses_.run(get(), watch, work);
     if (watch.has_thrown()) umbGetJobError(get(), nullptr);
     watch.rethrow();
     return checked(code);
   }
+
+  detail::Progresses<UmbJob, umbSetJobProgressCallback> progresses_;
 };
 
 /// Images in the caller's memory, packed.

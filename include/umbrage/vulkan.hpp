@@ -73,7 +73,7 @@ class VulkanShading {
     const UmbVulkanContext context{
         c.get_instance_proc_addr, c.instance, c.physical_device, c.device, c.queue, c.queue_family};
     Handle made(umbNewVulkanShading(&context));
-    if (!made) return outcome(UMB_ERROR_DEVICE, umbGetError);
+    if (!made) return detail::told_without_code(UMB_ERROR_DEVICE, umbGetError);
     handle_ = std::move(made);
     return {};
   }
@@ -122,15 +122,9 @@ class VulkanShading {
     for (const std::string& text : from) texts.push_back(text.c_str());
     return texts;
   }
-  template <class Take>
-  static Outcome outcome(UmbError code, const Take& take) {
-    if (code == UMB_ERROR_NONE) return {};
-    const char* message = "";
-    const UmbError taken = take(&message);
-    return {int(taken != UMB_ERROR_NONE ? taken : code), message, {}};
-  }
   Outcome outcome(UmbError code) const {
-    return outcome(code, [&](const char** message) { return umbGetVulkanShadingError(handle_.get(), message); });
+    if (code == UMB_ERROR_NONE) return {};
+    return detail::told(code, [&](const char** message) { return umbGetVulkanShadingError(handle_.get(), message); });
   }
 
   Handle handle_;

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 _TYPES = {"float32": 1, "float16": 2, "uint8": 3, "uint16": 4, "uint32": 5}
 _SIDE_MAX = 2**31 - 1  # what the C interface holds; it refuses less
+_LARGEST_SIDE = 16384  # of textures, in pixels
 _ONE_CHANNEL = frozenset(("depth", "specular", "shininess", "shadow", "object_id", "material_id", "ao"))
 
 
@@ -101,6 +102,8 @@ def texture_array(values: Any, name: str) -> NDArray[Any]:
         array = np.repeat(array.reshape(array.shape[:2] + (1,)), 3, axis=2)
     if array.ndim != 3 or array.shape[2] not in (3, 4):
         raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width), or that and 3 or 4 channels")
+    if not all(0 < side <= _LARGEST_SIDE for side in array.shape[:2]):
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes 1 to {_LARGEST_SIDE} pixels a side")
     return np.ascontiguousarray(array)
 
 

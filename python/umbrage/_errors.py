@@ -47,6 +47,16 @@ _BY_CODE: Dict[int, Type[UmbrageError]] = {
 }
 
 
-def error_of(code: int, message: str) -> UmbrageError:
+# Of errors whose own sentence nobody kept.
+_PLAIN = {
+    1: "a defect of Umbrage",
+    2: "a name, value, array or call that cannot be",
+    3: "a file that cannot be read, used or written",
+    4: "a device that is missing or cannot do it, or too little memory",
+    130: "the progress callback returned False",
+}
+
+
+def error_of(code: int, message: str = "") -> UmbrageError:
     """The exception for a code of the C interface."""
-    return _BY_CODE.get(code, InternalError)(message)
+    return _BY_CODE.get(code, InternalError)(message or _PLAIN.get(code, _PLAIN[1]))

@@ -247,6 +247,7 @@ class Job:
         lib, job = native.lib, self._job
         width, height = size
         arrays: Dict[str, NDArray[Any]] = {}
+        is_set: List[bytes] = []
         try:
             for name, array in wanted.items():
                 channels = 1 if is_id(name) else channels_of_passes.get(name, 0)
@@ -258,15 +259,17 @@ class Job:
                     image = image_of(array)
                 else:
                     image = native.Image(type=1, width=width, height=height)
-                job.check(lib.umbSetJobOutput(job.pointer, native.bytes_of(name, "name"), byref(image)))
+                key = native.bytes_of(name, "name")
+                job.check(lib.umbSetJobOutput(job.pointer, key, byref(image)))
+                is_set.append(key)
             self._call(lib.umbExecuteJob, progress)
             made = native.names_of(lib.umbGetJobOutputName, job.pointer)
             for name in made:
                 if name not in arrays:
                     arrays[name] = self._taken(name)
         finally:
-            for name in wanted:
-                lib.umbSetJobOutput(job.pointer, native.bytes_of(name, "name"), None)
+            for key in is_set:
+                lib.umbSetJobOutput(job.pointer, key, None)
         color = arrays.get("color")
         passes = {name: arrays[name] for name in made if name != "color"}
         if not self._has_strokes:

@@ -139,6 +139,8 @@ _FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (  # name, result, arguments
     ("umbGetListEntry", c_int, c_int, c_int, POINTER(c_char_p), POINTER(c_char_p)),
     ("umbGetParameter", c_int, c_char_p, c_int, POINTER(Parameter)),
 )
+# That later versions of the library have.
+_LATER_FUNCTIONS: Tuple[Tuple[Any, ...], ...] = (("umbRemoveMesh", c_int, c_void_p, c_int),)
 
 
 def _opened() -> ctypes.CDLL:
@@ -162,7 +164,8 @@ def _opened() -> ctypes.CDLL:
                 f"the library '{where}' has version {version_text(version)}: this package needs "
                 f"{version_text(_VERSIONS[0])} or later, below {version_text(_VERSIONS[1])}"
             )
-        for name, result, *arguments in _FUNCTIONS:
+        later = tuple(row for row in _LATER_FUNCTIONS if hasattr(library, row[0]))
+        for name, result, *arguments in _FUNCTIONS + later:
             function = getattr(library, name)
             function.restype = result
             function.argtypes = arguments
@@ -177,6 +180,12 @@ def version_text(version: int) -> str:
 
 
 lib: Any = _opened()
+
+
+def has(function: str) -> bool:
+    """Whether the library has one of the later functions."""
+    return hasattr(lib, function)
+
 
 # Threads of the library do not live on in a process that was forked after its first use: work would wait for them
 # forever.
@@ -214,9 +223,15 @@ def check(code: int) -> None:
 
 
 def _taken(code: int, take: Callable[..., int], *handle: Optional[int]) -> Exception:
+    """The error of a call that returned the code; 0: of one that returns none. What `take` has may be an older error;
+    that another thread is at work on an object is noted with the thread."""
     message = c_char_p()
     taken = take(*handle, ctypes.byref(message))
-    return error_of(taken or code, _text(message.value))
+    if taken == 0 or code not in (0, taken):
+        taken = lib.umbGetError(ctypes.byref(message))
+    if taken == 0 or code not in (0, taken):
+        return error_of(code)
+    return error_of(taken, _text(message.value))
 
 
 class Handle:
@@ -229,12 +244,16 @@ class Handle:
         self._take: Callable[..., int] = getattr(lib, f"umbGet{kind}Error")
         self.pointer = pointer
         if pointer is None:
-            raise _taken(1, lib.umbGetError)
+            raise _taken(0, lib.umbGetError)
 
     def check(self, code: int) -> None:
         """Raises the object's error."""
         if code:
             raise _taken(code, self._take, self.pointer)
+
+    def fail(self) -> None:
+        """Raises the object's error, of a call that returns no code."""
+        raise _taken(0, self._take, self.pointer)
 
     def close(self) -> None:
         pointer, self.pointer = self.pointer, None

@@ -10,9 +10,10 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence, Tuple, Type, Union
 
 from . import _native as native
-from ._arrays import _TYPES, as_array, image_of, texture_array
+from ._arrays import as_array
 from ._errors import UmbrageWarning, UsageError
 from ._foreign import is_model, meshes_of
+from ._mesh import Mesh, fill_mesh, mesh_of, new_mesh, remove_mesh
 from ._progress import Progress, Watch, check_progress
 from ._suggest import shown, suggestion
 
@@ -135,7 +136,7 @@ class Scene:
         trimesh, a mesh or cloud of Open3D, a surface, grid or cloud of PyVista, or an object that has the same
         attributes. Colours of vertices and faces come with it, and textures of trimesh and Open3D.
 
-        Errors: UsageError; FileError; what `progress` raises.
+        Errors: UsageError; FileError; what `progress` raises. The scene is then as it was.
         """
         check_progress(progress)
         if isinstance(thing, (str, os.PathLike)):
@@ -145,8 +146,7 @@ class Scene:
             return self
         if isinstance(thing, Scene):
             raise UsageError("a Scene cannot be added to another: add to both what they have in common")
-        for mesh in list(meshes_of(thing)):  # all of them, or none
-            self.add_mesh(**mesh)
+        self._put([mesh_of(**mesh) for mesh in meshes_of(thing)])  # all of them, or none
         return self
 
     def _load(self, model: bytes, watch: Watch) -> None:
@@ -190,70 +190,42 @@ class Scene:
         (H, W, 3) or (H, W, 4) uint8, sRGB, or an image of Pillow, which multiply albedo and emission. alpha_cutoff:
         parts of the texture with less alpha are cut away. instances: (K, 3, 4) or (K, 4, 4), places of the mesh, world
         from mesh.
-        Errors: UsageError, also for numbers that are not finite and indices beyond the vertices.
+        Errors: UsageError, also for numbers that are not finite and indices beyond the vertices; the scene is then as it
+        was.
         """
-        import numpy as np
+        mesh = mesh_of(
+            vertices,
+            faces,
+            colors=colors,
+            normals=normals,
+            uv=uv,
+            radii=radii,
+            name=name,
+            albedo=albedo,
+            emission=emission,
+            specular=specular,
+            shininess=shininess,
+            texture=texture,
+            emission_texture=emission_texture,
+            alpha_cutoff=alpha_cutoff,
+            instances=instances,
+        )
+        return self._put([mesh])[0]
 
-        lib, scene = native.lib, self._handle
-        points = _rows(vertices, "vertices", (3,), np.float32)
-        if not np.isfinite(points).all():
-            at = int(np.nonzero(~np.isfinite(points).all(axis=1))[0][0])
-            raise UsageError(f"`vertices` holds a number that is not finite, in row {at}")
-        count = len(points)
-        buffers: List[Tuple[str, NDArray[Any]]] = [("position", points)]
-        triangles = None if faces is None else _triangles(faces, count)
-        if triangles is not None:
-            buffers.append(("index", triangles))
-        for each, argument, values, sides in (
-            ("normal", "normals", normals, (3,)),
-            ("uv", "uv", uv, (2,)),
-            ("radius", "radii", radii, (1,)),
-        ):
-            if values is not None:
-                buffers.append((each, _rows(values, argument, sides, np.float32, count)))
-        if colors is not None:
-            buffers.append(("color", _colors(colors, count)))
-        is_colored = colors is not None or texture is not None  # they multiply the albedo, which else is a grey of 0.8
-        given = {
-            "albedo": (1.0, 1.0, 1.0) if albedo is None and is_colored else albedo,
-            "emission": emission,
-            "specular": specular,
-            "shininess": shininess,
-            "alpha_cutoff": alpha_cutoff,
-        }
-        floats = {
-            each: _floats(value, each, 3 if each in ("albedo", "emission") else 1)
-            for each, value in given.items()
-            if value is not None
-        }
-        named = native.bytes_of(name, "name")
-        skins = [
-            (of, texture_array(image, argument))
-            for of, argument, image in (("albedo", "texture", texture), ("emission", "emission_texture", emission_texture))
-            if image is not None
-        ]
-        places: Any = None if instances is None else _places(instances)
+    def _put(self, meshes: Sequence[Mesh]) -> List[int]:
+        """Adds all of them, or none. Returns their numbers."""
+        numbers: List[int] = []
         with self._changing():
-            mesh = lib.umbAddMesh(scene.pointer, named, count, 0 if triangles is None else len(triangles))
-            if mesh < 0:
-                scene.check(2)
-            for each, array in buffers:
-                buffer_type, channels = _TYPES[array.dtype.name], array.shape[1]
-                scene.check(
-                    lib.umbSetMeshBuffer(
-                        scene.pointer, mesh, each.encode(), array.ctypes.data, buffer_type, channels, array.strides[0]
-                    )
-                )
-            for each, numbers in floats.items():
-                data = numbers.ctypes.data_as(ctypes.POINTER(ctypes.c_float))
-                scene.check(lib.umbSetMeshFloats(scene.pointer, mesh, each.encode(), data, len(numbers)))
-            for of, skin in skins:
-                scene.check(lib.umbSetMeshTexture(scene.pointer, mesh, of.encode(), ctypes.byref(image_of(skin))))
-            for k in range(0 if places is None else len(places)):
-                data = places[k].ctypes.data_as(ctypes.POINTER(ctypes.c_float))
-                scene.check(lib.umbAddMeshInstance(scene.pointer, mesh, data))
-            self._is_empty = False
-        return int(mesh)
+            try:
+                for mesh in meshes:
+                    numbers.append(new_mesh(self._handle, mesh))
+                    fill_mesh(self._handle, numbers[-1], mesh)
+            except BaseException:  # memory is short, say
+                for number in numbers:
+                    remove_mesh(self._handle, number)
+                raise
+            self._is_empty = self._is_empty and not meshes
+        return numbers
 
     @property
     def bounds(self) -> NDArray[Any]:
@@ -347,105 +319,3 @@ def _of_scenes(parameters: Dict[str, Any]) -> Dict[str, Any]:
         if name not in SCENE_PARAMETERS:
             raise UsageError(f"a scene has no parameter '{name}'{suggestion(name, SCENE_PARAMETERS)}")
     return parameters
-
-
-def _floats(values: Any, name: str, count: Optional[int] = None) -> NDArray[Any]:
-    """So many numbers. Errors: UsageError."""
-    import numpy as np
-
-    what = {None: "numbers", 1: "a number", 3: "three numbers"}[count]
-    array = as_array(values, name, what).ravel()
-    if array.dtype.kind not in "fiu" or (count is not None and array.size != count):
-        raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
-    return array.astype(np.float32)
-
-
-def _rows(
-    values: Any, name: str, sides: Tuple[int, ...], dtype: Any, count: Optional[int] = None
-) -> NDArray[Any]:
-    """Values of vertices as (count, side), a row packed. Errors: UsageError."""
-    import numpy as np
-
-    array = as_array(values, name)
-    if array.ndim == 1 and sides == (1,):
-        array = array[:, np.newaxis]
-    if array.ndim != 2 or array.shape[1] not in sides or (count is not None and len(array) != count):
-        rows = "N" if count is None else count
-        wanted = " or ".join(f"({rows}, {side})" for side in sides)
-        raise UsageError(f"`{name}` has the shape {array.shape}: it takes {wanted}")
-    if dtype is not None:
-        if array.dtype.kind not in "fiu":
-            raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes numbers")
-        array = array.astype(dtype, copy=False)
-    is_row_packed = array.shape[1] == 1 or array.strides[1] == array.dtype.itemsize
-    if array.dtype.isnative and is_row_packed and (array.strides[0] != 0 or len(array) < 2):
-        return array
-    return np.array(array, dtype=array.dtype.newbyteorder("="), order="C")
-
-
-def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
-    """Triangles as (M, 3) of unsigned integers. Errors: UsageError."""
-    import numpy as np
-
-    array = as_array(faces, "faces")
-    if array.size and array.dtype.kind not in "iu":
-        raise UsageError(f"`faces` cannot be of {array.dtype.name}: it takes whole numbers")
-    if array.ndim == 1 and array.size:
-        array = _padded_faces(array)
-    if array.ndim != 2 or array.shape[1] < 3:
-        raise UsageError(f"`faces` has the shape {array.shape}: it takes (M, 3), or (M, K) of polygons")
-    if not len(array):
-        raise UsageError("`faces` is empty: leave it out for a cloud of points")
-    least, most = int(array.min()), int(array.max())
-    if least < 0 or most >= vertex_count:
-        at = int(np.nonzero((array < 0).any(axis=1) | (array >= vertex_count).any(axis=1))[0][0])
-        raise UsageError(f"`faces` names vertices {array[at].tolist()} in row {at}: the mesh has {vertex_count}")
-    if array.shape[1] > 3:
-        fans = [array[:, (0, k, k + 1)] for k in range(1, array.shape[1] - 1)]
-        array = np.stack(fans, axis=1).reshape(-1, 3)
-    if array.dtype.kind == "i" or array.dtype.itemsize > 4:
-        array = array.astype(np.uint32)
-    return _rows(array, "faces", (3,), None)
-
-
-def _padded_faces(array: NDArray[Any]) -> NDArray[Any]:
-    """Faces as VTK has them, each after the number of its corners, as triangles."""
-    import numpy as np
-
-    corners = int(array[0])
-    if corners >= 3 and array.size % (corners + 1) == 0 and (array[:: corners + 1] == corners).all():
-        return array.reshape(-1, corners + 1)[:, 1:]
-    triangles: List[List[int]] = []
-    at, numbers = 0, array.tolist()
-    while at < len(numbers):
-        face = numbers[at + 1 : at + 1 + int(numbers[at])]
-        if len(face) < 3:
-            raise UsageError(f"`faces` holds a face of {len(face)} vertices, at {at}")
-        triangles += [[face[0], face[k], face[k + 1]] for k in range(1, len(face) - 1)]
-        at += 1 + len(face)
-    return np.array(triangles)
-
-
-def _colors(colors: Any, count: int) -> NDArray[Any]:
-    """Colours of vertices as (count, 3 or 4). Errors: UsageError."""
-    import numpy as np
-
-    array = as_array(colors, "colors")
-    if array.ndim == 1 and array.size in (3, 4):
-        array = np.broadcast_to(array, (count, array.size))
-    if array.dtype.name not in ("uint8", "uint16"):
-        if array.dtype.kind != "f":
-            raise UsageError(f"`colors` cannot be of {array.dtype.name}: it takes floats from 0 to 1, uint8 or uint16")
-        array = array.astype(np.float32, copy=False)
-        if not np.isfinite(array).all():
-            raise UsageError("`colors` holds a number that is not finite")
-    return _rows(array, "colors", (3, 4), None, count)
-
-
-def _places(instances: Any) -> NDArray[Any]:
-    import numpy as np
-
-    array = as_array(instances, "instances")
-    if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)):
-        raise UsageError(f"`instances` has the shape {array.shape}: it takes (K, 3, 4) or (K, 4, 4)")
-    return _floats(array[:, :3, :], "instances").reshape(-1, 12)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from ctypes import byref
-from typing import Any, Mapping, Optional, Sequence, Union
+from typing import Any, List, Mapping, Optional, Sequence, Union
 
 from . import _native as native
 from ._arrays import image_array, image_of, share_memory
@@ -124,13 +124,16 @@ class Shader(Job):
                 top = math.tan(math.radians(self._fov) / 2)
                 right = top * width / height
                 self._set("window", (-right, right, -top, top))
+            is_set: List[bytes] = []
             try:
                 for name, array in arrays.items():
-                    job.check(lib.umbSetJobImage(job.pointer, native.bytes_of(name, "images"), byref(image_of(array))))
+                    key = native.bytes_of(name, "images")
+                    job.check(lib.umbSetJobImage(job.pointer, key, byref(image_of(array))))
+                    is_set.append(key)
                 return self._make((width, height), wanted, self._progress if progress is None else progress)
             finally:
-                for name in arrays:
-                    lib.umbSetJobImage(job.pointer, native.bytes_of(name, "images"), None)
+                for key in is_set:
+                    lib.umbSetJobImage(job.pointer, key, None)
 
 
 def shade(

@@ -1,0 +1,244 @@
+// Calls of the C++ interface that meet others: other threads on one object, errors that nobody asked for, callbacks
+// that stay, handles of the C interface, and frames that follow frames.
+#include "umbrage/umbrage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <future>
+#include <limits>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+const std::string kSolids = "scene:solids?detail=1000";
+
+umb::Job small_job(const umb::Device& device) {
+  umb::Scene scene(device);
+  scene.load(kSolids);
+  umb::Job job(device, scene);
+  job.set("look", "ao");
+  job.set("width", 24);
+  job.set("height", 16);
+  return job;
+}
+
+/// The error that the call throws; code 0: none.
+template <class Call>
+umb::Outcome thrown(const Call& call) {
+  try {
+    call();
+  } catch (const umb::Error& error) {
+    return {int(error.code), error.what(), {}};
+  }
+  return {};
+}
+
+bool count_calls(void* user, double) {
+  ++*static_cast<int*>(user);
+  return true;
+}
+
+constexpr std::chrono::seconds kLongest(20);  // that a thread waits for another one
+
+// A second thread is at work on the job when the first one's call ends, so that its callback cannot be taken away.
+struct TwoThreads {
+  umb::Device device{"cpu", 1};
+  umb::Job job = small_job(device);
+  std::thread second;
+  std::promise<void> at_work, may_end;
+  std::atomic<bool> is_at_work = false;
+
+  // The second one warns of a setting that does nothing, and waits.
+  static void warned(void* user, const char*) {
+    auto* all = static_cast<TwoThreads*>(user);
+    if (all->is_at_work.exchange(true)) return;
+    all->at_work.set_value();
+    all->may_end.get_future().wait_for(kLongest);
+  }
+  // The first one is at the end of its call.
+  static void failed(void* user, UmbError code, const char*) {
+    auto* all = static_cast<TwoThreads*>(user);
+    if (code != UMB_ERROR_CANCELLED) return;
+    all->second = std::thread([all] { umbExecuteJob(all->job.get()); });
+    all->at_work.get_future().wait_for(kLongest);
+  }
+};
+
+TEST(CppCalls, AnotherThreadsWorkCallsNoProgressThatHasEnded) {
+  TwoThreads all;
+  all.job.set("outline.width", 3);  // does nothing in the look ao
+  int kept = 0;
+  all.job.set_progress_callback(count_calls, &kept);
+  all.device.set_log_callback(TwoThreads::warned, &all);
+  all.device.set_error_callback(TwoThreads::failed, &all);
+  const auto first = std::this_thread::get_id();
+  std::atomic<int> astray = 0;
+  {
+    const umb::Progress once = [&](double) {
+      const bool is_astray = std::this_thread::get_id() != first;
+      astray += is_astray;
+      return is_astray;
+    };
+    EXPECT_EQ(thrown([&] { all.job.execute(once); }).code, UMB_ERROR_CANCELLED);
+  }
+  all.may_end.set_value();
+  all.second.join();
+  EXPECT_EQ(astray, 0) << "the second thread's work told the first one's function";
+  all.device.set_error_callback(nullptr);
+  all.device.set_log_callback(nullptr);
+  // And what had been set tells again.
+  all.job.set("camera.azimuth_deg", 10);
+  kept = 0;
+  all.job.execute();
+  EXPECT_EQ(astray, 0);
+  EXPECT_GT(kept, 0);
+}
+
+TEST(CppCalls, TheCallbackThatWasSetStays) {
+  const umb::Device device("cpu", 1);
+  umb::Job job = small_job(device);
+  const umb::Job copy = job;
+  int kept = 0, once = 0;
+  const auto counts = [&](double) { return ++once, true; };
+  job.set_progress_callback(count_calls, &kept);
+  umb::Job(copy).execute(counts);  // a copy is of the same object
+  EXPECT_EQ(kept, 0);
+  EXPECT_GT(once, 0);
+  job.set("camera.azimuth_deg", 10);
+  once = 0;
+  job.execute();
+  EXPECT_GT(kept, 0);
+  EXPECT_EQ(once, 0);
+  kept = 0;
+  job.set("camera.azimuth_deg", 20);
+  job.execute(umb::Progress());
+  EXPECT_GT(kept, 0) << "an empty function is none";
+  job.set_progress_callback(nullptr);
+  kept = 0;
+  job.set("camera.azimuth_deg", 30);
+  job.execute();
+  EXPECT_EQ(kept, 0);
+
+  umb::Scene scene(device);
+  scene.set_progress_callback(count_calls, &kept);
+  scene.load(kSolids, counts);
+  EXPECT_EQ(kept, 0);
+  scene.load(kSolids);
+  EXPECT_GT(kept, 0);
+}
+
+TEST(CppCalls, ACallThrowsItsOwnErrorAndNoOlderOne) {
+  const umb::Device device("cpu", 1);
+  umb::Job job = small_job(device);
+  const auto stale = [&] { EXPECT_EQ(umbSetJobString(job.get(), "lok", "ao"), UMB_ERROR_USAGE); };
+  stale();
+  const umb::Outcome ended = thrown([&] { job.execute([](double) { return false; }); });
+  EXPECT_EQ(ended.code, UMB_ERROR_CANCELLED);
+  EXPECT_EQ(ended.message.find("lok"), std::string::npos) << ended.message;
+  EXPECT_FALSE(ended.message.empty());
+  job.execute();
+
+  // One that another call on the object refuses says so.
+  umb::Outcome refused;
+  job.set("camera.azimuth_deg", 10);
+  job.execute([&](double) {
+    if (refused.code == 0) refused = thrown([&] { job.set("width", 8); });
+    return true;
+  });
+  EXPECT_EQ(refused.code, UMB_ERROR_USAGE);
+  EXPECT_NE(refused.message.find("another thread"), std::string::npos) << refused.message;
+  EXPECT_EQ(job.error().code, UMB_ERROR_NONE);
+  EXPECT_EQ(umb::thread_error().code, UMB_ERROR_NONE);
+
+  umb::Scene scene(device);
+  EXPECT_EQ(umbLoadModel(scene.get(), "missing.obj"), UMB_ERROR_FILE);
+  EXPECT_EQ(thrown([&] { scene.set("uq", "+Z"); }).code, UMB_ERROR_USAGE);
+}
+
+TEST(CppCalls, HandlesOfTheCInterfaceAreAdopted) {
+  const UmbDevice of_c = umbNewDevice("cpu", 1);
+  umbRetainDevice(of_c);
+  umb::Device device = umb::Device::adopt(of_c);
+  EXPECT_EQ(device.get(), of_c);
+  umb::Scene scene = umb::Scene::adopt(umbNewScene(of_c));
+  scene.load(kSolids);
+  int told = 0;
+  {
+    umb::Job job = umb::Job::adopt(umbNewRenderJob(of_c, scene.get()));
+    job.set("width", 8);
+    job.set("height", 8);
+    job.execute([&](double) { return ++told, true; });
+    EXPECT_EQ(job.output("color").width, 8);
+    const UmbJob gone = job.get();
+    job = {};
+    EXPECT_EQ(umbCheckJob(gone), UMB_ERROR_USAGE) << "it had the only reference";
+    umbGetError(nullptr);
+  }
+  EXPECT_GT(told, 0);
+  scene = {};
+  device = {};
+  EXPECT_NE(umbGetDeviceDescription(of_c), nullptr) << "the caller's own reference";
+  umbReleaseDevice(of_c);
+  EXPECT_EQ(umbGetDeviceDescription(of_c), nullptr);
+  EXPECT_FALSE(umb::Device::adopt(nullptr) || umb::Scene::adopt(nullptr) || umb::Job::adopt(nullptr));
+}
+
+TEST(CppCalls, FramesReadNothingAgain) {
+  const std::string file = testing::TempDir() + "umbrage_frames.pfm";
+  {
+    const std::vector<float> sky(3 * 8 * 4, 0.5f);
+    std::ofstream pfm(file, std::ios::binary);
+    pfm << "PF\n8 4\n-1.0\n";
+    pfm.write(reinterpret_cast<const char*>(sky.data()), std::streamsize(sky.size() * sizeof(float)));
+  }
+  umb::RenderRequest request = {.model = kSolids, .look = "lit", .width = 24, .height = 16, .device = "cpu"};
+  request.hdri_file = file;
+  request.camera.azimuth_deg = 30.0f;
+  umb::FrameRenderer renderer;
+  const umb::Outcome opened = renderer.open(request);
+  ASSERT_EQ(opened.code, 0) << opened.message;
+  umb::Picture first, placed, again;
+  ASSERT_EQ(renderer.draw({}, first).code, 0);
+  std::filesystem::remove(file);
+  umb::FrameCamera camera;
+  camera.placed = true;
+  camera.eye[0] = 6.0f, camera.eye[1] = 3.0f, camera.eye[2] = 6.0f;
+  const umb::Outcome moved = renderer.draw(camera, placed);
+  ASSERT_EQ(moved.code, 0) << moved.message;
+  EXPECT_NE(placed.rgba, first.rgba);
+  // A camera that cannot be leaves nothing behind, and the request's own comes back.
+  camera.up[1] = 0.0f;
+  EXPECT_EQ(renderer.draw(camera, again).code, 2);
+  ASSERT_EQ(renderer.draw({}, again).code, 0);
+  EXPECT_EQ(again.rgba, first.rgba);
+}
+
+TEST(CppCalls, LargeIdsComeWithTheirPlaces) {
+  constexpr std::uint32_t kLow = 16777217, kNext = 16777218, kHigh = 4000000001;  // of which floats tell one from two
+  const std::vector<float> depth = {2, 2, 2, 2, 2, std::numeric_limits<float>::infinity()};
+  const std::vector<std::uint32_t> ids = {kHigh, kHigh, kLow, kNext, kLow, kHigh};
+  umb::ShadeRequest request;
+  request.width = 3;
+  request.height = 2;
+  request.device = "cpu";
+  request.effects = {"outline"};
+  request.passes = {"object_id"};
+  request.arrays = {{.name = "depth", .values = depth.data()}, {.name = "object_id", .ids = ids.data()}};
+  umb::Picture picture;
+  const umb::Outcome outcome = umb::shade(request, picture);
+  ASSERT_EQ(outcome.code, 0) << outcome.message;
+  ASSERT_EQ(picture.passes.size(), 1u);
+  EXPECT_EQ(picture.passes[0].ids, (std::vector<std::uint32_t>{kHigh, kHigh, kLow, kNext, kLow, 0}));
+  EXPECT_EQ(picture.passes[0].values, (std::vector<float>{3, 3, 1, 2, 1, 0})) << "0 is the first one: no surface";
+}
+
+}  // namespace

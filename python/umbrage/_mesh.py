@@ -1,0 +1,257 @@
+"""Meshes and clouds of points: arguments of Scene.add_mesh become what the library takes, checked whole before a scene is
+changed."""
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
+
+from . import _native as native
+from ._arrays import _TYPES, as_array, image_of, texture_array
+from ._errors import UmbrageError, UsageError
+from ._suggest import shown
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST_VERTICES = 2**31 - 1
+
+
+@dataclass
+class Mesh:
+    """What is set of a mesh, by the names that the library has for it."""
+
+    name: bytes
+    vertex_count: int
+    triangle_count: int
+    buffers: List[Tuple[str, NDArray[Any]]]
+    floats: Dict[str, NDArray[Any]]
+    textures: List[Tuple[str, NDArray[Any]]]
+    places: Sequence[NDArray[Any]]
+
+
+def mesh_of(
+    vertices: Any,
+    faces: Any = None,
+    *,
+    colors: Any = None,
+    normals: Any = None,
+    uv: Any = None,
+    radii: Any = None,
+    name: str = "",
+    albedo: Optional[Sequence[float]] = None,
+    emission: Optional[Sequence[float]] = None,
+    specular: Optional[float] = None,
+    shininess: Optional[float] = None,
+    texture: Any = None,
+    emission_texture: Any = None,
+    alpha_cutoff: Optional[float] = None,
+    instances: Any = None,
+) -> Mesh:
+    """Arguments and errors are those of Scene.add_mesh."""
+    import numpy as np
+
+    points = _rows(vertices, "vertices", (3,), np.float32)
+    count = len(points)
+    if not 0 < count <= _MOST_VERTICES:
+        raise UsageError(f"`vertices` has {count} rows: it takes 1 to {_MOST_VERTICES}")
+    if not np.isfinite(points).all():
+        at = int(np.nonzero(~np.isfinite(points).all(axis=1))[0][0])
+        raise UsageError(f"`vertices` holds a number that is not finite, in row {at}")
+    buffers: List[Tuple[str, NDArray[Any]]] = [("position", points)]
+    triangles = None if faces is None else _triangles(faces, count)
+    if triangles is not None:
+        buffers.append(("index", triangles))
+    for each, argument, values, sides in (
+        ("normal", "normals", normals, (3,)),
+        ("uv", "uv", uv, (2,)),
+        ("radius", "radii", radii, (1,)),
+    ):
+        if values is not None:
+            buffers.append((each, _rows(values, argument, sides, np.float32, count)))
+    if radii is not None:
+        _check_radii(buffers[-1][1], triangles is not None)
+    if colors is not None:
+        buffers.append(("color", _colors(colors, count)))
+    is_colored = colors is not None or texture is not None  # they multiply the albedo, which else is a grey of 0.8
+    given = {
+        "albedo": (1.0, 1.0, 1.0) if albedo is None and is_colored else albedo,
+        "emission": emission,
+        "specular": specular,
+        "shininess": shininess,
+        "alpha_cutoff": alpha_cutoff,
+    }
+    floats = {each: _material(value, each) for each, value in given.items() if value is not None}
+    textures = [
+        (of, texture_array(image, argument))
+        for of, argument, image in (("albedo", "texture", texture), ("emission", "emission_texture", emission_texture))
+        if image is not None
+    ]
+    places: Any = () if instances is None else _places(instances)
+    named = native.bytes_of(name, "name")
+    return Mesh(named, count, 0 if triangles is None else len(triangles), buffers, floats, textures, places)
+
+
+def new_mesh(scene: native.Handle, mesh: Mesh) -> int:
+    """Its number in the scene."""
+    number = int(native.lib.umbAddMesh(scene.pointer, mesh.name, mesh.vertex_count, mesh.triangle_count))
+    if number < 0:
+        scene.fail()
+    return number
+
+
+def fill_mesh(scene: native.Handle, number: int, mesh: Mesh) -> None:
+    """Copies all that the mesh has."""
+    lib = native.lib
+    for each, array in mesh.buffers:
+        kind, channels = _TYPES[array.dtype.name], array.shape[1]
+        data = array.ctypes.data
+        scene.check(
+            lib.umbSetMeshBuffer(scene.pointer, number, each.encode(), data, kind, channels, array.strides[0])
+        )
+    for each, numbers in mesh.floats.items():
+        scene.check(lib.umbSetMeshFloats(scene.pointer, number, each.encode(), _pointer(numbers), len(numbers)))
+    for of, skin in mesh.textures:
+        scene.check(lib.umbSetMeshTexture(scene.pointer, number, of.encode(), ctypes.byref(image_of(skin))))
+    for place in mesh.places:
+        scene.check(lib.umbAddMeshInstance(scene.pointer, number, _pointer(place)))
+
+
+def remove_mesh(scene: native.Handle, number: int) -> None:
+    """Takes it out of the scene, where the library can."""
+    if native.has("umbRemoveMesh"):
+        try:
+            scene.check(native.lib.umbRemoveMesh(scene.pointer, number))
+        except UmbrageError:  # what was wrong first is told
+            pass
+
+
+def _pointer(floats: NDArray[Any]) -> Any:
+    return floats.ctypes.data_as(ctypes.POINTER(ctypes.c_float))
+
+
+def _check_radii(radii: NDArray[Any], has_faces: bool) -> None:
+    """Errors: UsageError."""
+    import numpy as np
+
+    if has_faces:
+        raise UsageError("`radii` goes with a cloud of points: the mesh has faces")
+    wrong = np.nonzero(~((radii > 0) & np.isfinite(radii)).ravel())[0]
+    if len(wrong):
+        raise UsageError(f"`radii` holds {radii[wrong[0], 0]:g}, in row {wrong[0]}: a radius is above 0, and finite")
+
+
+def _material(value: Any, name: str) -> NDArray[Any]:
+    """Errors: UsageError."""
+    import numpy as np
+
+    numbers = _floats(value, name, 3 if name in ("albedo", "emission") else 1)
+    if not ((numbers >= 0) & np.isfinite(numbers)).all():
+        raise UsageError(f"`{name}` cannot be {shown(value)}: it is 0 or more, and finite")
+    return numbers
+
+
+def _floats(values: Any, name: str, count: Optional[int] = None) -> NDArray[Any]:
+    """So many numbers. Errors: UsageError."""
+    import numpy as np
+
+    what = {None: "numbers", 1: "a number", 3: "three numbers"}[count]
+    array = as_array(values, name, what).ravel()
+    if array.dtype.kind not in "fiu" or (count is not None and array.size != count):
+        raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
+    with np.errstate(over="ignore"):  # what is too large becomes infinity
+        return array.astype(np.float32)
+
+
+def _rows(
+    values: Any, name: str, sides: Tuple[int, ...], dtype: Any, count: Optional[int] = None
+) -> NDArray[Any]:
+    """Values of vertices as (count, side), a row packed. Errors: UsageError."""
+    import numpy as np
+
+    array = as_array(values, name)
+    if array.ndim == 1 and sides == (1,):
+        array = array[:, np.newaxis]
+    if array.ndim != 2 or array.shape[1] not in sides or (count is not None and len(array) != count):
+        rows = "N" if count is None else count
+        wanted = " or ".join(f"({rows}, {side})" for side in sides)
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes {wanted}")
+    if dtype is not None:
+        if array.dtype.kind not in "fiu":
+            raise UsageError(f"`{name}` cannot be of {array.dtype.name}: it takes numbers")
+        array = array.astype(dtype, copy=False)
+    is_row_packed = array.shape[1] == 1 or array.strides[1] == array.dtype.itemsize
+    if array.dtype.isnative and is_row_packed and (array.strides[0] != 0 or len(array) < 2):
+        return array
+    return np.array(array, dtype=array.dtype.newbyteorder("="), order="C")
+
+
+def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
+    """Triangles as (M, 3) of unsigned integers. Errors: UsageError."""
+    import numpy as np
+
+    array = as_array(faces, "faces")
+    if array.size and array.dtype.kind not in "iu":
+        raise UsageError(f"`faces` cannot be of {array.dtype.name}: it takes whole numbers")
+    if array.ndim == 1 and array.size:
+        array = _padded_faces(array)
+    if array.ndim != 2 or array.shape[1] < 3:
+        raise UsageError(f"`faces` has the shape {array.shape}: it takes (M, 3), or (M, K) of polygons")
+    if not len(array):
+        raise UsageError("`faces` is empty: leave it out for a cloud of points")
+    least, most = int(array.min()), int(array.max())
+    if least < 0 or most >= vertex_count:
+        at = int(np.nonzero((array < 0).any(axis=1) | (array >= vertex_count).any(axis=1))[0][0])
+        raise UsageError(f"`faces` names vertices {array[at].tolist()} in row {at}: the mesh has {vertex_count}")
+    if array.shape[1] > 3:
+        fans = [array[:, (0, k, k + 1)] for k in range(1, array.shape[1] - 1)]
+        array = np.stack(fans, axis=1).reshape(-1, 3)
+    if array.dtype.kind == "i" or array.dtype.itemsize > 4:
+        array = array.astype(np.uint32)
+    return _rows(array, "faces", (3,), None)
+
+
+def _padded_faces(array: NDArray[Any]) -> NDArray[Any]:
+    """Faces as VTK has them, each after the number of its corners, as triangles."""
+    import numpy as np
+
+    corners = int(array[0])
+    if corners >= 3 and array.size % (corners + 1) == 0 and (array[:: corners + 1] == corners).all():
+        return array.reshape(-1, corners + 1)[:, 1:]
+    triangles: List[List[int]] = []
+    at, numbers = 0, array.tolist()
+    while at < len(numbers):
+        face = numbers[at + 1 : at + 1 + int(numbers[at])]
+        if len(face) < 3:
+            raise UsageError(f"`faces` holds a face of {len(face)} vertices, at {at}")
+        triangles += [[face[0], face[k], face[k + 1]] for k in range(1, len(face) - 1)]
+        at += 1 + len(face)
+    return np.array(triangles)
+
+
+def _colors(colors: Any, count: int) -> NDArray[Any]:
+    """Colours of vertices as (count, 3 or 4). Errors: UsageError."""
+    import numpy as np
+
+    array = as_array(colors, "colors")
+    if array.ndim == 1 and array.size in (3, 4):
+        array = np.broadcast_to(array, (count, array.size))
+    if array.dtype.name not in ("uint8", "uint16"):
+        if array.dtype.kind != "f":
+            raise UsageError(f"`colors` cannot be of {array.dtype.name}: it takes floats from 0 to 1, uint8 or uint16")
+        array = array.astype(np.float32, copy=False)
+        if not np.isfinite(array).all():
+            raise UsageError("`colors` holds a number that is not finite")
+    return _rows(array, "colors", (3, 4), None, count)
+
+
+def _places(instances: Any) -> NDArray[Any]:
+    import numpy as np
+
+    array = as_array(instances, "instances")
+    if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)):
+        raise UsageError(f"`instances` has the shape {array.shape}: it takes (K, 3, 4) or (K, 4, 4)")
+    places = _floats(array[:, :3, :], "instances").reshape(-1, 12)
+    if not np.isfinite(places).all():
+        raise UsageError("`instances` holds a number that is not finite")
+    return places
