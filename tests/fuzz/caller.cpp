@@ -61,11 +61,14 @@ UmbError Caller::done(UmbError code, Kind kind, const void* handle, const char* 
   if (kind == Kind::kDevice) kept = umbGetDeviceError(static_cast<UmbDevice>(raw), &message);
   if (kind == Kind::kScene) kept = umbGetSceneError(static_cast<UmbScene>(raw), &message);
   if (kind == Kind::kJob) kept = umbGetJobError(static_cast<UmbJob>(raw), &message);
+  if (kept == UMB_ERROR_NONE) kept = umbGetError(&message);  // the object is at work
   const std::string said = std::string(call) + " returned " + std::to_string(int(code));
   demand(code == UMB_ERROR_USAGE || code == UMB_ERROR_FILE || code == UMB_ERROR_DEVICE || code == UMB_ERROR_CANCELLED,
          said + ": " + (message ? message : ""));
   if (called_back_) return code;  // and may have asked
   demand(kept != UMB_ERROR_NONE && message && *message, said + " and keeps no error");
+  const bool tells_code = kind != Kind::kNone && std::string_view(call) != "umbAddMesh";
+  demand(kept == code || !tells_code, said + " and keeps the error " + std::to_string(int(kept)));
   if (traces_) std::fprintf(stderr, "%*s  -> %d %.150s\n", 2 * depth_, "", int(code), message);
   return code;
 }
