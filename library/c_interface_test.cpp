@@ -572,6 +572,56 @@ TEST(CInterface, WarnsOnceOfWhatDoesNothing) {
   EXPECT_EQ(told.warnings.size(), 1u);
 }
 
+TEST(CInterface, FilesOfOnePictureTakeNoOther) {
+  std::vector<float> color(4 * 6, 0.5f), depth(6, 2.0f);
+  const UmbImage images[2] = {floats(color.data(), 3, 2, 4), floats(depth.data(), 3, 2)};
+  const char* const names[2] = {"color", "depth"};
+  const std::string file = testing::TempDir() + "umbrage_two.png";
+  EXPECT_EQ(umbWriteImages(file.c_str(), names, images, 2, 8, false), UMB_ERROR_USAGE);
+  const char* message = "";
+  umbGetError(&message);
+  EXPECT_NE(std::string(message).find("write 2 images to a .exr file"), std::string::npos) << message;
+  EXPECT_EQ(std::fopen(file.c_str(), "r"), nullptr);
+  const std::string exr = testing::TempDir() + "umbrage_two.exr";
+  EXPECT_EQ(umbWriteImages(exr.c_str(), names, images, 2, 8, false), UMB_ERROR_NONE);
+  std::remove(exr.c_str());
+  const UmbImage ids{depth.data(), UMB_TYPE_UINT32, 3, 2, 1, 0, 0, 0};
+  EXPECT_EQ(umbWriteImages(exr.c_str(), names + 1, &ids, 1, 8, false), UMB_ERROR_USAGE);
+  EXPECT_EQ(umbGetError(nullptr), UMB_ERROR_USAGE);
+}
+
+TEST(CInterface, SaysWhatIsLeftOutOfAMesh) {
+  Objects o;
+  Told told;
+  umbSetDeviceLogCallback(
+      o.device, [](void* user, const char* message) { static_cast<Told*>(user)->warnings.emplace_back(message); },
+      &told);
+  const int mesh = add_box(o.scene);
+  float corners[8][3];
+  std::memcpy(corners, kCorners, sizeof corners);
+  corners[0][0] = NAN;
+  ASSERT_EQ(umbSetMeshBuffer(o.scene, mesh, "position", corners, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
+  make_render_job(o);
+  ASSERT_EQ(umbExecuteJob(o.job), UMB_ERROR_NONE) << job_error(o.job);
+  ASSERT_EQ(told.warnings.size(), 1u);
+  EXPECT_NE(told.warnings[0].find("6 triangles of the mesh 'box' are left out"), std::string::npos) << told.warnings[0];
+  for (auto& corner : corners) corner[0] = NAN;
+  ASSERT_EQ(umbSetMeshBuffer(o.scene, mesh, "position", corners, UMB_TYPE_FLOAT32, 3, 0), UMB_ERROR_NONE);
+  EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_USAGE);
+  EXPECT_NE(job_error(o.job).find("nothing to draw"), std::string::npos);
+}
+
+TEST(CInterface, ShadingNeedsADepth) {
+  Objects o;
+  o.job = umbNewShadeJob(o.device);
+  std::vector<float> albedo(3 * 6, 0.5f), ao(6);
+  const UmbImage image = floats(albedo.data(), 3, 2, 3), output = floats(ao.data(), 3, 2);
+  umbSetJobImage(o.job, "albedo", &image);
+  umbSetJobOutput(o.job, "ao", &output);
+  EXPECT_EQ(umbExecuteJob(o.job), UMB_ERROR_USAGE);
+  EXPECT_NE(job_error(o.job).find("needs an image 'depth'"), std::string::npos);
+}
+
 TEST(CInterface, ProgressEndsAJobThatMayGoOn) {
   Objects o;
   ASSERT_EQ(umbLoadModel(o.scene, "scene:solids?detail=2000"), UMB_ERROR_NONE);

@@ -217,8 +217,10 @@ Result<void> JobObject::make_scene_ready(Recipe& recipe, const ProgressMonitor& 
     if (auto viewed = choose_view(recipe); !viewed) return viewed;
     if (wants_ground(*furnished_, lacks_ground_, recipe) == (furnished_->ground_object >= 0)) return {};
   }
-  auto copied = scene_->copied();
+  std::vector<std::string> warnings;
+  auto copied = scene_->copied(warnings);
   if (!copied) return copied.error();
+  for (const std::string& warning : warnings) device_->tell_warning(warning);
   if (scene_->version() != furnished_version_) lightings_.clear();
   captured_plan_.reset();
   std::list<DeviceObject::Left> left(1);

@@ -138,17 +138,22 @@ Error SceneObject::nothing_there() const {
     if (!meshes_[k].is_removed && !meshes_[k].is_whole())
       return usage_error("the scene is empty: its mesh {} lacks its {}", k,
                          meshes_[k].mesh.positions.empty() ? "positions" : "indices");
-  return usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it");
+  const bool has_meshes = std::any_of(meshes_.begin(), meshes_.end(), [](const SharedMesh& m) { return m.is_whole(); });
+  return has_meshes ? usage_error("the scene has nothing to draw: all of it is degenerate or not finite")
+                    : usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it");
 }
 
-Result<Scene> SceneObject::copied() const {
+Result<Scene> SceneObject::copied(std::vector<std::string>& warnings) const {
   Scene all;
   bool is_empty = !has_models_;
   if (has_models_) all = models_;
   for (const SharedMesh& shared : meshes_) {
     if (!shared.is_whole()) continue;
     Scene part = scene_of(shared);
-    finish_scene(part, shared.settings.crease_angle_deg, shared.settings.points);
+    if (const std::size_t dropped = finish_scene(part, shared.settings.crease_angle_deg, shared.settings.points))
+      warnings.push_back(fmt::format("{} {} of the mesh '{}' are left out: they are {}not finite", dropped,
+                                     shared.mesh.points ? "points" : "triangles", shared.mesh.name,
+                                     shared.mesh.points ? "" : "degenerate or "));
     if (part.meshes.empty()) continue;
     if (is_empty)
       all = std::move(part);

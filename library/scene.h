@@ -33,8 +33,8 @@ class SceneObject final : public Object {
   explicit SceneObject(std::shared_ptr<DeviceObject> device) : device_(std::move(device)) {}
 
   /// The models and all meshes that are whole, finished. A copy: what a picture adds to it is that picture's.
-  /// Errors: kUsage for an empty scene.
-  Result<Scene> copied() const;
+  /// Adds warnings of what was left out of meshes. Errors: kUsage for an empty scene.
+  Result<Scene> copied(std::vector<std::string>& warnings) const;
   /// The box of that. Errors: the same.
   Result<SceneBox> bounds() const;
   /// Changes with each change.

@@ -69,17 +69,14 @@ Result<void> write_images(const std::string& file, std::span<const std::pair<std
   if (auto writable = check_writable(file); !writable) return writable;
   Image image(images[0].second.width, images[0].second.height);
   const bool holds_passes = (*format)->extension == "exr";
-  const auto color =
-      std::find_if(images.begin(), images.end(), [](const auto& named) { return named.first == "color"; });
   if (holds_passes) {
     for (const auto& [name, from] : images)
       if (auto added = add_image(name, from, image, settings); !added) return added;
   } else {
-    const auto& [name, from] = color != images.end() ? *color : images[0];
-    const bool one = color != images.end() || (images.size() == 1 && (from.channels == 1 || from.channels == 3));
-    if (!one)
-      return usage_error("'{}' holds one picture of colours or one pass of 1 or 3 channels; write to a .exr file",
-                         file);
+    const auto& [name, from] = images[0];
+    if (images.size() != 1 || (name != "color" && from.channels != 1 && from.channels != 3))
+      return usage_error("'{}' holds 'color' or one pass of 1 or 3 channels; write {} to a .exr file", file,
+                         images.size() == 1 ? "'" + name + "'" : fmt::format("{} images", images.size()));
     if (auto added = add_image(from.channels == 1 ? name : "color", from, image, settings); !added) return added;
   }
   return write_image(file, image, settings);

@@ -112,7 +112,8 @@ bool lies_as_planes(const NamedImage& named, int channels) {
   const SharedImage& image = named.image;
   const auto size = std::ptrdiff_t(sizeof(float));
   return image.type == PixelType::kFloat32 && image.pixel_stride == size && image.width % kRowAlignment == 0 &&
-         image.row_stride == size * plane_stride(image.width) && reinterpret_cast<std::uintptr_t>(image.data) % sizeof(float) == 0 &&
+         image.row_stride == size * plane_stride(image.width) &&
+         reinterpret_cast<std::uintptr_t>(image.data) % sizeof(float) == 0 &&
          (channels == 1 || image.channel_stride % size == 0);
 }
 
@@ -289,6 +290,8 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   if (auto fine = check(request, lens); !fine) return fine.error();
   SharedGBuffer shared;
   GBuffer& gbuffer = shared.gbuffer;
+  if (std::none_of(images.begin(), images.end(), [](const NamedImage& named) { return named.name == "depth"; }))
+    return usage_error("a G-buffer needs an image 'depth'");
   int layers = 1;
   for (const NamedImage& named : images) {
     if (auto fine = check_image(lens, images, named); !fine) return fine.error();

@@ -389,9 +389,10 @@ inline Outcome save(const Picture& picture, const std::string& file, const SaveR
                      {}};
     return calls.outcome;
   };
-  const bool svg =
-      file.size() > 4 && (file.substr(file.size() - 4) == ".svg" || file.substr(file.size() - 4) == ".SVG");
-  if (svg) {
+  const auto ends_with = [&](const char* small, const char* large) {
+    return file.size() > 4 && (file.substr(file.size() - 4) == small || file.substr(file.size() - 4) == large);
+  };
+  if (ends_with(".svg", ".SVG")) {
     std::vector<UmbStroke> strokes;
     std::vector<std::vector<UmbStrokePoint>> points;
     for (const Stroke& stroke : picture.strokes) {
@@ -414,7 +415,9 @@ inline Outcome save(const Picture& picture, const std::string& file, const SaveR
     if (picture.rgba.size() != 4 * pixels) return wrong("color", picture.rgba.size());
     add("color", picture.rgba.data(), UMB_TYPE_FLOAT32, 4);
   }
+  const bool holds_passes = picture.rgba.empty() || ends_with(".exr", ".EXR");
   for (const Pixels& pass : picture.passes) {
+    if (!holds_passes) break;
     const std::size_t count = pass.ids.empty() ? pass.values.size() : pass.ids.size();
     if (pass.channels < 1 || count != pixels * std::size_t(pass.channels)) return wrong(pass.name, count);
     if (pass.ids.empty())

@@ -248,7 +248,7 @@ UMB_API int64_t umbGetJobCounter(UmbJob job, const char* name);
 /* ---- Files ---- */
 
 /* Writes images, each a pass by its name, whole or not at all: .png and .pfm take "color" or one pass of 1 or 3
- * channels, .exr takes all. Alpha is left out where all pixels are opaque. `bits`: 8 or 16, of .png; `half`: 16-bit
+ * channels, .exr takes all. In .png values are clamped to 0 to 1. Alpha is left out where all pixels are opaque. `bits`: 8 or 16, of .png; `half`: 16-bit
  * floats in .exr where they suffice. Errors, of umbGetError: UMB_ERROR_USAGE; UMB_ERROR_FILE. */
 UMB_API UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                                 bool half);

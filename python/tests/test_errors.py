@@ -61,7 +61,8 @@ class Scenes(Base):
     def test_what_the_library_refuses_is_taken_out_again(self) -> None:
         with mock.patch.object(native.lib, "umbSetMeshTexture", lambda *_: 4):
             texture = np.zeros((2, 2, 3), np.uint8)
-            self.raised(umbrage.DeviceError, "memory", self.scene.add_mesh, vertices=POINTS + 9, faces=FACES, texture=texture)
+            mesh = dict(vertices=POINTS + 9, faces=FACES, texture=texture, uv=POINTS[:, :2])
+            self.raised(umbrage.DeviceError, "memory", self.scene.add_mesh, **mesh)
         np.testing.assert_array_equal(self.scene.bounds, self.bounds)
 
 

@@ -129,6 +129,8 @@ class Messages(unittest.TestCase):
             (meshed(specular=-1), "`specular` cannot be -1: it is 0 or more, and finite"),
             (meshed(albedo=(1, math.inf, 1)), r"`albedo` cannot be \(1, inf, 1\)"),
             (meshed(up=[[[]]]), "`up`"),
+            (meshed(texture=np.zeros((2, 2, 3), np.uint8)), "`texture` needs `uv`"),
+            (meshed(instances=np.full((1, 4, 4), 0.5)), "last row is not 0, 0, 0, 1"),
             (meshed(vertices=None), "needs `vertices`"),
             (lambda: umbrage.Scene("missing.obj", FACES), "`faces` goes with arrays"),
             (lambda: umbrage.Scene().set("up", b"x"), "`up`"),

@@ -49,6 +49,18 @@ class Equality(unittest.TestCase):
             picture.save(file, **how)  # type: ignore[arg-type]
             return file.read_bytes()
 
+    def test_several_models_are_one_scene(self) -> None:
+        cube = "scene:solids?detail=1000"
+        one, two = umbrage.Scene.of(cube), umbrage.Scene.of([cube, cube])
+        np.testing.assert_array_equal(one.bounds, two.bounds)
+        picture = umbrage.render([cube, cube], size=(24, 16), look="lit", passes="object_id", device="cpu")
+        self.assertEqual(picture.picture.shape, (16, 24, 4))
+
+    def test_passes_stay_out_of_png(self) -> None:
+        many = umbrage.render("scene:solids?detail=1000", size=(24, 16), look="lit", passes="depth", device="cpu")
+        alone = umbrage.render("scene:solids?detail=1000", size=(24, 16), look="lit", device="cpu")
+        self.assertEqual(self.saved(many), self.saved(alone))
+
     def test_files_equal_those_of_the_command_line(self) -> None:
         for words, arguments in (
             ((), {}),

@@ -87,6 +87,8 @@ def mesh_of(
         for of, argument, image in (("albedo", "texture", texture), ("emission", "emission_texture", emission_texture))
         if image is not None
     ]
+    if textures and uv is None:
+        raise UsageError(f"`{'emission_texture' if texture is None else 'texture'}` needs `uv`, its place on the mesh")
     places: Any = () if instances is None else _places(instances)
     named = native.bytes_of(name, "name")
     return Mesh(named, count, 0 if triangles is None else len(triangles), buffers, floats, textures, places)
@@ -251,6 +253,8 @@ def _places(instances: Any) -> NDArray[Any]:
     array = as_array(instances, "instances")
     if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)):
         raise UsageError(f"`instances` has the shape {array.shape}: it takes (K, 3, 4) or (K, 4, 4)")
+    if array.shape[1] == 4 and not (array[:, 3] == (0, 0, 0, 1)).all():
+        raise UsageError("`instances` has matrices whose last row is not 0, 0, 0, 1: they are world from mesh, by rows")
     places = _floats(array[:, :3, :], "instances").reshape(-1, 12)
     if not np.isfinite(places).all():
         raise UsageError("`instances` holds a number that is not finite")

@@ -126,7 +126,8 @@ class Picture:
                 stacklevel=2,
             )
         arrays: List[Tuple[str, NDArray[Any]]] = [("color", self.picture)] if has_color else []
-        arrays += self.passes.items()
+        if not has_color or ending.endswith(b".exr"):
+            arrays += self.passes.items()
         count = len(arrays)
         names = (ctypes.c_char_p * count)(*[native.bytes_of(name, "passes") for name, _ in arrays])
         images = (native.Image * count)(*[image_of(array) for _, array in arrays])

@@ -147,7 +147,7 @@ def render(
 
         umbrage.render("bunny.obj", size=(800, 600), camera={"azimuth_deg": 30}, passes=("depth", "ao")).save("bunny.png")
 
-    model: a path, "scene:NAME", an umbrage.Scene, or what Scene.add takes.
+    model: a path or a list of them, "scene:NAME", an umbrage.Scene, or what Scene.add takes.
     size: width, height in pixels, 1 to 16384 each.
     look: a recipe of umbrage.looks(); default "studio". quality: "draft", "normal", "high", "ultra"; default the look's.
     camera: a Camera or a dict of its names.

@@ -46,6 +46,10 @@ def tell_warnings(texts: List[bytes], depth: int = 4) -> None:
         warnings.warn(texts.pop(0).decode("utf-8", "replace"), UmbrageWarning, stacklevel=depth)
 
 
+def _are_paths(thing: Any) -> bool:
+    return isinstance(thing, (list, tuple)) and bool(thing) and all(isinstance(each, (str, os.PathLike)) for each in thing)
+
+
 class Scene:
     """Meshes and points, with colours and materials. World space, right-handed; any unit.
 
@@ -116,14 +120,16 @@ class Scene:
 
     @classmethod
     def of(cls, thing: Any, **parameters: Any) -> Scene:
-        """A scene of whatever it is: see add."""
+        """A scene of whatever it is, several paths among it: see add."""
+        if _are_paths(thing):
+            return cls.load(*thing, **_of_scenes(parameters))
         return thing if isinstance(thing, Scene) and not parameters else cls(**_of_scenes(parameters)).add(thing)
 
     def set(self, name: str, value: Any) -> None:
         """Sets a parameter of umbrage.parameters("scene"); None: as at first. Errors: UsageError."""
         if value is not None and not isinstance(value, str):
             array = as_array(value, name, "a string or numbers")
-            if array.dtype.kind not in "iuf":
+            if array.dtype.kind not in "iuf" or array.size == 0:
                 raise UsageError(f"`{name}` takes a string or numbers, not {shown(value)}")
             flat = array.ravel().tolist()
             value = ",".join(format(v, ".9g") if isinstance(v, float) else str(v) for v in flat)
@@ -144,6 +150,8 @@ class Scene:
                 self._load(native.bytes_of(os.fspath(thing), "path"), watch)
                 self._is_empty = False
             return self
+        if _are_paths(thing):
+            raise UsageError("several models are several calls of Scene.add, or one of Scene.load")
         if isinstance(thing, Scene):
             raise UsageError("a Scene cannot be added to another: add to both what they have in common")
         self._put([mesh_of(**mesh) for mesh in meshes_of(thing)])  # all of them, or none
