@@ -72,6 +72,17 @@ static_assert(CanSet<unsigned>::value && CanSet<const char*>::value && CanSet<st
 
 enum Plain { kThree = 3 };
 
+/// A square and a job that looks at it.
+struct Square {
+  umb::Device device{"cpu", 1};
+  umb::Scene scene{device};
+  umb::Job job{device, scene};
+  Square() {
+    add_square(scene);
+    look_at_it(job);
+  }
+};
+
 TEST(CppInterface, NumbersOfAllTypes) {
   const umb::Device device("cpu", 1);
   umb::Scene scene(device);
@@ -110,11 +121,8 @@ TEST(CppInterface, NumbersOfAllTypes) {
 }
 
 TEST(CppInterface, SeveralNumbersAndText) {
-  const umb::Device device("cpu", 1);
-  umb::Scene scene(device);
-  add_square(scene);
-  umb::Job job(device, scene);
-  look_at_it(job);
+  Square square;
+  auto& [device, scene, job] = square;
   job.set_output("depth");
   const float x = 0.0f;
   const double z = 9.0;
@@ -204,11 +212,8 @@ TEST(CppInterface, MaterialsAndTextures) {
 }
 
 TEST(CppInterface, WhatAJobKeepsIsCounted) {
-  const umb::Device device("cpu", 1);
-  umb::Scene scene(device);
-  add_square(scene);
-  umb::Job job(device, scene);
-  look_at_it(job);
+  Square square;
+  auto& [device, scene, job] = square;
   job.set("anti_aliasing", 1);
   EXPECT_EQ(job.counter("hierarchies_built"), 0);
   job.prepare();
@@ -223,11 +228,8 @@ TEST(CppInterface, WhatAJobKeepsIsCounted) {
 }
 
 TEST(CppInterface, ChecksResetsAndOutputs) {
-  const umb::Device device("cpu", 1);
-  umb::Scene scene(device);
-  add_square(scene);
-  umb::Job job(device, scene);
-  look_at_it(job);
+  Square square;
+  auto& [device, scene, job] = square;
   job.set("look", "aoo");
   EXPECT_TRUE(refuses([&] { job.check(); }, UMB_ERROR_USAGE, "'ao'"));
   job.reset("look");
@@ -248,11 +250,8 @@ TEST(CppInterface, ChecksResetsAndOutputs) {
 }
 
 TEST(CppInterface, Strokes) {
-  const umb::Device device("cpu", 1);
-  umb::Scene scene(device);
-  add_square(scene);
-  umb::Job job(device, scene);
-  look_at_it(job);
+  Square square;
+  auto& [device, scene, job] = square;
   EXPECT_TRUE(job.strokes().empty());
   job.set("look", "cartoon");
   job.set("strokes", true);

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _MOST_VERTICES = 2**31 - 1
+_MATERIAL = ("albedo", "emission", "specular", "shininess", "alpha_cutoff")
 
 
 @dataclass
@@ -30,27 +31,11 @@ class Mesh:
     places: Sequence[NDArray[Any]]
 
 
-def mesh_of(
-    vertices: Any,
-    faces: Any = None,
-    *,
-    colors: Any = None,
-    normals: Any = None,
-    uv: Any = None,
-    radii: Any = None,
-    name: str = "",
-    albedo: Optional[Sequence[float]] = None,
-    emission: Optional[Sequence[float]] = None,
-    specular: Optional[float] = None,
-    shininess: Optional[float] = None,
-    texture: Any = None,
-    emission_texture: Any = None,
-    alpha_cutoff: Optional[float] = None,
-    instances: Any = None,
-) -> Mesh:
+def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
     """Arguments and errors are those of Scene.add_mesh."""
     import numpy as np
 
+    colors, uv, radii, texture = (given.get(each) for each in ("colors", "uv", "radii", "texture"))
     points = _rows(vertices, "vertices", (3,), np.float32)
     count = len(points)
     if not 0 < count <= _MOST_VERTICES:
@@ -63,7 +48,7 @@ def mesh_of(
     if triangles is not None:
         buffers.append(("index", triangles))
     for each, argument, values, sides in (
-        ("normal", "normals", normals, (3,)),
+        ("normal", "normals", given.get("normals"), (3,)),
         ("uv", "uv", uv, (2,)),
         ("radius", "radii", radii, (1,)),
     ):
@@ -74,23 +59,18 @@ def mesh_of(
     if colors is not None:
         buffers.append(("color", _colors(colors, count)))
     is_colored = colors is not None or texture is not None  # they multiply the albedo, which else is a grey of 0.8
-    given = {
-        "albedo": (1.0, 1.0, 1.0) if albedo is None and is_colored else albedo,
-        "emission": emission,
-        "specular": specular,
-        "shininess": shininess,
-        "alpha_cutoff": alpha_cutoff,
-    }
-    floats = {each: _material(value, each) for each, value in given.items() if value is not None}
+    if given.get("albedo") is None and is_colored:
+        given["albedo"] = (1.0, 1.0, 1.0)
+    floats = {each: _material(given[each], each) for each in _MATERIAL if given.get(each) is not None}
     textures = [
-        (of, texture_array(image, argument))
-        for of, argument, image in (("albedo", "texture", texture), ("emission", "emission_texture", emission_texture))
-        if image is not None
+        (of, texture_array(given[argument], argument))
+        for of, argument in (("albedo", "texture"), ("emission", "emission_texture"))
+        if given.get(argument) is not None
     ]
     if textures and uv is None:
         raise UsageError(f"`{'emission_texture' if texture is None else 'texture'}` needs `uv`, its place on the mesh")
-    places: Any = () if instances is None else _places(instances)
-    named = native.bytes_of(name, "name")
+    places: Any = () if given.get("instances") is None else _places(given["instances"])
+    named = native.bytes_of(given.get("name", ""), "name")
     return Mesh(named, count, 0 if triangles is None else len(triangles), buffers, floats, textures, places)
 
 
