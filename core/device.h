@@ -24,19 +24,19 @@ struct Frame {
   std::shared_ptr<void> storage;  ///< the device's own
 };
 
-inline constexpr int kMostLayers = 16;
+inline constexpr int kMaxLayers = 16;
 
-inline constexpr int kMostExtraViews = 4;
+inline constexpr int kMaxExtraViews = 4;
 /// The most layers, all kinds together, of a capture with back sides or extra views: as many as kernels read.
-inline constexpr int kMostMixedLayers = 8;
+inline constexpr int kMaxMixedLayers = 8;
 
 struct CaptureSettings {
   int width = 1024, height = 1024;  ///< without the guard band
-  int shadows = kMostShadows;  ///< of how many lights, from the first on, shadows are traced: 1 is the key light alone
+  int shadows = kMaxShadows;  ///< of how many lights, from the first on, shadows are traced: 1 is the key light alone
   // Layers come in this order: `layers`, then as many of `back_sides`, then `extra_views`.
-  int layers = 1;           ///< surfaces along each primary ray, 1 to kMostLayers
+  int layers = 1;           ///< surfaces along each primary ray, 1 to kMaxLayers
   bool back_sides = false;  ///< a layer of the other side of each of those too
-  int extra_views = 0;      ///< further cameras, one layer each, 0 to kMostExtraViews
+  int extra_views = 0;      ///< further cameras, one layer each, 0 to kMaxExtraViews
   int guard = 0;            ///< pixels drawn beyond each side: see PictureInfo::guard
   /// Rays of a pixel to a light that has a size; where there are several, and the light is seen whole or not at all,
   /// one. What arrives is averaged along surfaces, over 4 x 4 pixels, or more where penumbrae are wide. 0: points.

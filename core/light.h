@@ -23,7 +23,7 @@ struct Light {
   float reach = 0.0f;         ///< (point) distance at which `color` holds; 0 means no falloff
   float angle_deg = 0.0f;     ///< (directional) what its disc spans in the sky; 0: a point, with hard shadows
   float radius = 0.0f;        ///< (point) of the ball that shines, scene units; 0: a point, with hard shadows
-  bool casts_shadow = false;  ///< its shadow is captured if it is one of the first kMostShadows lights
+  bool casts_shadow = false;  ///< its shadow is captured if it is one of the first kMaxShadows lights
 
   bool operator==(const Light&) const = default;
 };
@@ -44,7 +44,7 @@ struct AmbientShape {
 AmbientShape turned(const AmbientShape& shape, const glm::mat3& rotation);
 
 /// Lights whose shadows a capture can hold, one plane each.
-inline constexpr int kMostShadows = 8;
+inline constexpr int kMaxShadows = 8;
 
 /// What shines on a scene, in world space.
 struct Lighting {

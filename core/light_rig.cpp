@@ -18,7 +18,7 @@ LightRig light_rig(Rig rig, const PictureInfo& info) {
     out.ambient_shape = {};
     out.shadows = false;
   }
-  for (int k = 0; k < std::min(int(lights.size()), kMostRigLights); ++k) {
+  for (int k = 0; k < std::min(int(lights.size()), kMaxRigLights); ++k) {
     const Light& light = lights[k];
     // A head light is parallel along the view axis for an orthographic camera and a point at the eye otherwise.
     const bool head = light.kind == LightKind::kHead;

@@ -22,14 +22,14 @@ struct RigLight {
 };
 
 struct LightRig {
-  std::vector<RigLight> lights;  ///< the key light first; at most kMostRigLights
+  std::vector<RigLight> lights;  ///< the key light first; at most kMaxRigLights
   glm::vec3 ambient{0.0f};
   AmbientShape ambient_shape;
   bool shadows = true;  ///< whether the captured shadows are those of these lights
 };
 
 /// Lights that shine; those after them do not.
-inline constexpr int kMostRigLights = 16;
+inline constexpr int kMaxRigLights = 16;
 
 LightRig light_rig(Rig rig, const PictureInfo& info);
 

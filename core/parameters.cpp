@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-constexpr double kMostPercent = 1000.0;
+constexpr double kMaxPercent = 1000.0;
 
 template <class T>
 void store(ParameterBytes& bytes, std::size_t offset, T value) {
@@ -77,8 +77,8 @@ std::string parameter_range(const Parameter& row) {
     case ParameterType::kChoice:
       return join_choices(row.choices);
     case ParameterType::kLength:
-      if (row.above_zero) return fmt::format("a number above 0{} or a share up to {:g}%", of_unit, kMostPercent);
-      return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.least, row.most, unit, kMostPercent, zero);
+      if (row.above_zero) return fmt::format("a number above 0{} or a share up to {:g}%", of_unit, kMaxPercent);
+      return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.least, row.most, unit, kMaxPercent, zero);
     default:
       return fmt::format("{:g} to {:g}{}{}", row.least, row.most, unit, zero);
   }
@@ -106,7 +106,7 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
   if (!parsed) return wrong();
   const double value = *parsed;
   if (row.above_zero && !(value > 0.0)) return wrong();
-  if (percent ? (value < 0.0 || value > kMostPercent) : (value < row.least || value > row.most)) return wrong();
+  if (percent ? (value < 0.0 || value > kMaxPercent) : (value < row.least || value > row.most)) return wrong();
   if (row.type == ParameterType::kLength)
     store(bytes, row.offset, Length{float(value), percent ? 1 : 0});
   else if (row.type == ParameterType::kReal)

@@ -29,8 +29,8 @@ inline int edit_distance(std::string_view a, std::string_view b) {
 /// " (did you mean 'x'?)" for the nearest of `names` if it is near, otherwise " (there are: a, b, c)".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& names) {
-  constexpr int kMostSlips = 2;  // more, or two in a word of up to four letters, is another word
-  int best = kMostSlips + 1;
+  constexpr int kMaxSlips = 2;  // more, or two in a word of up to four letters, is another word
+  int best = kMaxSlips + 1;
   std::string_view nearest;
   std::string all;
   for (std::string_view name : names) {

@@ -14,13 +14,13 @@ namespace umbrage {
 namespace {
 
 constexpr std::string_view kScheme = "scene:";
-constexpr double kLeastDetail = 1e3, kMostDetail = 1e7;
+constexpr double kMinDetail = 1e3, kMaxDetail = 1e7;
 
 /// The number after detail=: an integer or like 1e6, all of the text, within the limits.
 Result<int> parse_detail(std::string_view uri, std::string_view text) {
   double value = 0.0;
   const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size() || !(value >= kLeastDetail && value <= kMostDetail))
+  if (failure != std::errc() || end != text.data() + text.size() || !(value >= kMinDetail && value <= kMaxDetail))
     return usage_error("'{}': detail is '{}', but must be a number of triangles from 1000 to 10000000", uri, text);
   return int(std::lround(value));
 }

@@ -20,7 +20,7 @@ using shapes::Detail;
 
 /// Edge length of the implicit surfaces' triangles at scale 1, metres; and the scale below which they grow no further,
 /// because teeth and spines would fall through the grid.
-constexpr float kCell = 0.028f, kLeastScale = 0.28f;
+constexpr float kCell = 0.028f, kMinScale = 0.28f;
 
 struct Palette {
   int shell, claw, tip, flesh, gum, tongue, tooth, eye, pupil, spine, rock, moss;
@@ -49,7 +49,7 @@ struct Maker {
   Detail detail;
   Palette paint;
 
-  float cell(float share) const { return kCell * share / std::max(detail.scale, kLeastScale); }
+  float cell(float share) const { return kCell * share / std::max(detail.scale, kMinScale); }
 
   /// Adds an implicit surface made in its own frame; `share` makes its triangles finer or coarser than the others'.
   int add(const char* name, int material, const Field& field, vec3 low, vec3 high, const mat4& frame = mat4(1.0f),
@@ -96,11 +96,11 @@ struct Horn {
 int add_horn(Maker& m, const char* name, int material, const Horn& horn, const mat4& frame = mat4(1.0f),
              float share = 0.7f, int part_of = -1) {
   constexpr float kPi = std::numbers::pi_v<float>;
-  constexpr int kLeastSteps = 5, kLeastSides = 6;
+  constexpr int kMinSteps = 5, kMinSides = 6;
   const float edge = kCell * share / m.detail.scale, thick = std::max(horn.radius_a, horn.radius_c);
   const float length = glm::distance(horn.a, horn.b) + glm::distance(horn.b, horn.c);
-  const int steps = std::max(kLeastSteps, int(length / edge)),
-            sides = std::max(kLeastSides, int(2.0f * kPi * thick / edge));
+  const int steps = std::max(kMinSteps, int(length / edge)),
+            sides = std::max(kMinSides, int(2.0f * kPi * thick / edge));
   shapes::Points3 path;
   std::vector<float> scale;
   for (int i = 0; i <= steps; ++i) {

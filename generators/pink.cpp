@@ -19,7 +19,7 @@ using shapes::Detail;
 constexpr float kCell = 0.017f;
 
 /// Triangles grow no further than at this scale: fingers and petals would fall through the grid.
-constexpr float kLeastScale = 0.3f;
+constexpr float kMinScale = 0.3f;
 
 struct Palette {
   int skin, belly, frill, foot, sole, eye, iris, shine, blush, mouth, tongue, leaf, stem;
@@ -62,9 +62,8 @@ struct Maker {
   /// Adds an implicit surface; `share` makes its triangles finer or coarser than the others'.
   int add(const char* name, int material, const sdf::Field& field, vec3 low, vec3 high, float share = 1.0f,
           int part_of = -1) {
-    return shapes::add_mesh(scene, name,
-                            sdf::mesh(field, low, high, kCell * share / std::max(detail.scale, kLeastScale)), material,
-                            part_of);
+    return shapes::add_mesh(scene, name, sdf::mesh(field, low, high, kCell * share / std::max(detail.scale, kMinScale)),
+                            material, part_of);
   }
 };
 

@@ -20,7 +20,7 @@ constexpr int kBlock = 4;
 constexpr int kCorners = kBlock + 1;
 
 /// The grid's cells along the longest side at most; finer meshes come from splitting. Enough to find every part.
-constexpr float kMostCells = 96.0f;
+constexpr float kMaxCells = 96.0f;
 
 /// A block is passed over where the field at its centre exceeds its half diagonal times this: fields may grow this much
 /// faster than distance does.
@@ -242,7 +242,7 @@ Mesh split(const Mesh& mesh, int n) {
 
 Mesh mesh(const Field& field, vec3 low, vec3 high, float cell) {
   const vec3 size = high - low;
-  const int pieces = std::max(1, int(std::ceil(std::max({size.x, size.y, size.z}) / (cell * kMostCells))));
+  const int pieces = std::max(1, int(std::ceil(std::max({size.x, size.y, size.z}) / (cell * kMaxCells))));
   Grid grid;
   grid.cell = cell * float(pieces);
   grid.origin = low - 1.5f * grid.cell;

@@ -793,16 +793,16 @@ int Detail::operator()(float base, int least) const { return std::max(least, int
 
 Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& build) {
   constexpr float kNear = 1.2f;  // half to twice is promised; a fifth leaves room and is met at the second go
-  constexpr int kMostTries = 6;
-  constexpr float kMostAtOnce = 64.0f;  // counts are rounded, so no leap further than this rests on one count
+  constexpr int kMaxTries = 6;
+  constexpr float kMaxAtOnce = 64.0f;  // counts are rounded, so no leap further than this rests on one count
   Detail detail;
   float count_before = 0.0f;
   for (int i = 0;; ++i) {
     Scene scene = build(detail);
     const float count = float(scene.triangle_count()), wanted = float(triangles);
     const bool near = count < kNear * wanted && count * kNear > wanted;
-    if (near || i + 1 == kMostTries || count == count_before) return scene;
-    const float ratio = std::clamp(wanted / std::max(count, 1.0f), 1.0f / kMostAtOnce, kMostAtOnce);
+    if (near || i + 1 == kMaxTries || count == count_before) return scene;
+    const float ratio = std::clamp(wanted / std::max(count, 1.0f), 1.0f / kMaxAtOnce, kMaxAtOnce);
     detail.scale *= std::sqrt(ratio);
     count_before = count;
   }

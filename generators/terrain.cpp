@@ -124,7 +124,7 @@ float river_bed(vec2 p, float height) {
 /// Rain: drops run down the field, take up earth where they are fast and leave it where they are slow.
 void erode(Field& field) {
   constexpr int kDrops = 70'000, kSteps = 60;
-  constexpr float kInertia = 0.06f, kCapacity = 5.0f, kLeastSlope = 0.01f, kErosion = 0.28f, kDeposit = 0.25f,
+  constexpr float kInertia = 0.06f, kCapacity = 5.0f, kMinSlope = 0.01f, kErosion = 0.28f, kDeposit = 0.25f,
                   kEvaporation = 0.018f, kGravity = 5.0f;
   constexpr int kBrush = 2;  // samples round a drop that are worn with it: single ones would leave needles
   float brush[2 * kBrush + 1][2 * kBrush + 1], total = 0.0f;
@@ -155,7 +155,7 @@ void erode(Field& field) {
                (field.at(i, j + 1) * (1.0f - u) + field.at(i + 1, j + 1) * u) * v;
       };
       const float fall = scale * (bilinear(next) - bilinear(p));
-      const float capacity = std::max(-fall, kLeastSlope) * speed * water * kCapacity;
+      const float capacity = std::max(-fall, kMinSlope) * speed * water * kCapacity;
       if (fall > 0.0f || load > capacity) {
         // Uphill: fill the pit behind, but no higher than the rim.
         const float left = fall > 0.0f ? std::min(fall, load) : (load - capacity) * kDeposit;
@@ -381,13 +381,13 @@ Mesh fir(int slices, int tiers, std::uint32_t seed) {
 
 /// Firs where the wood is and boulders below the cliffs, for about `budget` triangles.
 void add_cover(Scene& scene, const Materials& m, const Field& field, int budget) {
-  constexpr int kMostFirs = 9000, kKinds = 4;
-  constexpr int kLeastSlices = 4, kMostSlices = 24;
+  constexpr int kMaxFirs = 9000, kKinds = 4;
+  constexpr int kMinSlices = 4, kMaxSlices = 24;
   const int tiers = budget < 20'000 ? 2 : 3;
   const int fir_budget = budget * 9 / 10;
   const auto cost = [tiers](int slices) { return 2 * slices * (2 * tiers + 1); };
-  const int slices = std::clamp(fir_budget / (kMostFirs * cost(1)), kLeastSlices, kMostSlices);
-  const int firs = std::min(fir_budget / cost(slices), kMostFirs);
+  const int slices = std::clamp(fir_budget / (kMaxFirs * cost(1)), kMinSlices, kMaxSlices);
+  const int firs = std::min(fir_budget / cost(slices), kMaxFirs);
   std::vector<Mesh> kinds;
   kinds.reserve(kKinds);
   for (int i = 0; i < kKinds; ++i) kinds.push_back(fir(slices, tiers, std::uint32_t(i)));

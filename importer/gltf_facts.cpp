@@ -63,8 +63,8 @@ float number(const Json& value, float otherwise) {
 }
 /// An index, or -1.
 int index_in(const Json& value) {
-  constexpr int kMost = 1 << 28;
-  const bool fits = value.is_number_integer() && value.get<std::int64_t>() >= 0 && value.get<std::int64_t>() < kMost;
+  constexpr int kMax = 1 << 28;
+  const bool fits = value.is_number_integer() && value.get<std::int64_t>() >= 0 && value.get<std::int64_t>() < kMax;
   return fits ? value.get<int>() : -1;
 }
 std::string text_of(const Json& value) { return value.is_string() ? value.get<std::string>() : std::string(); }

@@ -69,8 +69,8 @@ std::string reason_of(std::string reason) {
     if (std::iscntrl(static_cast<unsigned char>(c))) c = ' ';
   }
   while (!reason.empty() && (reason.back() == ' ' || reason.back() == '.')) reason.pop_back();
-  constexpr std::size_t kLongest = 160;
-  if (reason.size() > kLongest) reason.resize(kLongest);
+  constexpr std::size_t kMaxLength = 160;
+  if (reason.size() > kMaxLength) reason.resize(kMaxLength);
   return reason.empty() ? "" : " (" + reason + ")";
 }
 

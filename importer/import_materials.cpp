@@ -24,9 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr glm::vec3 kNeutral{0.8f};       ///< surfaces of which the file says nothing
-constexpr float kLeastExponent = 1.0f;    ///< below, a highlight is as wide as the diffuse lobe
-constexpr float kMostExponent = 2048.0f;  ///< above, a highlight is smaller than a pixel
+constexpr glm::vec3 kNeutral{0.8f};      ///< surfaces of which the file says nothing
+constexpr float kMinExponent = 1.0f;     ///< below, a highlight is as wide as the diffuse lobe
+constexpr float kMaxExponent = 2048.0f;  ///< above, a highlight is smaller than a pixel
 constexpr float kDielectricReflectance = 0.04f;
 
 /// A texture counts as a cut-out when at least this share of its texels is nearly clear or nearly opaque, and at least
@@ -259,10 +259,10 @@ void set_highlight_of_roughness(const aiMaterial& source, Material& material) {
   const float rough = std::max(in_unit(roughness.value_or(1.0f)), 0.01f);
   const float brightest = std::max({material.albedo.x, material.albedo.y, material.albedo.z});
   const float reflectance = glm::mix(kDielectricReflectance, brightest, in_unit(metalness.value_or(1.0f)));
-  const float exponent = std::clamp(2.0f / (rough * rough * rough * rough) - 2.0f, 0.0f, kMostExponent);
+  const float exponent = std::clamp(2.0f / (rough * rough * rough * rough) - 2.0f, 0.0f, kMaxExponent);
   constexpr float kPeakPerExponent = 1.0f / 8.0f;
   material.specular_strength = in_unit(reflectance * exponent * kPeakPerExponent);
-  material.specular_exponent = std::max(exponent, kLeastExponent);
+  material.specular_exponent = std::max(exponent, kMinExponent);
 }
 
 void set_highlight(const aiMaterial& source, Material& material) {
@@ -274,7 +274,7 @@ void set_highlight(const aiMaterial& source, Material& material) {
   if (!specular || !exponent || *exponent <= 0.0f) return;
   const float share = number_of(source, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
   material.specular_strength = in_unit(std::max({specular->x, specular->y, specular->z}) * share);
-  material.specular_exponent = std::clamp(*exponent, kLeastExponent, kMostExponent);
+  material.specular_exponent = std::clamp(*exponent, kMinExponent, kMaxExponent);
 }
 
 /// What a surface sends out by itself: where a texture says it, `gltf` does, too.

@@ -21,8 +21,8 @@ double bytes_allowed = -1.0;  // below 0: limit_process was not called
 void set(int resource, double value) {
   rlimit limit{};
   if (::getrlimit(__rlimit_resource_t(resource), &limit) != 0) return;
-  constexpr double kMost = 1e18;
-  limit.rlim_cur = std::min(limit.rlim_max, rlim_t(std::min(value, kMost)));
+  constexpr double kMax = 1e18;
+  limit.rlim_cur = std::min(limit.rlim_max, rlim_t(std::min(value, kMax)));
   ::setrlimit(__rlimit_resource_t(resource), &limit);
 }
 

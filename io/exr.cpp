@@ -261,9 +261,9 @@ class BlockWriter {
       std::size_t before = 0;
     };
     // The library makes room anew for each file: a few blocks share one.
-    constexpr int kParts = 8, kMostBlocks = 8;  // parts of each thread
+    constexpr int kParts = 8, kMaxBlocks = 8;  // parts of each thread
     const int blocks = (rows.count + kBlockRows - 1) / kBlockRows;
-    const int together = kBlockRows * std::clamp(blocks / (kParts * arena_.max_concurrency()), 1, kMostBlocks);
+    const int together = kBlockRows * std::clamp(blocks / (kParts * arena_.max_concurrency()), 1, kMaxBlocks);
     int begun = 0;
     const auto next = tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
       const Rows part{rows.image, rows.row + begun, rows.first + begun, std::min(together, rows.count - begun)};
@@ -372,15 +372,15 @@ Result<void> check_window(const fs::path& file, const Imath::Box2i& window) {
 /// Reads a part's rows by several threads, each through a file of its own.
 void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const Imf::FrameBuffer& pixels,
                Imf::MultiPartInputFile& input) {
-  constexpr int kLargestBlock = 256;  // rows, of DWAB; a block that two threads want is decompressed by both
+  constexpr int kMaxBlock = 256;  // rows, of DWAB; a block that two threads want is decompressed by both
   const auto read_from = [&](Imf::MultiPartInputFile& from, int first, int last) {
     Imf::InputPart reader(from, index);
     reader.setFrameBuffer(pixels);
     reader.readPixels(first, last);
   };
-  const int blocks = (data.max.y - data.min.y) / kLargestBlock + 1;
+  const int blocks = (data.max.y - data.min.y) / kMaxBlock + 1;
   if (blocks < 2) return read_from(input, data.min.y, data.max.y);
-  const auto row_at = [&](int share) { return data.min.y + blocks * share / kReadThreads * kLargestBlock; };
+  const auto row_at = [&](int share) { return data.min.y + blocks * share / kReadThreads * kMaxBlock; };
   tbb::task_arena arena(thread_count(kReadThreads));
   arena.execute([&] {
     tbb::parallel_for(0, kReadThreads, [&](int share) {
@@ -432,9 +432,9 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
 
 /// Reads up to a zero byte; false where the file ends before or the text is no name.
 bool read_name(std::FILE* stream, std::string& name) {
-  constexpr int kLongest = 256;
+  constexpr int kMaxLength = 256;
   name.clear();
-  for (int i = 0; i < kLongest; ++i) {
+  for (int i = 0; i < kMaxLength; ++i) {
     const int c = std::fgetc(stream);
     if (c == EOF) return false;
     if (c == 0) return true;
@@ -589,8 +589,8 @@ Result<Image> read(const fs::path& file) {
       return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.string(), values,
                         image.width, image.height, kMaxValues);
     // A crop may be a small part of its frame, but a frame of gigabytes with next to nothing in it is a damaged header.
-    constexpr std::int64_t kMostEmpty = std::int64_t(1) << 27, kMostTimes = 64;
-    if (values > kMostEmpty + kMostTimes * stored)
+    constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxTimes = 64;
+    if (values > kMaxEmpty + kMaxTimes * stored)
       return file_error("'{}' says that its frame is {} x {} pixels, of which it holds too few", file.string(),
                         image.width, image.height);
     for (int part = 0; part < input.parts(); ++part)

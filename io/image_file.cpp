@@ -35,9 +35,9 @@ bool allowed(const fs::path& path, int access) { return ::faccessat(AT_FDCWD, pa
 /// programs; the name is cut so that the addition still fits where names may have 255 bytes.
 fs::path part_of(const fs::path& file) {
   static std::atomic<int> count = 0;
-  constexpr std::size_t kLongestStem = 200;
+  constexpr std::size_t kMaxStemLength = 200;
   return folder_of(file) /
-         fmt::format("{}.part-{}-{}", file.filename().string().substr(0, kLongestStem), ::getpid(), count++);
+         fmt::format("{}.part-{}-{}", file.filename().string().substr(0, kMaxStemLength), ::getpid(), count++);
 }
 
 Error write_error(const fs::path& file, int cause) {

@@ -54,9 +54,9 @@ Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSet
 
 /// The next word of the header, without the white space before it and with the one character after it.
 std::string word(std::FILE* stream) {
-  constexpr std::size_t kLongest = 32;
+  constexpr std::size_t kMaxLength = 32;
   std::string text;
-  for (int c = std::fgetc(stream); c != EOF && text.size() <= kLongest; c = std::fgetc(stream)) {
+  for (int c = std::fgetc(stream); c != EOF && text.size() <= kMaxLength; c = std::fgetc(stream)) {
     const bool space = c == ' ' || (c >= '\t' && c <= '\r');
     if (space && !text.empty()) break;
     if (!space) text.push_back(char(c));

@@ -14,13 +14,13 @@ FN Vec3 normalized(Vec3 v) {
 FN Bool is_surface(Real depth) { return depth > 0.0f && is_finite(depth); }
 
 // Light beyond it is no number, nor is occlusion: sums must stay finite.
-CONST float kLargestLight = 1e30f;
+CONST float kMaxCleanValue = 1e30f;
 
 // Occlusion, or 1 (open) where it is no number.
-FN Real clean_ao(Real ao) { return select(abs(ao) <= kLargestLight, ao, Real(1.0f)); }
+FN Real clean_ao(Real ao) { return select(abs(ao) <= kMaxCleanValue, ao, Real(1.0f)); }
 
 // Light, or none where it is no number.
-FN Real clean_light(Real light) { return select(abs(light) <= kLargestLight, light, Real(0.0f)); }
+FN Real clean_light(Real light) { return select(abs(light) <= kMaxCleanValue, light, Real(0.0f)); }
 FN Vec3 clean_light(Vec3 light) { return Vec3(clean_light(light.x), clean_light(light.y), clean_light(light.z)); }
 
 // The integer hash "lowbias32", found by search [Wellons 2018].

@@ -8,7 +8,7 @@
 // Layers of a G-buffer that a kernel can read, the first included.
 const int kLayersRead = 8;
 // The most planes, inputs and outputs, of one pass.
-const int kMostPlanes = 128;
+const int kMaxPlanes = 128;
 // Planes of a pass, the first ones, that a GPU reads as bound buffers; the others it reaches by their addresses. What
 // passes of one layer read is fewer; a device that binds fewer than this cannot be used.
 const int kBoundPlanes = 16;

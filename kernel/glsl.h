@@ -52,7 +52,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly b
 layout(buffer_reference, scalar, buffer_reference_align = 4) writeonly buffer OutPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer InOutPlane { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintPlane { uint at[]; };  // of ways of a GPU alone
-layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMostPlanes]; };
+layout(set = 0, binding = 1, scalar) uniform planes_block { uvec2 planes[kMaxPlanes]; };
 
 // How many of the first planes are bound: none where they are larger than the device binds.
 layout(constant_id = 0) const int bound_planes = 0;
@@ -216,10 +216,10 @@ bound[kBoundPlanes];
 #define OUT_VECTOR(name) OUT_TRIPLE(OutPlane, name, x, y, z)
 #define OUT_COLOR(name) OUT_TRIPLE(OutPlane, name, r, g, b)
 
-#define UMBRAGE_MAIN(name)                                                                               \
-  void main() {                                                                                          \
-    here = ivec2(gl_GlobalInvocationID.xy);                                                              \
-    if (here.x >= F.width || here.y >= F.height) return;                                                 \
-    if (F.missing != 0 && !(InOutPlane(planes[kMostPlanes - 1]).at[index_of_own()] >= kMissing)) return; \
-    name##_pixel(here.x, here.y);                                                                        \
+#define UMBRAGE_MAIN(name)                                                                              \
+  void main() {                                                                                         \
+    here = ivec2(gl_GlobalInvocationID.xy);                                                             \
+    if (here.x >= F.width || here.y >= F.height) return;                                                \
+    if (F.missing != 0 && !(InOutPlane(planes[kMaxPlanes - 1]).at[index_of_own()] >= kMissing)) return; \
+    name##_pixel(here.x, here.y);                                                                       \
   }

@@ -228,12 +228,12 @@ TEST(AnyCalls, ErrorCallbacksHearNothingOfTheirOwnErrors) {
 
 TEST(AnyCalls, CountsAloneTakeNoMemory) {
   Picture p;
-  constexpr std::size_t kMost = (std::size_t(1) << 31) - 1;
-  EXPECT_GE(umbAddMesh(p.scene, "huge", kMost, kMost), 0) << p.scene_error();
+  constexpr std::size_t kMax = (std::size_t(1) << 31) - 1;
+  EXPECT_GE(umbAddMesh(p.scene, "huge", kMax, kMax), 0) << p.scene_error();
   float box[6];
   EXPECT_EQ(umbGetSceneBounds(p.scene, box, box + 3), UMB_ERROR_NONE) << "of what is whole";
   const UmbScene lone = umbNewScene(p.device);
-  EXPECT_EQ(umbAddMesh(lone, "huge", kMost, kMost), 0);
+  EXPECT_EQ(umbAddMesh(lone, "huge", kMax, kMax), 0);
   EXPECT_EQ(umbGetSceneBounds(lone, box, box + 3), UMB_ERROR_USAGE);
   const char* message = "";
   umbGetSceneError(lone, &message);

@@ -47,7 +47,7 @@ bool count_calls(void* user, double) {
   return true;
 }
 
-constexpr std::chrono::seconds kLongest(20);  // that a thread waits for another one
+constexpr std::chrono::seconds kMaxLength(20);  // that a thread waits for another one
 
 // A second thread is at work on the job when the first one's call ends, so that its callback cannot be taken away.
 struct TwoThreads {
@@ -62,14 +62,14 @@ struct TwoThreads {
     auto* all = static_cast<TwoThreads*>(user);
     if (all->is_at_work.exchange(true)) return;
     all->at_work.set_value();
-    all->may_end.get_future().wait_for(kLongest);
+    all->may_end.get_future().wait_for(kMaxLength);
   }
   // The first one is at the end of its call.
   static void failed(void* user, UmbError code, const char*) {
     auto* all = static_cast<TwoThreads*>(user);
     if (code != UMB_ERROR_CANCELLED) return;
     all->second = std::thread([all] { umbExecuteJob(all->job.get()); });
-    all->at_work.get_future().wait_for(kLongest);
+    all->at_work.get_future().wait_for(kMaxLength);
   }
 };
 

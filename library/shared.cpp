@@ -62,8 +62,8 @@ Result<SharedImage> shared_image(std::string_view what, const UmbImage& image) {
   const auto type = pixel_type(image.type);
   if (!type) return usage_error("{}: {}", what, type.error().message);
   for (const int side : {image.width, image.height})
-    if (side < 1 || side > kLargestSide)
-      return usage_error("{} cannot have {} x {} pixels: 1 to {} each", what, image.width, image.height, kLargestSide);
+    if (side < 1 || side > kMaxSide)
+      return usage_error("{} cannot have {} x {} pixels: 1 to {} each", what, image.width, image.height, kMaxSide);
   constexpr int kMaxChannels = 64;
   if (image.channels < 1 || image.channels > kMaxChannels)
     return usage_error("{} cannot have {} channels: 1 to {}", what, image.channels, kMaxChannels);

@@ -27,8 +27,8 @@ void Metering::add(const Image& rows, int first, int height) {
 float Metering::stops(float usual) {
   constexpr double kHighlights = 0.03;  // share of the surfaces that may be brighter than white
   constexpr float kHowFar = 0.7f;       // of the way to white, in stops
-  constexpr float kMostStops = 2.5f;    // up or down
-  constexpr float kMostBeyond = 1.0f;   // stops
+  constexpr float kMaxStops = 2.5f;     // up or down
+  constexpr float kMaxBeyond = 1.0f;    // stops
   constexpr float kBlack = 1e-4f;       // of the brightest: what is darker tells nothing
   std::vector<float> seen;
   seen.swap(seen_);
@@ -40,8 +40,8 @@ float Metering::stops(float usual) {
   for (const float v : seen) logs += std::log2(std::max(v, kBlack * *bright));
   const float to_white = std::log2(kMeteredWhite / *bright) - usual;
   const float to_grey = std::log2(kMeteredGrey) - float(logs / double(seen.size())) - usual;
-  const float stops = std::max(to_white, std::min(to_grey, to_white + kMostBeyond));
-  return usual + std::clamp(kHowFar * stops, -kMostStops, kMostStops);
+  const float stops = std::max(to_white, std::min(to_grey, to_white + kMaxBeyond));
+  return usual + std::clamp(kHowFar * stops, -kMaxStops, kMaxStops);
 }
 
 Result<std::optional<float>> metered_stops(Device& device, const Frame& frame) {

@@ -16,11 +16,11 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kSides = 4;
-constexpr int kGrid = 32;                // rays per side of the picture that measure its depth
-constexpr float kShareOfRoom = 0.95f;    // of the free distance: the eye does not stand in the wall
-constexpr float kWidestTan = 1.428148f;  // of half of 110 degrees
-constexpr float kGap = 0.03f;            // between c and a surface, as a share of the median depth
-constexpr float kFarthest = 1.6f;        // c from the eye, in median depths
+constexpr int kGrid = 32;              // rays per side of the picture that measure its depth
+constexpr float kShareOfRoom = 0.95f;  // of the free distance: the eye does not stand in the wall
+constexpr float kMaxTan = 1.428148f;   // of half of 110 degrees
+constexpr float kGap = 0.03f;          // between c and a surface, as a share of the median depth
+constexpr float kFarthest = 1.6f;      // c from the eye, in median depths
 constexpr float kClearlyBetter = 1.1f;
 constexpr float kNearest = 1e-3f;  // least distance of an eye from c, as a share of the picture's own
 
@@ -50,10 +50,10 @@ float median_depth(const TracedScene& traced, const PictureInfo& info) {
 
 /// Depths of the surfaces that the axis meets, up to `most`.
 std::vector<float> crossings_of(const TracedScene& traced, glm::vec3 start, glm::vec3 axis, float most) {
-  constexpr int kMostCrossings = 16;
+  constexpr int kMaxCrossings = 16;
   constexpr float kStep = 1e-4f;  // behind a surface the next one is looked for, as a share of `most`
   std::vector<float> crossings;
-  for (float from = 0.0f; int(crossings.size()) < kMostCrossings;) {
+  for (float from = 0.0f; int(crossings.size()) < kMaxCrossings;) {
     const float depth = from + free_distance(traced, traced.unit_of(start + axis * from), axis * traced.scale);
     if (!(depth < most)) break;
     crossings.push_back(depth);
@@ -130,7 +130,7 @@ std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& 
     Camera camera = perspective_camera(eye, c, traced.scene->up, 90.0f, 1.0f);
     camera.projection = own.projection;
     float wider = 1.0f;
-    if (!orthographic) wider = std::min(depth / distances[k], kWidestTan / std::max(half.x, half.y));
+    if (!orthographic) wider = std::min(depth / distances[k], kMaxTan / std::max(half.x, half.y));
     camera.left = -half.x * wider;
     camera.right = half.x * wider;
     camera.bottom = -half.y * wider;

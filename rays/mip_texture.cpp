@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMostTaps = 8;  // along the longer axis: an anisotropy of 8, as games set it
+constexpr int kMaxTaps = 8;  // along the longer axis: an anisotropy of 8, as games set it
 
 const std::array<float, 256> kLinearFromSrgb = [] {
   std::array<float, 256> t{};
@@ -140,7 +140,7 @@ glm::vec4 sample_filtered(const MipTexture& texture, glm::vec2 uv, glm::vec2 rig
   float blend = 0.0f;
   if (std::isfinite(longer)) {
     // Rounded to the nearest number of taps: a footprint that is square but for rounding takes one.
-    const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMostTaps) : 1.0f);
+    const float ratio = std::clamp(longer / std::max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMaxTaps) : 1.0f);
     taps = int(ratio + 0.5f);
     const float width = std::max(longer / float(taps), 1.0f);
     const float lod = width > 1.0f ? std::clamp(log2_of(width), 0.0f, float(last)) : 0.0f;

@@ -44,7 +44,7 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
   float brightest = 0.0f;
   for (const Light& light : info.lights) brightest = std::max(brightest, brightness(light));
   std::vector<ShadowLight> lights;
-  for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k) {
+  for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k) {
     const Light& light = info.lights[k];
     if (!casts_from_afar(light)) continue;
     const bool point = light.kind == LightKind::kPoint;

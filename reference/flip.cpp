@@ -45,7 +45,7 @@ struct Sensitivity {
 const std::vector<Sensitivity> kAchromatic = {{1.0, 0.0047}};
 const std::vector<Sensitivity> kRedGreen = {{1.0, 0.0053}};
 const std::vector<Sensitivity> kBlueYellow = {{34.1, 0.04}, {13.5, 0.025}};
-constexpr double kWidestB = 0.04;
+constexpr double kMaxB = 0.04;
 
 constexpr int kGrain = 16;  // rows of one task: enough to outweigh its scratch memory
 
@@ -64,7 +64,7 @@ struct Blur {
 /// Reach of a filter: 3 standard deviations, given in pixels.
 int reach(double deviation) { return int(std::ceil(3.0 * deviation)); }
 
-int blur_reach() { return reach(std::sqrt(kWidestB / (2.0 * pi * pi)) * kPixelsPerDegree); }
+int blur_reach() { return reach(std::sqrt(kMaxB / (2.0 * pi * pi)) * kPixelsPerDegree); }
 
 /// Weights at 0 to `radius`, divided by the sum over both sides.
 Kernel even_kernel(const std::vector<double>& weights) {

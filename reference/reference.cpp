@@ -6,10 +6,10 @@ namespace umbrage {
 namespace {
 
 constexpr int kSamples = 64;
-constexpr double kMostSeed = 1e6;
+constexpr double kMaxSeed = 1e6;
 
 const std::vector<Parameter> kTable = {
-    int_row("samples", &ReferenceParams::samples, {.initial = kSamples, .min = 1, .max = kMostSamples},
+    int_row("samples", &ReferenceParams::samples, {.initial = kSamples, .min = 1, .max = kMaxSamples},
             "rays per pixel"),
     radius_row("radius", &ReferenceParams::radius,
                "what lies farther away does not occlude; a share is of the scene's radius, 200% the whole scene"),
@@ -28,7 +28,7 @@ const std::vector<Parameter> kTable = {
     real_row("sun_angle", &ReferenceParams::sun_angle_deg,
              {.max = 90, .unit = "deg", .zero_means = "as the light has it"},
              "what a parallel light's disc spans in the sky: the larger, the softer its shadow"),
-    int_row("seed", &ReferenceParams::seed, {.max = kMostSeed}, "another one gives other, equally good noise"),
+    int_row("seed", &ReferenceParams::seed, {.max = kMaxSeed}, "another one gives other, equally good noise"),
 };
 
 }  // namespace

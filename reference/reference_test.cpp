@@ -950,10 +950,10 @@ TEST(Sampler, EveryElementaryBoxHoldsOnePoint) {
 
 TEST(Sampler, PointsLieInsideTheSquare) {
   // A point on its rim would be a direction along the surface, which is neither open nor closed.
-  const SampleTable table = sample_table(kMostSamples);
+  const SampleTable table = sample_table(kMaxSamples);
   float low = 1.0f, high = 0.0f;
   for (unsigned seed = 0; seed < 4000; ++seed)
-    for (int i = 0; i < kMostSamples; i += 2) {
+    for (int i = 0; i < kMaxSamples; i += 2) {
       const glm::vec2 p = sample_point(table, i, seed);
       low = std::min({low, p.x, p.y});
       high = std::max({high, p.x, p.y});
@@ -1043,7 +1043,7 @@ Camera solids_camera(const Scene& scene, float scale = 1.0f) {
 }
 
 /// By how much the variance may fall at least when samples double: by half, and what measuring it adds.
-constexpr double kLeastGain = 0.55;
+constexpr double kMinGain = 0.55;
 
 TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
   const Stage stage = stage_of(small_solids());
@@ -1061,7 +1061,7 @@ TEST(Reference, DoublingSamplesHalvesTheVarianceOfOcclusion) {
   Spread last = first;
   for (const int samples : {32, 64, 128}) {
     const Spread next = spread(samples, 8);
-    EXPECT_LE(next.variance / last.variance, kLeastGain) << samples << " samples";
+    EXPECT_LE(next.variance / last.variance, kMinGain) << samples << " samples";
     expect_same_mean(next, first, fmt::format("{} samples", samples));
     last = next;
   }
@@ -1082,7 +1082,7 @@ void expect_light_converges(const Stage& stage, const PictureInfo& info, const c
   Spread last = first;
   for (const int samples : {32, 64, 128, 256}) {
     const Spread next = spread(samples);
-    EXPECT_LE(next.variance / last.variance, kLeastGain) << name << ", " << samples << " samples";
+    EXPECT_LE(next.variance / last.variance, kMinGain) << name << ", " << samples << " samples";
     expect_same_mean(next, first, fmt::format("{}, {} samples", name, samples));
     last = next;
   }
@@ -1115,7 +1115,7 @@ TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
 TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
   const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
   const PictureInfo info = stage.info(from_above(0.8f, 0.8f, {0.9f, 0}), 8, 8);
-  for (const auto& [samples, most] : {std::pair{64, 0.06}, {kMostSamples, 3e-3}}) {
+  for (const auto& [samples, most] : {std::pair{64, 0.06}, {kMaxSamples, 3e-3}}) {
     const Image image = occlusion(stage, info, {.samples = samples, .radius = 1.3f});
     for_each_pixel(info, [&](int x, int y) {
       EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - on_floor(ray_of(info, x, y)).x) / 1.3), most);

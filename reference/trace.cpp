@@ -157,7 +157,7 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
   for (const Light& light : info.lights) {
     TracedLight out{.color = light.color};
     const bool head = light.kind == LightKind::kHead, points = settings.captured_shadows;
-    if (points) out.throws_shadow = light.casts_shadow && !head && int(lights.size()) < kMostShadows;
+    if (points) out.throws_shadow = light.casts_shadow && !head && int(lights.size()) < kMaxShadows;
     out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
     if (head) {
       out.where = out.point ? rays.eye : rays.world_from_view[2];
@@ -332,7 +332,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
 Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info, const OcclusionSettings& settings,
                               const TraceControl& control) {
   check_less(0, settings.samples, "samples of the reference");
-  check_less(settings.samples, kMostSamples + 1, "samples of the reference");
+  check_less(settings.samples, kMaxSamples + 1, "samples of the reference");
   Image image =
       filled_image(info, {{"ao", 1.0f}, {"bent_normal.x", 0.0f}, {"bent_normal.y", 0.0f}, {"bent_normal.z", 0.0f}});
   Plane& ao = image.plane("ao");
@@ -382,7 +382,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
 Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, const LightSettings& settings,
                           const TraceControl& control) {
   check_less(0, settings.samples, "samples of the reference");
-  check_less(settings.samples, kMostSamples + 1, "samples of the reference");
+  check_less(settings.samples, kMaxSamples + 1, "samples of the reference");
   Image image(info.width, info.height);
   for (const char* name : {"direct.r", "direct.g", "direct.b", "shadow"})
     if (settings.direct) image.add(name) = Plane(info.width, info.height, name[0] == 's' ? 1.0f : 0.0f);

@@ -11,7 +11,7 @@
 
 namespace umbrage {
 
-inline constexpr int kMostSamples = 4096;
+inline constexpr int kMaxSamples = 4096;
 
 /// How much an occluder at distance t counts.
 enum class Falloff {
@@ -27,7 +27,7 @@ enum class HemisphereNormal {
 };
 
 struct OcclusionSettings {
-  int samples = 64;                                       ///< rays per pixel, 1 to kMostSamples
+  int samples = 64;                                       ///< rays per pixel, 1 to kMaxSamples
   float radius = std::numeric_limits<float>::infinity();  ///< scene units, above 0
   Falloff falloff = Falloff::kNone;
   HemisphereNormal normal = HemisphereNormal::kTriangle;

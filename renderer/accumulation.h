@@ -9,7 +9,7 @@
 
 namespace umbrage {
 
-inline constexpr int kMostFrames = 256;
+inline constexpr int kMaxFrames = 256;
 
 /// Where frame `frame` of `count` samples its pixels, from their centres, in pixels: well spread over (-0.5, 0.5)^2,
 /// the mean 0 for 3 frames and more. Frame 0 has the centres. Based on [Roberts 2018], R2.

@@ -240,14 +240,14 @@ Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double 
   BandSizes plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
   const bool traced = find_named(handed_in(), recipe.occlusion);
-  const bool fits = width * height * layers <= double(kMostPixels);
+  const bool fits = width * height * layers <= double(kMaxPixels);
   if (fits && plan.bytes <= memory) return plan;
   if (!device.draws_bands() || traced) {
     if (fits) return plan;
     return usage_error(
         "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in bands, but not {}",
         layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, layers == 1 ? "is" : "are",
-        kMostPixels,
+        kMaxPixels,
         traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
   }
   const double fixed = kFixed + (count.far + count.averaged) * kBytes * width * height;

@@ -16,7 +16,7 @@ struct BandSizes {
   double bytes = 0.0;  ///< that drawing takes, about
 };
 
-/// How to draw such a picture with about so many bytes: whole where they suffice and it has no more than kMostPixels,
+/// How to draw such a picture with about so many bytes: whole where they suffice and it has no more than kMaxPixels,
 /// else in bands, of the fewest rows if not even these do. Devices that draw no bands, and techniques that trace the
 /// scene, draw it whole. Errors: kUsage where it is too large for that.
 Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double memory);

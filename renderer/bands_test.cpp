@@ -23,7 +23,7 @@ Image drawn(const Request& settings, int rows, const std::vector<std::string>& p
   if (!scenes.count(model)) scenes[model] = *load_scene(model);
   Scene scene = scenes[model];
   const auto device = make_cpu_device({.threads = threads});
-  auto recipe = make_recipe(settings, kMostBandPixels);
+  auto recipe = make_recipe(settings, kMaxBandPixels);
   EXPECT_TRUE(recipe) << recipe.error().message;
   if (alone) keep_passes_alone(*recipe);
   furnish(scene, *recipe);
@@ -203,7 +203,7 @@ TEST(Bands, ArePlannedWhereMemoryIsShort) {
   const auto device = make_cpu_device();
   Request settings = of_look("studio", 1024, 1024);
   const auto planned = [&](double memory) {
-    return plan_bands(*device, *make_recipe(settings, kMostBandPixels), memory);
+    return plan_bands(*device, *make_recipe(settings, kMaxBandPixels), memory);
   };
   EXPECT_EQ(planned(6e9)->rows, 0);
   EXPECT_GT(planned(3e8)->rows, 0);
@@ -216,7 +216,7 @@ TEST(Bands, ArePlannedWhereMemoryIsShort) {
   // Much memory does not make a picture one that can be drawn whole.
   EXPECT_GT(planned(1e12)->rows, 0);
   settings.passes = {"depth", "ao"};
-  EXPECT_TRUE(make_recipe(settings, kMostBandPixels));
+  EXPECT_TRUE(make_recipe(settings, kMaxBandPixels));
   settings.occlusion = "reference";
   EXPECT_EQ(planned(6e9).error().kind, ErrorKind::kUsage);
 }

@@ -44,9 +44,9 @@ Result<Panorama> read_own_format(const std::filesystem::path& file) {
   if (image->planes.size() == 1) planes.fill(&image->planes[0]);
   for (const Plane* plane : planes)
     if (!plane) return file_error("'{}' has no channels R, G and B: it cannot light a scene", file.string());
-  if (std::int64_t(image->width) * image->height > kMostPanoramaPixels)
+  if (std::int64_t(image->width) * image->height > kMaxPanoramaPixels)
     return file_error("'{}' has {} x {} pixels, more than an image that lights a scene can have ({})", file.string(),
-                      image->width, image->height, kMostPanoramaPixels);
+                      image->width, image->height, kMaxPanoramaPixels);
   std::int64_t size = 0;
   char start[8] = {};
   if (const auto stream = open_to_read(file, size))
@@ -88,7 +88,7 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& mo
         fmt::format("'{}' is {} x {} pixels; an image of all directions is twice as wide as it is high, and "
                     "this one is stretched to that",
                     hdri.file, read->width, read->height));
-  Panorama panorama = reduced_panorama(*read, kWidestPanorama, kHighestPanorama);
+  Panorama panorama = reduced_panorama(*read, kMaxPanoramaWidth, kMaxPanoramaHeight);
   if (hdri.ambient && std::all_of(panorama.rgb.begin(), panorama.rgb.end(), [](float v) { return v == 0.0f; }))
     warnings.push_back(fmt::format("'{}' is all black, and gives no light", hdri.file));
   hdri.panorama = std::make_shared<const Panorama>(std::move(panorama));

@@ -229,12 +229,12 @@ TEST(Environment, PartsWhatIsApart) {
   const EnvironmentLight strip = environment_light(
       panorama_of(512, 256, [](dvec3 d) { return std::abs(d.z) < 0.03 && d.x > 0.0 ? dvec3(10.0) : dvec3(0.0); }));
   EXPECT_GE(strip.lights.size(), 3u);
-  EXPECT_LE(strip.lights.size(), std::size_t(kMostEnvironmentLights));
+  EXPECT_LE(strip.lights.size(), std::size_t(kMaxEnvironmentLights));
   std::mt19937 random(1);
   Panorama noise = panorama_of(
       256, 128, [](dvec3) { return dvec3(0.1); }, 1);
   for (int k = 0; k < 500; ++k) noise.rgb[random() % noise.rgb.size()] = 300.0f;
-  EXPECT_LE(environment_light(noise).lights.size(), std::size_t(kMostEnvironmentLights));
+  EXPECT_LE(environment_light(noise).lights.size(), std::size_t(kMaxEnvironmentLights));
 }
 
 TEST(Environment, OddPixelsHaveDefinedResults) {

@@ -24,8 +24,8 @@ Lens lens_of(const Request& request) {
 
 Result<void> check_lens(const Lens& lens) {
   for (const int side : {lens.width, lens.height})
-    if (side < 1 || side > kLargestSide)
-      return usage_error("a G-buffer cannot be {} pixels wide or high: 1 to {} can", side, kLargestSide);
+    if (side < 1 || side > kMaxSide)
+      return usage_error("a G-buffer cannot be {} pixels wide or high: 1 to {} can", side, kMaxSide);
   const bool planes = has_planes(lens.depth_kind);
   if (planes && !(lens.near_plane > 0.0f && std::isfinite(lens.near_plane) && lens.far_plane > lens.near_plane))
     return usage_error("`near_plane` {} and `far_plane` {} cannot be: 0 < near_plane < far_plane can", lens.near_plane,

@@ -233,7 +233,7 @@ Interval interval_of(const Option& option) {
 
 Result<void> set_option(const Option& option, std::string_view text, Request& request) {
   if (option.form == OptionForm::kSize) {
-    const auto size = parse_size(option.field, text, kMostBandPixels);
+    const auto size = parse_size(option.field, text, kMaxBandPixels);
     if (!size) return size.error();
     std::tie(request.width, request.height) = *size;
     return {};
@@ -279,12 +279,12 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
   const auto side = [&](std::string_view number) {
     int pixels = 0;
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), pixels);
-    return error == std::errc() && end == number.data() + number.size() && pixels <= kLargestSide ? pixels : 0;
+    return error == std::errc() && end == number.data() + number.size() && pixels <= kMaxSide ? pixels : 0;
   };
   const int width = side(text.substr(0, part)), height = part == text.npos ? 0 : side(text.substr(part + 1));
   if (width >= 1 && height >= 1 && long(width) * height <= most_pixels) return std::pair(width, height);
   return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, together at most {}", field, text,
-                     kLargestSide, std::min(most_pixels, long(kLargestSide) * kLargestSide));
+                     kMaxSide, std::min(most_pixels, long(kMaxSide) * kMaxSide));
 }
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {

@@ -106,8 +106,8 @@ Result<int> parse_scale(std::string_view field, std::string_view text);
 
 /// The largest picture, and how many pixels, of all layers together, may be held at once: more need more memory than
 /// most machines have (64 million take 8 GB and more). See renderer/bands.h for larger pictures.
-inline constexpr int kLargestSide = 16384;
-inline constexpr long kMostPixels = 8192L * 8192L;
-inline constexpr long kMostBandPixels = 2L * kLargestSide * kLargestSide;
+inline constexpr int kMaxSide = 16384;
+inline constexpr long kMaxPixels = 8192L * 8192L;
+inline constexpr long kMaxBandPixels = 2L * kMaxSide * kMaxSide;
 
 }  // namespace umbrage

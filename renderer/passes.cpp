@@ -16,7 +16,7 @@ constexpr std::string_view kAll = "all";
 
 /// The layers that a picture must have for a pass, where they are all that it lacks, or 0.
 int layers_for(std::string_view pass, std::span<const std::string> names) {
-  for (int layer = 1; layer < kMostLayers; ++layer) {
+  for (int layer = 1; layer < kMaxLayers; ++layer) {
     const std::string start = layer_plane(layer, "");
     if (!pass.starts_with(start)) continue;
     return std::find(names.begin(), names.end(), pass.substr(start.size())) != names.end() ? layer + 1 : 0;
@@ -73,7 +73,7 @@ const std::vector<std::string>& known_planes() {
     for (const char* color : {"albedo", "emission"})
       for (const char* channel : {".r", ".g", ".b"}) names.insert(std::string(color) + channel);
     for (const char* channel : {".x", ".y", ".z"}) names.insert(std::string("normal") + channel);
-    for (int light = 0; light < kMostShadows; ++light) names.insert(shadow_plane(light));
+    for (int light = 0; light < kMaxShadows; ++light) names.insert(shadow_plane(light));
     for (const Effect* effect : every_effect())
       for (const Pass& pass : effect->passes)
         for (const auto& planes : {pass.inputs, pass.outputs})
@@ -98,7 +98,7 @@ namespace {
 std::vector<std::string> captured_passes() {
   std::vector<std::string> captured = {"depth",     "normal",    "albedo",      "specular",
                                        "shininess", "object_id", "material_id", "emission"};
-  for (int light = 0; light < kMostShadows; ++light) captured.push_back(shadow_plane(light));
+  for (int light = 0; light < kMaxShadows; ++light) captured.push_back(shadow_plane(light));
   return captured;
 }
 
@@ -153,7 +153,7 @@ Result<void> take_passes(const Request& request, Recipe& recipe) {
   const bool all = words.size() == 1 && words[0] == kAll;
   recipe.passes = words;
   recipe.averaged = averaged_passes(words);
-  for (int light = 0; light < kMostShadows; ++light)
+  for (int light = 0; light < kMaxShadows; ++light)
     if (std::any_of(words.begin(), words.end(), [&](const std::string& word) {
           return word == kAll || word == shadow_plane(light) || word.ends_with("." + shadow_plane(light));
         }))
@@ -225,7 +225,7 @@ void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides
     for (const Pass& pass : effect->passes)
       for (const std::string_view plane : pass.inputs) captured.emplace_back(of_first_layer(plane));
   int shadows = 0;
-  for (int light = 0; light < kMostShadows; ++light)
+  for (int light = 0; light < kMaxShadows; ++light)
     for (const std::string& pass : recipe.passes)
       if (pass_of(of_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
   recipe.capture.shadows = std::min(recipe.capture.shadows, std::max(shadows, shadows_read(recipe, steps)));

@@ -205,7 +205,7 @@ Camera begin_frame(Plan& plan, int frame) {
   plan.capture.sample = frame;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
-    set_whole(*noise, (plan.first_noise + frame) % kMostFrames, params_of(recipe.settings, recipe.occlusion));
+    set_whole(*noise, (plan.first_noise + frame) % kMaxFrames, params_of(recipe.settings, recipe.occlusion));
   return shifted_camera(plan.camera, frame_offset(frame, recipe.frames), recipe.width, recipe.height);
 }
 

@@ -125,7 +125,7 @@ Result<Look> look_of(const std::vector<std::string>& names) {
 
 /// A recipe of effects alone: nothing of a look. Errors: kUsage.
 Result<Recipe> recipe_of_effects(const Request& request) {
-  if (auto fine = check_request(request, kMostPixels); !fine) return fine.error();
+  if (auto fine = check_request(request, kMaxPixels); !fine) return fine.error();
   if (const auto known = require_named("look", looks(), request.look); !known) return known.error();
   auto look = look_of(request.effects);
   if (!look) return look.error();
@@ -164,7 +164,7 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
     if (strength && real_value(*strength, params) == 0.0f) continue;
     if (find_parameter(*effect, "rig") && !by_scene_lights(*effect, recipe.settings)) continue;
     for (const Pass& pass : effect->passes)
-      for (int light = wanted; light < kMostShadows; ++light)
+      for (int light = wanted; light < kMaxShadows; ++light)
         if (std::find(pass.inputs.begin(), pass.inputs.end(), shadow_plane(light)) != pass.inputs.end())
           wanted = light + 1;
   }
@@ -210,7 +210,7 @@ Framing framing_of(const CameraSettings& camera) {
 
 Result<ImportSettings> import_settings(const Request& request) {
   ImportSettings settings;
-  if (auto fine = check_request(request, kMostBandPixels); !fine) return fine.error();
+  if (auto fine = check_request(request, kMaxBandPixels); !fine) return fine.error();
   if (request.up) settings.up = glm::normalize(vector_of(*request.up));
   settings.scene_index = request.scene_index;
   if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);

@@ -57,7 +57,7 @@ std::span<const Effect* const> handed_in();
 std::vector<const Effect*> every_effect();
 
 /// Errors: kUsage, also for a picture of more than `most_pixels`, all layers and its guard band included.
-Result<Recipe> make_recipe(const Request& request, long most_pixels = kMostPixels);
+Result<Recipe> make_recipe(const Request& request, long most_pixels = kMaxPixels);
 
 /// Of what another renderer drew: one frame, of a look or of effects in its place, without lights and framing.
 Result<Recipe> make_shading_recipe(const Request& request);
@@ -71,7 +71,7 @@ Result<ImportSettings> import_settings(const Request& request);
 
 /// What the device is to capture for a look. Errors: kUsage for too many layers or pixels.
 Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows,
-                                         long most_pixels = kMostPixels);
+                                         long most_pixels = kMaxPixels);
 
 /// Every effect's own settings with these assignments, "effect.parameter=value", applied. Errors: kUsage.
 Result<EffectSettings> effect_settings(std::span<const std::string> assignments);

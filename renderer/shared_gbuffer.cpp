@@ -297,8 +297,8 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
     if (auto fine = check_image(lens, images, named); !fine) return fine.error();
     layers = std::max(layers, layer_of_plane(named.name) + 1);
   }
-  if (layers > kMostMixedLayers)
-    return usage_error("there are {} layers: at most {} can be shaded", layers, kMostMixedLayers);
+  if (layers > kMaxMixedLayers)
+    return usage_error("there are {} layers: at most {} can be shaded", layers, kMaxMixedLayers);
   for (int layer = 0; layer < layers; ++layer) {
     const std::string depth = layer_plane(layer, "depth");
     if (std::none_of(images.begin(), images.end(), [&](const NamedImage& named) { return named.name == depth; }))

@@ -25,16 +25,16 @@ double luminance(const dvec3& color) { return glm::dot(color, dvec3(0.2126, 0.71
 
 /// What is summed has at least, and at most, so many pixels: small enough for sums over their centres, and a sixth of a
 /// degree, a third of the sun's disc.
-constexpr int kLeastWidth = 512, kLeastHeight = 256, kMostWidth = 2048, kMostHeight = 1024;
+constexpr int kMinWidth = 512, kMinHeight = 256, kMaxWidth = 2048, kMaxHeight = 1024;
 
 // ---- which parts of it are lights
 
-constexpr double kBright = 4.0;           // of the mean luminance over all directions: what shines
-constexpr double kFaint = 0.02;           // of all light: a part that has less is no light of its own
-constexpr double kApart = 0.4;            // of a part's variance, at most what is left where it falls in two
-constexpr double kNarrowDeg = 2.0;        // half the angle of a disc that is never parted
-constexpr double kWideDeg = 20.0;         // half the angle of one that always is
-constexpr float kWidestLightDeg = 90.0f;  // of a light's disc: its rays must not start from below the horizon
+constexpr double kBright = 4.0;        // of the mean luminance over all directions: what shines
+constexpr double kFaint = 0.02;        // of all light: a part that has less is no light of its own
+constexpr double kApart = 0.4;         // of a part's variance, at most what is left where it falls in two
+constexpr double kNarrowDeg = 2.0;     // half the angle of a disc that is never parted
+constexpr double kWideDeg = 20.0;      // half the angle of one that always is
+constexpr float kMaxLightDeg = 90.0f;  // of a light's disc: its rays must not start from below the horizon
 
 /// A pixel that shines, or a part of it that does.
 struct Cell {
@@ -125,7 +125,7 @@ std::vector<Part> parts_of(std::vector<Cell> cells) {
     Part part = std::move(*widest);
     parts.erase(widest);
     std::array<Part, 2> halves;
-    const bool room = parts.size() + done.size() + 2 <= std::size_t(kMostEnvironmentLights);
+    const bool room = parts.size() + done.size() + 2 <= std::size_t(kMaxEnvironmentLights);
     if (room && part.half_angle() > narrow) {
       const double left = parted(part, halves);
       if (left < kApart || (left < 1.0 && part.half_angle() > wide)) {
@@ -153,7 +153,7 @@ Light light_of(const Part& part) {
   for (int c = 0; c < 3; ++c) light.color[c] = float(std::max(glm::dot(vectors[c], direction), 0.0) / kPi);
   const double solid_angle = part.weight * part.weight / squares;
   const double half = 2.0 * std::asin(std::min(1.0, std::sqrt(solid_angle / (4.0 * kPi))));
-  light.angle_deg = std::min(float(glm::degrees(2.0 * half)), kWidestLightDeg);
+  light.angle_deg = std::min(float(glm::degrees(2.0 * half)), kMaxLightDeg);
   light.casts_shadow = true;
   return light;
 }
@@ -245,7 +245,7 @@ glm::vec3 Panorama::at(int x, int y) const {
 }
 
 std::size_t clean_panorama(Panorama& panorama) {
-  constexpr float kLargestHalf = 65504.0f;
+  constexpr float kMaxHalf = 65504.0f;
   std::size_t changed = 0;
   for (std::size_t p = 0; p + 2 < panorama.rgb.size(); p += 3) {
     bool other = false;
@@ -253,7 +253,7 @@ std::size_t clean_panorama(Panorama& panorama) {
       float& v = panorama.rgb[k];
       if (v >= 0.0f && v <= kBrightestSky) continue;
       other = true;
-      v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kLargestHalf : kBrightestSky;
+      v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kMaxHalf : kBrightestSky;
     }
     changed += other;
   }
@@ -346,8 +346,8 @@ glm::vec3 panorama_radiance(const Panorama& panorama, glm::vec3 direction) {
 
 EnvironmentLight environment_light(const Panorama& panorama) {
   EnvironmentLight out;
-  const Panorama image = resampled(panorama, std::clamp(panorama.width, kLeastWidth, kMostWidth),
-                                   std::clamp(panorama.height, kLeastHeight, kMostHeight));
+  const Panorama image = resampled(panorama, std::clamp(panorama.width, kMinWidth, kMaxWidth),
+                                   std::clamp(panorama.height, kMinHeight, kMaxHeight));
   const auto solid = solid_angles(image.width, image.height);
   const Directions directions(image.width, image.height);
   const auto each = [&](const auto& visit) {

@@ -51,7 +51,7 @@ struct EnvironmentLight {
   float brightest = 0.0f;
 };
 
-inline constexpr int kMostEnvironmentLights = 6;
+inline constexpr int kMaxEnvironmentLights = 6;
 
 /// Parts a panorama into lights and ambient light, so that nothing is lost: all spherical harmonics up to the second
 /// degree, which are nearly all that a matt surface shows [Ramamoorthi and Hanrahan 2001], are those of the panorama.

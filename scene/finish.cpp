@@ -25,16 +25,15 @@ constexpr Index kNone = std::numeric_limits<Index>::max();
 constexpr double kDegenerate = 1e-7;
 
 /// Squares of lengths above this are infinite in a float; coordinates beyond it count as not finite.
-constexpr float kLargestCoordinate = 1e15f;
+constexpr float kMaxCoordinate = 1e15f;
 
 /// A normal of a file shorter than this is taken for missing.
-constexpr float kShortestNormal = 1e-12f;
+constexpr float kMinNormalLength = 1e-12f;
 
 constexpr glm::vec3 kAnyNormal{0.0f, 1.0f, 0.0f};
 
 bool usable(const glm::vec3& p) {
-  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
-         std::abs(p.z) <= kLargestCoordinate;
+  return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate && std::abs(p.z) <= kMaxCoordinate;
 }
 
 struct Face {
@@ -137,11 +136,11 @@ struct CornerGroups {
     std::sort(spokes.begin(), spokes.end(), [](const Spoke& a, const Spoke& b) {
       return a.neighbor != b.neighbor ? a.neighbor < b.neighbor : a.corner < b.corner;
     });
-    constexpr std::size_t kMostFacesCompared = 8;  // bounds the work where thousands of faces share one edge
+    constexpr std::size_t kMaxFacesCompared = 8;  // bounds the work where thousands of faces share one edge
     std::size_t run = 0;
     for (std::size_t i = 1; i < spokes.size(); ++i) {
       if (spokes[i].neighbor != spokes[run].neighbor) run = i;
-      for (std::size_t j = std::max(run, i - std::min(i, kMostFacesCompared)); j < i; ++j) {
+      for (std::size_t j = std::max(run, i - std::min(i, kMaxFacesCompared)); j < i; ++j) {
         const Index a = spokes[i].corner, b = spokes[j].corner;
         if (glm::dot(faces[corners[a] / 3].normal, faces[corners[b] / 3].normal) < crease_cos) continue;
         const Index root_a = root(a), root_b = root(b);
@@ -198,7 +197,7 @@ bool repair_normals(Mesh& mesh) {
   for (Index v = 0; v < mesh.normals.size(); ++v) {
     const glm::dvec3 normal(mesh.normals[v]);
     const double length = glm::length(normal);
-    if (length > kShortestNormal && std::isfinite(length)) {
+    if (length > kMinNormalLength && std::isfinite(length)) {
       mesh.normals[v] = glm::vec3(normal / length);
     } else {
       bad.push_back(v);
@@ -219,7 +218,7 @@ bool repair_normals(Mesh& mesh) {
   }
   for (Index v : bad) {
     const float length = glm::length(mesh.normals[v]);
-    mesh.normals[v] = length > kShortestNormal ? mesh.normals[v] / length : kAnyNormal;
+    mesh.normals[v] = length > kMinNormalLength ? mesh.normals[v] / length : kAnyNormal;
   }
   return true;
 }
@@ -329,11 +328,11 @@ class VertexMaker {
     glm::vec3 sum(0.0f);
     for (const Index corner : corners) sum += faces_[corner / 3].angle[corner % 3] * faces_[corner / 3].normal;
     float length = glm::length(sum);
-    for (std::size_t i = 0; i < corners.size() && !(length > kShortestNormal); ++i) {
+    for (std::size_t i = 0; i < corners.size() && !(length > kMinNormalLength); ++i) {
       sum = faces_[corners[i] / 3].normal;
       length = glm::length(sum);
     }
-    return length > kShortestNormal ? sum / length : kAnyNormal;
+    return length > kMinNormalLength ? sum / length : kAnyNormal;
   }
 
   const Mesh& mesh_;

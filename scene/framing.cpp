@@ -20,7 +20,7 @@ constexpr float kElevationDeg = 20.0f;      ///< above the horizon
 constexpr float kFlatElevationDeg = 45.0f;  ///< for scenes that lie flat, which from 20 degrees are a thin strip
 constexpr float kFlat = 0.3f;               ///< height over width below which the camera begins to rise
 constexpr float kViewAngleDeg = 30.0f;      ///< vertical; narrow enough to keep shapes true
-constexpr float kLeastAngleDeg = 0.01f, kMostAngleDeg = 175.0f;
+constexpr float kMinAngleDeg = 0.01f, kMaxAngleDeg = 175.0f;
 constexpr float kNearest = 0.02f;  ///< least distance from eye to scene, as a share of its radius
 
 bool is_direction(const glm::vec3& v) {
@@ -232,7 +232,7 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
   const glm::vec3 up =
       unit_or(framing.view_up, by_view && is_direction(scene.views[0].up) ? scene.views[0].up : scene.up);
   const float wished_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
-  const float angle_deg = std::clamp(wished_angle, kLeastAngleDeg, kMostAngleDeg);
+  const float angle_deg = std::clamp(wished_angle, kMinAngleDeg, kMaxAngleDeg);
   if (by_view) {
     const View& view = scene.views[0];
     return placed(view.eye, view.target, up, angle_deg, aspect, framing, view.height);

@@ -125,9 +125,9 @@ bool lacks_ground(const Scene& scene) {
   constexpr float kLow = 0.12f;     // share of the width within which a slab's top lies over the bottom
   constexpr float kLevel = 0.9f;    // cosine of a slope that one stands on
   // How much of the plan a slab may fill at most: a round one fills 0.79 of its square, less what stands on it.
-  constexpr float kMostOfPlan = 0.4f;
-  constexpr float kMostValley = 0.2f;      // the same of the low land between hills
-  constexpr float kMostUnderRoofs = 0.5f;  // of hills: trees are roofs
+  constexpr float kMaxPlanShare = 0.4f;
+  constexpr float kMaxValley = 0.2f;      // the same of the low land between hills
+  constexpr float kMaxUnderRoofs = 0.5f;  // of hills: trees are roofs
   if (scene.meshes.empty()) return false;
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
@@ -149,14 +149,14 @@ bool lacks_ground(const Scene& scene) {
   const bool filled = seen.share(extent.most.y, 0.0f) > kFilled;
   if (filled && size.y < kFlat * width) return false;
   // Hills: what is low is a valley, not a floor under a roof.
-  const bool hills = filled && seen.share_under_roofs(kLow * width) < kMostUnderRoofs;
-  return seen.share(extent.least.y + kLow * width, kLevel) <= (hills ? kMostValley : kMostOfPlan);
+  const bool hills = filled && seen.share_under_roofs(kLow * width) < kMaxUnderRoofs;
+  return seen.share(extent.least.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanShare);
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   constexpr int kCorners = 96;
   constexpr float kUsual = 3.0f;  // radii of the model: its shadow ends before
-  constexpr float kWidest = 16.0f;
+  constexpr float kMaxWidth = 16.0f;
   constexpr float kBelow = 1e-4f;  // of the radius: faces that lie on the ground stay in front of it
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
@@ -164,7 +164,7 @@ void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   float wide = kUsual;
   if (lowest_light_deg) {
     const float longest = 4.0f / std::tan(glm::radians(std::clamp(*lowest_light_deg, 1.0f, 90.0f)));
-    wide = std::clamp(kUsual + longest, kUsual, kWidest);
+    wide = std::clamp(kUsual + longest, kUsual, kMaxWidth);
     scene.ground_fades = wide * radius;
   }
   const float height = extent.least.y - kBelow * radius;

@@ -21,12 +21,12 @@
 namespace umbrage {
 namespace {
 
-constexpr int kNeighbors = 12;  // enough for a plane through noise, few enough to stay on one side of a wall
-constexpr float kLargestCoordinate = 1e15f;  // as for triangles
-constexpr float kShortestNormal = 1e-12f;
+constexpr int kNeighbors = 12;           // enough for a plane through noise, few enough to stay on one side of a wall
+constexpr float kMaxCoordinate = 1e15f;  // as for triangles
+constexpr float kMinNormalLength = 1e-12f;
 // In units of the spacing: how far a hole may reach that is none of the surface's, and the widest disc. A few pinholes
 // are better than plates.
-constexpr double kWidestHole = 2.5, kWidestDisc = 1.5;
+constexpr double kMaxHoleWidth = 2.5, kMaxDisc = 1.5;
 // At the rim of a surface, beyond which there are no neighbours, a disc is so wide, in units of the mean distance of so
 // many that there are.
 constexpr double kRimRadius = 0.75;
@@ -34,8 +34,8 @@ constexpr int kAtRim = 3;
 constexpr float kSlack = 1.05f;        // of a disc: those of a curved surface are tilted against each other
 constexpr float kSphereRadius = 0.5f;  // in units of the spacing: spheres on a grid touch
 // A lonely point has no neighbour to measure by: no disc is larger than so many times what nine of ten stay below.
-constexpr float kLargestOfMost = 3.0f;
-constexpr double kMost = 0.9;
+constexpr float kMaxRatioToQuantile = 3.0f;
+constexpr double kMax = 0.9;
 // Points lie on surfaces where the neighbours of the median one spread so little along their normal, as a share of
 // their whole variance: 1/3 would be a cloud, 0 a plane.
 constexpr float kFlat = 0.06f;
@@ -46,11 +46,10 @@ struct Placed {
 };
 
 bool usable(const glm::vec3& p) {
-  return std::abs(p.x) <= kLargestCoordinate && std::abs(p.y) <= kLargestCoordinate &&
-         std::abs(p.z) <= kLargestCoordinate;
+  return std::abs(p.x) <= kMaxCoordinate && std::abs(p.y) <= kMaxCoordinate && std::abs(p.z) <= kMaxCoordinate;
 }
 
-bool usable(float radius) { return radius > 0.0f && radius <= kLargestCoordinate; }
+bool usable(float radius) { return radius > 0.0f && radius <= kMaxCoordinate; }
 
 /// Orders points as a balanced tree: the middle of each range divides it along the axis in which it is widest.
 struct Tree {
@@ -192,9 +191,9 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
   struct Corner {
     double x, y;
   };
-  constexpr int kMostCorners = 4 + kNeighbors;
-  std::array<Corner, kMostCorners> cell, cut;
-  const double side = kWidestHole * spacing;
+  constexpr int kMaxCorners = 4 + kNeighbors;
+  std::array<Corner, kMaxCorners> cell, cut;
+  const double side = kMaxHoleWidth * spacing;
   cell[0] = {-side, -side}, cell[1] = {side, -side}, cell[2] = {side, side}, cell[3] = {-side, side};
   int corners = 4;
   for (int k = 0; k < count; ++k) {
@@ -224,7 +223,7 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
     const bool open = std::max(std::abs(c.x), std::abs(c.y)) >= side * (1.0 - 1e-9);
     furthest = std::max(furthest, open ? rim : std::hypot(c.x, c.y));
   }
-  return std::min(furthest, kWidestDisc * spacing);
+  return std::min(furthest, kMaxDisc * spacing);
 }
 
 /// What a point's neighbours say.
@@ -310,7 +309,7 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     const glm::dvec3 normal(mesh.normals[i]);
     const double length = glm::length(normal);
-    if (length > kShortestNormal && std::isfinite(length))
+    if (length > kMinNormalLength && std::isfinite(length))
       mesh.normals[i] = glm::vec3(normal / length);
     else {
       mesh.normals[i] = glm::vec3(0.0f);
@@ -358,7 +357,7 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     return;
   }
   mesh.radii = std::move(around.cover);
-  const float most = kLargestOfMost * nth_of(mesh.radii, kMost);
+  const float most = kMaxRatioToQuantile * nth_of(mesh.radii, kMax);
   for (float& radius : mesh.radii) radius = kSlack * std::min(radius, most);
 }
 

@@ -37,7 +37,7 @@ std::vector<Run> runs(unsigned variants) {
   return all;
 }
 
-constexpr double kMostFlips = 1e-4;  // share of the pixels, of kernels that count or threshold
+constexpr double kMaxFlips = 1e-4;  // share of the pixels, of kernels that count or threshold
 
 /// Parameters of an effect, drawn from its table: variant 0 is what it has when nobody sets anything.
 ParameterBytes variant_of(const Effect& effect, unsigned variant) {
@@ -48,7 +48,7 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
     const unsigned r = test::hash(variant * 101u + unsigned(k));
     std::string text;
     // Windows of kernels that are scalar and plain are kept small; numbers near what people set.
-    constexpr double kLargestWindow = 21.0, kLargestNumber = 8.0;
+    constexpr double kMaxWindow = 21.0, kMaxNumber = 8.0;
     switch (row.type) {
       case ParameterType::kChoice:
         text = row.choices[r % row.choices.size()];
@@ -57,13 +57,13 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
         text = r % 2 ? "on" : "off";
         break;
       case ParameterType::kLength:
-        text = fmt::format("{}", 1 + r % int(std::min(kLargestWindow, row.most)));
+        text = fmt::format("{}", 1 + r % int(std::min(kMaxWindow, row.most)));
         break;
       case ParameterType::kInt:
         text = fmt::format("{}", row.least + r % int(std::min(row.most - row.least, 8.0) + 1));
         break;
       default: {
-        const double most = std::min(row.most, row.least + kLargestNumber);
+        const double most = std::min(row.most, row.least + kMaxNumber);
         text = fmt::format("{}", r % 4 == 0 ? row.initial : row.least + (most - row.least) * (r % 1000) / 999.0);
       }
     }
@@ -145,7 +145,7 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
         const std::string what = fmt::format("{} {} {} variant {} at {}x{}", effect.name, oracle.names[p], target,
                                              variant, size.width, size.height);
         if (effect.quantum > 0.0) {
-          EXPECT_LE(d.share_over, kMostFlips) << what;
+          EXPECT_LE(d.share_over, kMaxFlips) << what;
           EXPECT_LE(d.most, 2.0 * effect.quantum * scale) << what;
         } else {
           EXPECT_LE(d.most, 1e-4 * scale) << what;
@@ -207,7 +207,7 @@ TEST_P(Differential, HostileInputGivesDefinedOutput) {
 // A GPU rounds some functions otherwise: all but a thousandth of the pixels are within what the eye sees, or one
 // quantum.
 TEST_P(Differential, VulkanAgreesWithScalar) {
-  constexpr double kSeen = 2.0 / 255.0, kMostOver = 1e-3;
+  constexpr double kSeen = 2.0 / 255.0, kMaxOver = 1e-3;
   const Effect& effect = *GetParam();
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
@@ -221,8 +221,8 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
       const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
       const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
-      EXPECT_LE(d.share_over, kMostOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
-                                         << size.width << 'x' << size.height << ", most " << d.most;
+      EXPECT_LE(d.share_over, kMaxOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
+                                        << size.width << 'x' << size.height << ", most " << d.most;
     }
   }
 }
@@ -315,7 +315,7 @@ Image agreed_with_scalar(const char* name, const char* plane, const Size& size, 
     const Image image = outputs(effect, params, gbuffer, {});
     for (std::size_t p = 0; p < oracle.planes.size(); ++p) {
       const auto d = test::difference(oracle.planes[p], image.planes[p], 1e-4 * test::scale_of(oracle.planes[p]));
-      EXPECT_LE(d.share_over, kMostFlips) << oracle.names[p] << ' ' << target << " at " << size.height;
+      EXPECT_LE(d.share_over, kMaxFlips) << oracle.names[p] << ' ' << target << " at " << size.height;
     }
   }
   choose_isa("");

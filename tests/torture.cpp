@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLongestSeconds = 10.0, kMostMegabytes = 2000.0;
+constexpr double kMaxSeconds = 10.0, kMaxMegabytes = 2000.0;
 
 struct Counts {
   int tried = 0, refused = 0, read = 0, crashed = 0;
@@ -39,7 +39,7 @@ bool is_model(const fs::path& file) {
 
 /// What the child does. The processor time ends it where it does not end by itself.
 [[noreturn]] void run(const fs::path& file, const fs::path& output) {
-  const rlimit most{rlim_t(4 * kLongestSeconds), RLIM_INFINITY}, no_core{0, 0};
+  const rlimit most{rlim_t(4 * kMaxSeconds), RLIM_INFINITY}, no_core{0, 0};
   ::setrlimit(RLIMIT_CPU, &most);
   ::setrlimit(RLIMIT_CORE, &no_core);
   const int nowhere = ::open("/dev/null", O_RDWR);
@@ -67,7 +67,7 @@ void try_file(const fs::path& file, const fs::path& output, Counts& counts) {
   counts.megabytes = std::max(counts.megabytes, megabytes);
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   const bool whole = !is_model(file) || fs::exists(output, ignored) == (code == 0);
-  if ((code != 0 && code != 3) || !whole || seconds > kLongestSeconds || megabytes > kMostMegabytes) {
+  if ((code != 0 && code != 3) || !whole || seconds > kMaxSeconds || megabytes > kMaxMegabytes) {
     ++counts.crashed;
     std::printf("%s: exit code %d, %.1f s, %.0f MB%s\n", file.c_str(), code, seconds, megabytes,
                 whole ? "" : ", and its picture is not as its exit code says");

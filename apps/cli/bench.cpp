@@ -87,7 +87,7 @@ Result<BenchPlan> plan_of(const BenchOptions& o) {
     return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter",
                        plan.scale, o.effect);
   for (const std::string& text : o.sizes) {
-    const auto size = parse_size("width", text, kMostPixels);
+    const auto size = parse_size("width", text, kMaxPixels);
     if (!size) return size.error();
     plan.sizes.push_back(*size);
   }

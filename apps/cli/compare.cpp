@@ -26,9 +26,9 @@ struct CompareOptions : MeasureOptions {
 
 /// A setting as a column of the table holds it.
 std::string shown_setting(const std::string& setting) {
-  constexpr std::size_t kWidest = 27;
+  constexpr std::size_t kMaxWidth = 27;
   if (setting.empty()) return "(as the look has it)";
-  return setting.size() <= kWidest ? setting : setting.substr(0, kWidest - 2) + "..";
+  return setting.size() <= kMaxWidth ? setting : setting.substr(0, kMaxWidth - 2) + "..";
 }
 
 /// One line per technique and setting: means over all pictures of one size.
@@ -70,7 +70,7 @@ Result<void> run_compare(const CompareOptions& o) {
   settings.filter = o.filter;
   settings.sizes.clear();
   for (const std::string& text : o.sizes) {
-    const auto size = parse_size("width", text, kMostPixels);
+    const auto size = parse_size("width", text, kMaxPixels);
     if (!size) return size.error();
     settings.sizes.push_back(*size);
   }

@@ -22,11 +22,11 @@ Result<FrameNames> frame_names(const std::string& output) {
     }
     const std::size_t end = output.find_first_not_of("0123456789", at + 1);
     const std::string width = output.substr(at + 1, end == std::string::npos ? std::string::npos : end - at - 1);
-    constexpr int kMostDigits = 9;
+    constexpr int kMaxDigits = 9;
     if (end == std::string::npos || output[end] != 'd' || numbered || (!width.empty() && width[0] != '0'))
       return wrong();
     if (!width.empty() && (std::from_chars(width.data(), width.data() + width.size(), names.digits).ec != std::errc() ||
-                           names.digits > kMostDigits))
+                           names.digits > kMaxDigits))
       return wrong();
     names.digits = std::max(names.digits, 1);
     numbered = true;

@@ -136,9 +136,9 @@ std::string vector_text(glm::vec3 v) { return fmt::format("{:.4g}, {:.4g}, {:.4g
 void print_line(std::string_view name, const std::string& text) { fmt::print("{:<11}{}\n", name, text); }
 
 void print_text(const Scene& scene, const std::string& format) {
-  constexpr std::size_t kMostShown = 24;  // of each kind; --json has all
+  constexpr std::size_t kMaxShown = 24;  // of each kind; --json has all
   const auto more = [&](std::size_t count) {
-    if (count > kMostShown) fmt::print("  ... and {} more (--json lists all)\n", count - kMostShown);
+    if (count > kMaxShown) fmt::print("  ... and {} more (--json lists all)\n", count - kMaxShown);
   };
   fmt::print("{}: {}, {} in {}\n", scene.name, format, size_text(scene),
              counted(scene.meshes.size(), "mesh", "meshes"));
@@ -152,7 +152,7 @@ void print_text(const Scene& scene, const std::string& format) {
   }
   if (const int colored = count_meshes(scene, [](const Mesh& mesh) { return !mesh.colors.empty(); }); colored > 0)
     print_line("colours", fmt::format("at the vertices of {}", counted(std::size_t(colored), "mesh", "meshes")));
-  for (std::size_t m = 0; m < std::min(scene.materials.size(), kMostShown); ++m) {
+  for (std::size_t m = 0; m < std::min(scene.materials.size(), kMaxShown); ++m) {
     const Material& material = scene.materials[m];
     std::string text = fmt::format("albedo {}", vector_text(material.albedo));
     if (material.texture != kNoTexture) text += ", " + scene.textures[std::size_t(material.texture)].name;
@@ -165,19 +165,19 @@ void print_text(const Scene& scene, const std::string& format) {
                fmt::format("{}: {}", material.name.empty() ? "(no name)" : material.name, text));
   }
   more(scene.materials.size());
-  for (std::size_t t = 0; t < std::min(scene.textures.size(), kMostShown); ++t) {
+  for (std::size_t t = 0; t < std::min(scene.textures.size(), kMaxShown); ++t) {
     const Texture& texture = scene.textures[t];
     print_line(t == 0 ? "textures" : "", fmt::format("{}, {} x {}", texture.name, texture.width, texture.height));
   }
   more(scene.textures.size());
-  for (std::size_t k = 0; k < std::min(scene.scene_names.size(), kMostShown); ++k) {
+  for (std::size_t k = 0; k < std::min(scene.scene_names.size(), kMaxShown); ++k) {
     const std::string& name = scene.scene_names[k];
     print_line(k == 0 ? "scenes" : "", fmt::format("--scene-index {}{}{}", k, name.empty() ? "" : " (" + name + ")",
                                                    k == std::size_t(scene.scene_index) ? ": this one" : ""));
   }
   more(scene.scene_names.size());
   const std::vector<View>& cameras = scene.cameras.empty() ? scene.views : scene.cameras;
-  for (std::size_t k = 0; k < std::min(cameras.size(), kMostShown); ++k) {
+  for (std::size_t k = 0; k < std::min(cameras.size(), kMaxShown); ++k) {
     const View& view = cameras[k];
     const std::string lens = view.height > 0.0f ? fmt::format("parallel, {:.4g} high", view.height)
                                                 : fmt::format("{:.4g} deg", view.angle_deg);

@@ -83,7 +83,7 @@ CLI::Option* add_sizes(CLI::App& command, std::vector<std::string>& sizes, std::
           ->expected(1)
           ->allow_extra_args(false);
   add_check(*option, [](const std::string& text) -> Result<void> {
-    const auto size = parse_size("width", text, kMostPixels);
+    const auto size = parse_size("width", text, kMaxPixels);
     return size ? Result<void>() : size.error();
   });
   return option;

@@ -15,9 +15,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 1s;       // what is done sooner needs no line
-constexpr auto kOften = 200ms;       // between two drawings of it
-constexpr double kLeastSeen = 0.01;  // share of the work behind an estimate of the time that is left
+constexpr auto kPatience = 1s;     // what is done sooner needs no line
+constexpr auto kOften = 200ms;     // between two drawings of it
+constexpr double kMinSeen = 0.01;  // share of the work behind an estimate of the time that is left
 constexpr std::size_t kUsualWidth = 80;
 
 // For the signal handler: whether a line is on the terminal, and whether there may be one.
@@ -81,7 +81,7 @@ std::string ProgressLine::text(Clock::time_point now, std::size_t room) const {
     const double done = *share_ - first_share_;
     const double took = std::chrono::duration<double>(told_ - first_told_).count();
     const double since = std::chrono::duration<double>(now - told_).count();
-    if (done >= kLeastSeen && took > 0.0)
+    if (done >= kMinSeen && took > 0.0)
       numbers += fmt::format(", {} left", duration_text(took * (1.0 - *share_) / done - since));
   } else {
     numbers = fmt::format(" ({})", duration_text(std::chrono::duration<double>(now - made_).count()));

@@ -294,7 +294,7 @@ Result<Order> order_of(const RenderOptions& o) {
   auto lines = line_file_of(o, output->turns ? output->frames : 0);
   if (!lines) return lines.error();
   order.lines = std::move(*lines);
-  auto recipe = make_recipe(o.request, kMostBandPixels);
+  auto recipe = make_recipe(o.request, kMaxBandPixels);
   if (!recipe) return recipe.error();
   order.asked = order.recipe = std::move(*recipe);
   if (auto fine = check_output(o, *output); !fine) return fine.error();
@@ -303,7 +303,7 @@ Result<Order> order_of(const RenderOptions& o) {
   if (order.lines.alone) {
     Request of_lines = o.request;
     draw_lines_alone(of_lines);
-    auto alone = make_recipe(of_lines, kMostBandPixels);
+    auto alone = make_recipe(of_lines, kMaxBandPixels);
     if (!alone) return alone.error();
     order.recipe = std::move(*alone);
     order.recipe.wanted = seen_planes(order.recipe);

@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // What drop_standard_input removes: a folder and the file in it.
-constexpr std::size_t kLongestPath = 4096;
-char dropped_folder[kLongestPath], dropped_file[kLongestPath];
+constexpr std::size_t kMaxPathLength = 4096;
+char dropped_folder[kMaxPathLength], dropped_file[kMaxPathLength];
 
 /// The words of a text's first lines that are no comment.
 std::vector<std::string_view> first_words(std::string_view text) {
@@ -76,7 +76,8 @@ Result<fs::path> take_standard_input(const std::string& format) {
   std::random_device random;
   const std::string folder = (place / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
   const std::string file = folder + "/stdin." + ending;
-  if (code || file.size() >= kLongestPath) return file_error("there is no folder for standard input's temporary file");
+  if (code || file.size() >= kMaxPathLength)
+    return file_error("there is no folder for standard input's temporary file");
   // Known to the signal handler before they are there: the first byte makes a name of the others.
   for (const auto& [dropped, name] : {std::pair(dropped_folder, &folder), {dropped_file, &file}}) {
     std::strcpy(dropped + 1, name->c_str() + 1);

@@ -40,8 +40,8 @@ bool is_on_path(const char* program) {
 
 /// As PNG files have it: nearest of 256, NaN as 0.
 std::uint8_t byte_of(float v) {
-  constexpr float kMost = 255.0f;
-  return v > 0.0f ? std::uint8_t(std::min(v, 1.0f) * kMost + 0.5f) : std::uint8_t(0);
+  constexpr float kMax = 255.0f;
+  return v > 0.0f ? std::uint8_t(std::min(v, 1.0f) * kMax + 0.5f) : std::uint8_t(0);
 }
 
 std::vector<std::string> words_for(const std::string& ending, const VideoSettings& settings, const fs::path& part) {
@@ -143,8 +143,8 @@ Result<void> Video::wait() {
   text = text.substr(0, text.find('\n'));
   if (text.starts_with('[') && text.find("] ") != std::string_view::npos) text.remove_prefix(text.find("] ") + 2);
   std::string reason;
-  constexpr std::size_t kLongest = 200;
-  for (const char c : text.substr(0, kLongest)) reason += std::iscntrl(static_cast<unsigned char>(c)) ? ' ' : c;
+  constexpr std::size_t kMaxLength = 200;
+  for (const char c : text.substr(0, kMaxLength)) reason += std::iscntrl(static_cast<unsigned char>(c)) ? ' ' : c;
   if (reason.empty() && WIFSIGNALED(status)) reason = ::strsignal(WTERMSIG(status));
   return file_error("'{}' cannot be written: {} failed{}", file_.string(), kProgram,
                     reason.empty() ? "" : " (" + reason + ")");

@@ -41,8 +41,8 @@ double badness(const nlohmann::json& record, std::string_view field) {
 /// A value of a file in an error: on one line, short, whatever it holds.
 std::string shown(const nlohmann::json& value) {
   if (value.is_structured()) return value.is_array() ? "a list" : "an object";
-  constexpr std::size_t kLongest = 200;
-  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).substr(0, kLongest);
+  constexpr std::size_t kMaxLength = 200;
+  return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).substr(0, kMaxLength);
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
     for (const char* field : {"width", "height", "samples", "rmse", "bias", "ssim", "p99", "flip"})
       if (!record.contains(field) || !record[field].is_number()) return no_scores();
     for (const char* side : {"width", "height"})
-      if (!record[side].is_number_integer() || record[side] < 1 || record[side] > kLargestSide) return no_scores();
+      if (!record[side].is_number_integer() || record[side] < 1 || record[side] > kMaxSide) return no_scores();
   }
   return baseline;
 }

@@ -58,10 +58,10 @@ Result<const Effect*> filter_of(const CompareSettings& settings) {
 /// What the device is to capture.
 Result<CaptureSettings> capture_with(const CompareSettings& settings, const Request& draw, const Look& look) {
   Look wanted = look;
-  auto capture = capture_settings(draw, wanted, settings.light ? kMostShadows : 0);
+  auto capture = capture_settings(draw, wanted, settings.light ? kMaxShadows : 0);
   if (!settings.light || !capture || capture->layers < 2) return capture;
   wanted.back_sides = true;
-  return capture_settings(draw, wanted, kMostShadows);
+  return capture_settings(draw, wanted, kMaxShadows);
 }
 
 /// The look's settings with everything the user said, and what light needs: a filter that filters it, no ambient light

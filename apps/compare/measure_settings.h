@@ -12,7 +12,7 @@
 
 namespace umbrage {
 
-inline constexpr Interval kCameras{1, 100, NumberKind::kWhole}, kSamples{2, kMostSamples, NumberKind::kEven},
+inline constexpr Interval kCameras{1, 100, NumberKind::kWhole}, kSamples{2, kMaxSamples, NumberKind::kEven},
     kRuns{1, 1000, NumberKind::kWhole};
 
 /// Numbers lie in the intervals above.

@@ -239,8 +239,8 @@ Result<Figure> tangents(Studio& studio) {
 /// From a drape's silhouette to the left, over what is near it: how many pixels until the light that arrives is red;
 /// the mean over the silhouette, and an eighth of the picture at most.
 double uncoloured_px(const Shot& shot, const Cloths& cloths) {
-  constexpr float kReach = 0.3f;                // metres
-  constexpr float kLeast = 0.05f, kRed = 1.5f;  // of red light, and its ratio to green
+  constexpr float kReach = 0.3f;              // metres
+  constexpr float kMin = 0.05f, kRed = 1.5f;  // of red light, and its ratio to green
   const Image& image = shot.image;
   const Plane &red = image.plane("indirect.r"), &green = image.plane("indirect.g"), &id = image.plane("object_id");
   long edges = 0, pixels = 0;
@@ -251,7 +251,7 @@ double uncoloured_px(const Shot& shot, const Cloths& cloths) {
       ++edges;
       for (int k = 1; k <= image.width / 8 && k <= x; ++k) {
         const float r = red.at(x - k, y);
-        if (r > kLeast && r > kRed * green.at(x - k, y)) break;
+        if (r > kMin && r > kRed * green.at(x - k, y)) break;
         ++pixels;
       }
     }

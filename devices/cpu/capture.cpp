@@ -42,9 +42,9 @@ constexpr float kEndRounding = 1e-6f;
 /// planes cost more than shading.
 struct alignas(64) Block {
   float depth[kPacket], nx[kPacket], ny[kPacket], nz[kPacket], ar[kPacket], ag[kPacket], ab[kPacket];
-  float specular[kPacket], shininess[kPacket], shadow[kMostShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
+  float specular[kPacket], shininess[kPacket], shadow[kMaxShadows][kPacket], er[kPacket], eg[kPacket], eb[kPacket];
   float object[kPacket], material[kPacket];
-  PenumbraSize penumbra[kMostShadows];
+  PenumbraSize penumbra[kMaxShadows];
 };
 
 /// A plane that is drawn, and where a block holds its pixels.
@@ -88,7 +88,7 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
                                  {"emission.r", offsetof(Block, er)},
                                  {"emission.g", offsetof(Block, eg)},
                                  {"emission.b", offsetof(Block, eb)}};
-  for (int k = 0; k < kMostShadows; ++k)
+  for (int k = 0; k < kMaxShadows; ++k)
     all.push_back({shadow_plane(k), offsetof(Block, shadow) + std::size_t(k) * sizeof(Block::shadow[0]), 1.0f});
   std::vector<DrawnPlane> planes;
   for (const std::string& name : captured_planes(scene, info, settings))
@@ -99,7 +99,7 @@ std::vector<DrawnPlane> drawn_planes(const Scene& scene, const PictureInfo& info
 
 void clear(const Drawing& drawing, Block& block) {
   for (const DrawnPlane& plane : drawing.planes) std::fill_n(plane.in(block), kPacket, plane.nothing);
-  std::fill_n(block.penumbra, kMostShadows, PenumbraSize{});
+  std::fill_n(block.penumbra, kMaxShadows, PenumbraSize{});
 }
 
 /// Of block (x0, y0) the rows that are drawn. Rows are padded to kRowAlignment floats, so that a block may be stored

@@ -157,7 +157,7 @@ class CpuDevice final : public Device {
     // The first pixel of each block, not their mean: a mean of two surfaces' depths lies on neither of them, and there
     // a technique would find occluders in the air. The first and not the nearest, so that one camera fits all of them.
     for (const std::string& name : names)
-      for (int layer = 0; layer < kMostLayers; ++layer) {
+      for (int layer = 0; layer < kMaxLayers; ++layer) {
         const std::string of_layer = layer_plane(layer, name);
         const Plane* in = find_made(from_planes, of_layer);
         if (!in) continue;

@@ -58,7 +58,7 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
   for (const char* name : {"albedo.r", "albedo.g", "albedo.b", "specular", "shininess"}) add(name);
   planes.emplace_back("shadow");
   for (const char* name : {"object_id", "material_id"}) add(name);
-  for (int k = 1; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
+  for (int k = 1; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k)
     if (casts_from_afar(info.lights[k])) planes.push_back(shadow_plane(k));
   const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
                                  [](const Material& material) { return material.emission != glm::vec3(0.0f); });
@@ -70,7 +70,7 @@ std::vector<std::string> captured_planes(const Scene& scene, const PictureInfo& 
 std::vector<int> softened_lights(const PictureInfo& info, const CaptureSettings& settings) {
   std::vector<int> soft;
   if (settings.shadow_rays > 0)
-    for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMostShadows}); ++k)
+    for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k)
       if (casts_from_afar(info.lights[k]) && light_size(info.lights[k]) > 0.0f) soft.push_back(k);
   return soft;
 }

@@ -244,7 +244,7 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
   for (const Camera& camera : {perspective_camera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 30.0f, 1.0f),
                                orthographic_camera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 3.0f, 1.0f),
                                perspective_camera({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 80.0f, 1.0f)}) {  // inside
-    const Picture picture = capture_with({60, 60, false, kMostLayers}, scene, camera);
+    const Picture picture = capture_with({60, 60, false, kMaxLayers}, scene, camera);
     long compared = 0, most = 0;
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < 60; ++x) {
@@ -268,9 +268,9 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
         if (!clear) continue;
         ++compared;
         most = std::max(most, long(depths.size()));
-        ASSERT_EQ(surfaces_at(picture, kMostLayers, x, y), int(std::min(depths.size(), std::size_t(kMostLayers))))
+        ASSERT_EQ(surfaces_at(picture, kMaxLayers, x, y), int(std::min(depths.size(), std::size_t(kMaxLayers))))
             << x << ',' << y;
-        for (std::size_t k = 0; k < depths.size() && k < std::size_t(kMostLayers); ++k)
+        for (std::size_t k = 0; k < depths.size() && k < std::size_t(kMaxLayers); ++k)
           ASSERT_NEAR(picture[layer_plane(int(k), "depth")].at(x, y), depths[k], 1e-4);
       }
     EXPECT_GT(compared, 2000);

@@ -80,8 +80,8 @@ inline Picture capture_with(const CaptureSettings& settings, const Scene& scene,
   EXPECT_TRUE(ready) << (ready ? "" : ready.error().message);
   const auto frame = device->capture(camera, settings);
   EXPECT_TRUE(frame);
-  constexpr int kMostOnGpu = 20000;  // pixels: a GPU in software takes its time
-  const bool small = settings.width * settings.height <= kMostOnGpu && cpu.threads == 0;
+  constexpr int kMaxOnGpu = 20000;  // pixels: a GPU in software takes its time
+  const bool small = settings.width * settings.height <= kMaxOnGpu && cpu.threads == 0;
   for (const VulkanCapture how : test::kGpuCaptures) {
     Device* const gpu = small ? test::drawing_device(how) : nullptr;
     if (!gpu) continue;

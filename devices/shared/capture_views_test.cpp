@@ -217,7 +217,7 @@ TEST(CaptureExtraViews, TooManyLayersAreRefused) {
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
   const auto capture_of = [&](const CaptureSettings& settings) { return device->capture(from_above(3.0f), settings); };
-  EXPECT_TRUE(capture_of({.width = 4, .height = 4, .layers = kMostLayers}));
+  EXPECT_TRUE(capture_of({.width = 4, .height = 4, .layers = kMaxLayers}));
   EXPECT_TRUE(capture_of({.width = 4, .height = 4, .layers = 4, .back_sides = true}));
   EXPECT_TRUE(capture_of({.width = 4, .height = 4, .layers = 4, .extra_views = 4}));
   for (const CaptureSettings& settings :

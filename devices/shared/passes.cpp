@@ -50,11 +50,11 @@ Error missing_plane(const PassRun& run, std::string_view plane) {
 
 Result<void> check_capture(const CaptureSettings& settings) {
   check_less(0, settings.layers, "layers of a capture");
-  check_less(settings.layers, kMostLayers + 1, "layers of a capture");
+  check_less(settings.layers, kMaxLayers + 1, "layers of a capture");
   check_less(-1, settings.guard, "guard band of a capture");
   check_less(-1, settings.extra_views, "extra views of a capture");
-  check_less(settings.extra_views, kMostExtraViews + 1, "extra views of a capture");
-  static_assert(kMostMixedLayers == kLayersRead);
+  check_less(settings.extra_views, kMaxExtraViews + 1, "extra views of a capture");
+  static_assert(kMaxMixedLayers == kLayersRead);
   const auto count = layer_count(settings);
   return count ? Result<void>() : count.error();
 }

@@ -9,7 +9,7 @@
 #include "kernel/frame_constants.h"
 
 layout(set = 0, binding = 0, scalar) uniform constants_block { CaptureConstants C; };
-layout(set = 0, binding = 1, scalar) uniform table_block { uvec2 table[kMostPlanes]; };
+layout(set = 0, binding = 1, scalar) uniform table_block { uvec2 table[kMaxPlanes]; };
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly buffer Uints { uint at[]; };
@@ -21,7 +21,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) restrict readonly b
 const float kInfinity = 1.0f / 0.0f;
 const float kLayerStep = 1e-5f;             // devices/cpu/capture.cpp
 const float kEdgeRounding = 1.1920929e-7f;  // of a triangle: its rim belongs to it, as for Embree
-const int kMostTaps = 8;                    // rays/mip_texture.cpp
+const int kMaxTaps = 8;                    // rays/mip_texture.cpp
 
 vec3 three(float v[3]) { return vec3(v[0], v[1], v[2]); }
 
@@ -68,7 +68,7 @@ vec4 sample_filtered(int index, vec2 uv, vec2 right, vec2 down) {
   int last = image.levels - 1, taps = 1, fine = last;
   float blend = 0.0f;
   if (longer <= 3.402823466e38f) {
-    float ratio = clamp(longer / max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMostTaps) : 1.0f);
+    float ratio = clamp(longer / max(shorter, 1e-6f), 1.0f, longer > 1.0f ? float(kMaxTaps) : 1.0f);
     taps = int(ratio + 0.5f);
     float width = max(longer / float(taps), 1.0f);
     float lod = width > 1.0f ? clamp(log2(width), 0.0f, float(last)) : 0.0f;

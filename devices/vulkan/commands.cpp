@@ -11,9 +11,9 @@ namespace umbrage {
 namespace {
 
 constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of passes
-constexpr std::uint32_t kMostPasses = 1024;                  // of a submission: two times and a descriptor set of each
-constexpr std::size_t kMostTimes = 65536;                    // that are kept for somebody who asks
-constexpr std::size_t kMostKinds = 4096;                     // of work, of which it is known what it takes
+constexpr std::uint32_t kMaxPasses = 1024;                   // of a submission: two times and a descriptor set of each
+constexpr std::size_t kMaxTimes = 65536;                     // that are kept for somebody who asks
+constexpr std::size_t kMaxKinds = 4096;                      // of work, of which it is known what it takes
 constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
 constexpr VkAccessFlags kReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
 constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
@@ -41,18 +41,18 @@ Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_p
   if (on.ns_of_tick > 0.0) {
     VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-    queries.queryCount = 2 * kMostPasses;
+    queries.queryCount = 2 * kMaxPasses;
     if (const auto r = on.vk.CreateQueryPool(on.device, &queries, nullptr, &commands->queries_); r != VK_SUCCESS)
       return failed(r);
   }
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kMostPasses * std::uint32_t(kBoundPlanes)};
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kMaxPasses * std::uint32_t(kBoundPlanes)};
   VkDescriptorPoolCreateInfo sets{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
-  sets.maxSets = kMostPasses;
+  sets.maxSets = kMaxPasses;
   sets.poolSizeCount = 1;
   sets.pPoolSizes = &size;
   if (const auto r = on.vk.CreateDescriptorPool(on.device, &sets, nullptr, &commands->sets_); r != VK_SUCCESS)
     return failed(r);
-  auto uniforms = memory->host(kUniformBytes + kMostUniforms, true);
+  auto uniforms = memory->host(kUniformBytes + kMaxUniforms, true);
   if (!uniforms) return uniforms.error();
   commands->uniforms_ = *uniforms;
   return commands;
@@ -79,7 +79,7 @@ Result<VkCommandBuffer> Commands::buffer() {
   if (const auto r = gpu_->vk.BeginCommandBuffer(buffer_, &begin); r != VK_SUCCESS)
     return vulkan_error(r, "was given work");
   recording_ = true;
-  if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMostPasses);
+  if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMaxPasses);
   return buffer_;
 }
 
@@ -179,8 +179,8 @@ Result<void> Commands::read_times() {
                                                      ticks.size() * sizeof(std::uint64_t), ticks.data(),
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
   if (read != VK_SUCCESS) return vulkan_error(read, "told what its passes took");
-  if (times_.size() > kMostTimes) times_.clear();
-  if (ms_of_group_.size() > kMostKinds) ms_of_group_.clear();
+  if (times_.size() > kMaxTimes) times_.clear();
+  if (ms_of_group_.size() > kMaxKinds) ms_of_group_.clear();
   std::map<Kind, double> slowest;  // bands of one pass differ: sky is done sooner
   for (std::size_t k = 0; k < timed_.size(); ++k) {
     Timed& timed = timed_[k];
@@ -202,11 +202,11 @@ std::optional<double> Commands::ms_of_group(Kind kind) const {
 }
 
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
-  check_less(bytes, kMostUniforms + 1, "bytes of constants");
+  check_less(bytes, kMaxUniforms + 1, "bytes of constants");
   if (lost_) return *lost_;
   if (handed_over_)
     if (auto done = wait_for_it(); !done) return done.error();
-  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMostPasses)
+  if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMaxPasses)
     if (auto done = finish(); !done) return done.error();
   const Uniforms given{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
   const std::size_t step = gpu_->properties.limits.minUniformBufferOffsetAlignment;

@@ -99,6 +99,6 @@ class Commands {
 };
 
 /// The most bytes of constants that one pass may have: what every device reads at once.
-inline constexpr std::size_t kMostUniforms = 16384;
+inline constexpr std::size_t kMaxUniforms = 16384;
 
 }  // namespace umbrage

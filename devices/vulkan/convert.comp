@@ -9,7 +9,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0, scalar) uniform constants_block { ConvertConstants C; };
-layout(set = 0, binding = 1, scalar) uniform table_block { uvec2 table[kMostPlanes]; };
+layout(set = 0, binding = 1, scalar) uniform table_block { uvec2 table[kMaxPlanes]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Words { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Reals { float at[]; };
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kDrawnAtOnce = 1024;  // triangles, at least, of a submission
 /// Of the table of planes, on each device a multiple of what constants must be aligned to.
-constexpr std::size_t kTableBytes = kMostPlanes * sizeof(VkDeviceAddress);
+constexpr std::size_t kTableBytes = kMaxPlanes * sizeof(VkDeviceAddress);
 
 }  // namespace
 

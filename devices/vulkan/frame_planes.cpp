@@ -8,7 +8,7 @@
 namespace umbrage {
 namespace {
 
-constexpr VkDeviceSize kMostStaged = VkDeviceSize(256) << 20;  // bytes copied to or from the host at once
+constexpr VkDeviceSize kMaxStaged = VkDeviceSize(256) << 20;  // bytes copied to or from the host at once
 
 }  // namespace
 
@@ -21,7 +21,7 @@ std::shared_ptr<DevicePlanes> empty_planes(const PictureInfo& info) {
 
 std::size_t PlaneStore::staged_at_once(const DevicePlanes& planes) const {
   return std::max<std::size_t>(
-      1, std::min(kMostStaged, gpu_->largest_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
+      1, std::min(kMaxStaged, gpu_->largest_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
 }
 
 Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::string& name) {

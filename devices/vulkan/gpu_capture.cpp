@@ -45,7 +45,7 @@ void put_projection(const TracedScene& unit, const CameraRays& rays, const Pictu
 
 CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& info, const CaptureSettings& settings,
                                    int stride, bool back) {
-  static_assert(kCaptureLights == kMostShadows);
+  static_assert(kCaptureLights == kMaxShadows);
   TracedScene unit;  // what of it places rays
   unit.scene = scene.scene;
   unit.center = scene.center;
@@ -109,7 +109,7 @@ int capture_slot(std::string_view plane) {
                                                                         {"material_id", kMaterialSlot}}};
   for (const auto& [name, slot] : kSlots)
     if (plane == name) return slot;
-  for (int light = 0; light < kMostShadows; ++light)
+  for (int light = 0; light < kMaxShadows; ++light)
     if (plane == shadow_plane(light)) return kShadowSlot + light;
   fail_check(fmt::format("plane '{}' is captured by nobody", plane));
 }

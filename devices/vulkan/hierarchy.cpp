@@ -17,15 +17,15 @@
 namespace umbrage {
 namespace {
 
-constexpr unsigned kMostInLeaf = 4;  // capture.comp has three bits for it
-constexpr unsigned kDepth = 40;      // beyond it Embree splits by halves: at most kHierarchyDepth
+constexpr unsigned kMaxInLeaf = 4;  // capture.comp has three bits for it
+constexpr unsigned kDepth = 40;     // beyond it Embree splits by halves: at most kHierarchyDepth
 
 /// What Embree's builder makes: either two children or triangles and points.
 struct BuiltNode {
   const BuiltNode* children[2] = {nullptr, nullptr};
   RTCBounds bounds[2];
   unsigned count = 0;
-  unsigned meshes[kMostInLeaf], triangles[kMostInLeaf];
+  unsigned meshes[kMaxInLeaf], triangles[kMaxInLeaf];
 };
 
 /// The work has been ended. Embree's builder does not look at what its question for progress is answered.
@@ -152,7 +152,7 @@ Result<Hierarchy> build_hierarchy(const Scene& scene, glm::vec3 center, float sc
   const std::unique_ptr<std::remove_pointer_t<RTCDevice>, Release> device(*started);
   const std::unique_ptr<std::remove_pointer_t<RTCBVH>, Release> bvh(rtcNewBVH(device.get()));
   RTCBuildArguments how = rtcDefaultBuildArguments();
-  how.maxLeafSize = kMostInLeaf;
+  how.maxLeafSize = kMaxInLeaf;
   how.maxDepth = kDepth;
   how.bvh = bvh.get();
   how.primitives = primitives.data();

@@ -7,7 +7,7 @@ namespace {
 
 constexpr VkDeviceSize kAlignment = 256;                      // of planes in a slab: the most that descriptors ask for
 constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;        // few allocations, and little that stays unused
-constexpr VkDeviceSize kMostOfSlab = 16;                      // planes
+constexpr VkDeviceSize kMaxPlanesOfSlab = 16;                 // planes
 constexpr VkDeviceSize kKeptEmpty = VkDeviceSize(256) << 20;  // of slabs of other sizes, while new ones are made
 constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;
 constexpr VkDeviceSize kKeptHost = VkDeviceSize(256) << 20;
@@ -123,7 +123,8 @@ Result<void> Memory::add_slab(VkDeviceSize plane_bytes) {
         mebibytes(plane_bytes), mebibytes(gpu_->largest_allocation));
   if (empty_bytes() > kKeptEmpty)
     if (auto freed = free_empty_slabs(); !freed) return freed;
-  int count = int(std::clamp(std::min(kSlab, gpu_->largest_allocation) / plane_bytes, VkDeviceSize(1), kMostOfSlab));
+  int count =
+      int(std::clamp(std::min(kSlab, gpu_->largest_allocation) / plane_bytes, VkDeviceSize(1), kMaxPlanesOfSlab));
   const auto make = [&] {
     return make_block(plane_bytes * VkDeviceSize(count),
                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |

@@ -41,9 +41,9 @@ std::filesystem::path pipeline_file(const std::string& name) {
 std::vector<std::byte> read_pipelines(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   Header header;
-  constexpr std::uint64_t kMost = std::uint64_t(1) << 30;
+  constexpr std::uint64_t kMax = std::uint64_t(1) << 30;
   if (!in.read(reinterpret_cast<char*>(&header), sizeof header) ||
-      std::memcmp(header.magic, Header().magic, sizeof header.magic) != 0 || header.size > kMost)
+      std::memcmp(header.magic, Header().magic, sizeof header.magic) != 0 || header.size > kMax)
     return {};
   std::vector<std::byte> data(header.size);
   if (!in.read(reinterpret_cast<char*>(data.data()), std::streamsize(data.size())) || hash_of(data) != header.hash)

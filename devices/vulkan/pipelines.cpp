@@ -32,7 +32,7 @@ std::vector<std::string_view> plane_table(const GpuStep& step) {
     if (!of_layer(name)) add(name);
   for (const auto* list : {&step.inputs, &step.outputs})
     for (std::string_view name : *list) add(name);
-  check_less(names.size(), std::size_t(kMostPlanes) + 1, fmt::format("planes of pass {}", step.name));
+  check_less(names.size(), std::size_t(kMaxPlanes) + 1, fmt::format("planes of pass {}", step.name));
   return names;
 }
 
@@ -75,8 +75,8 @@ Result<void> Pipelines::make_layouts(VkBuffer uniforms) {
   allocate.descriptorSetCount = 1;
   allocate.pSetLayouts = &set_layout_;
   if (const auto r = vk.AllocateDescriptorSets(device, &allocate, &set_); r != VK_SUCCESS) return failed(r);
-  const VkDescriptorBufferInfo ranges[] = {{uniforms, 0, kMostUniforms},
-                                           {uniforms, 0, kMostPlanes * sizeof(VkDeviceAddress)}};
+  const VkDescriptorBufferInfo ranges[] = {{uniforms, 0, kMaxUniforms},
+                                           {uniforms, 0, kMaxPlanes * sizeof(VkDeviceAddress)}};
   VkWriteDescriptorSet writes[2];
   for (std::uint32_t k = 0; k < 2; ++k) {
     writes[k] = {VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};

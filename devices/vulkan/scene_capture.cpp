@@ -90,9 +90,8 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
   const PictureInfo info = layer_info(frame.info, layer);
   const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
   // Rays take as long as scene, lights and the layers before make them.
-  const std::size_t kind =
-      ((scenes_ * kMostLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
-      std::size_t(settings.shadows);
+  const std::size_t kind = ((scenes_ * kMaxLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
+                           std::size_t(settings.shadows);
   DevicePlanePtr seen;
   if (draws_ && can_draw(scene_, constants, *gpu_)) {
     const auto drawn = draw_seen(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
@@ -123,7 +122,7 @@ Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int laye
   if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
                                          .effect = "capture",
                                          .pass = layer_plane(layer, "seen"),
-                                         .settings = (scenes_ * kMostLayers + std::size_t(layer)) * 64 + size,
+                                         .settings = (scenes_ * kMaxLayers + std::size_t(layer)) * 64 + size,
                                          .target = target_.get(),
                                          .triangles = scene_.triangles,
                                          .points = scene_.points},

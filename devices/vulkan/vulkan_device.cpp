@@ -126,7 +126,7 @@ class VulkanDevice final : public Device {
     auto planes = empty_planes(small.info);
     small.storage = planes;
     for (const std::string& name : names)
-      for (int layer = 0; layer < kMostLayers; ++layer) {
+      for (int layer = 0; layer < kMaxLayers; ++layer) {
         const std::string of_layer = layer_plane(layer, name);
         const auto in = planes_of(frame).made.find(of_layer);
         if (in == planes_of(frame).made.end()) continue;
@@ -317,7 +317,7 @@ class VulkanDevice final : public Device {
       table.push_back(found != own.end() ? found->second.get() : planes.find(run.plane(name)));
     }
     if (run.pixels == PixelSet::kMissing) {
-      table.resize(kMostPlanes);
+      table.resize(kMaxPlanes);
       table.back() = planes.find(run.plane("ao"));  // as kernel/glsl.h reads it
       if (!table.back()) return missing_plane(run, "ao");
     }

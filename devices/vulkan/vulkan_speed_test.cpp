@@ -288,7 +288,7 @@ std::size_t add_shader(HandWritten& h, std::span<const std::uint32_t> spirv, boo
   expect_success(vk.AllocateDescriptorSets(device, &allocate, &shader.set));
   const VkDeviceSize bytes = VkDeviceSize(h.stride) * VkDeviceSize(h.height) * sizeof(float);
   for (const VkDescriptorSetLayoutBinding& binding : bindings) {
-    VkDescriptorBufferInfo range{h.commands->uniform_buffer(), 0, kMostUniforms};
+    VkDescriptorBufferInfo range{h.commands->uniform_buffer(), 0, kMaxUniforms};
     VkDescriptorImageInfo sampled{h.sampler, VK_NULL_HANDLE, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
     if (binding.binding > 0) {
       const DevicePlane& plane = binding.binding == 5 ? *h.ao : *h.planes[binding.binding - 1];
@@ -328,7 +328,7 @@ std::size_t add_shader(HandWritten& h, std::span<const std::uint32_t> spirv, boo
 double hand_ms(HandWritten& h, std::size_t number, std::span<const std::byte> constants) {
   const auto& vk = h.gpu->vk;
   const HandWritten::Shader& shader = h.shaders[number];
-  const auto uniforms = h.commands->uniforms(kMostUniforms);
+  const auto uniforms = h.commands->uniforms(kMaxUniforms);
   std::memcpy(uniforms->bytes, constants.data(), constants.size());
   const VkCommandBuffer buffer = *h.commands->buffer();
   h.commands->take_pass_times();

@@ -20,12 +20,12 @@ OUT_REAL(ao)
 
 CONST float kDepthRounding = 2e-6f;   // share of the depth: 16 to 32 steps of a float
 CONST float kFirstStep = 1.3f;        // pixels: nearer taps would read the pixel itself
-CONST float kMostReach = 1e5f;        // pixels
-CONST float kLeastFacing = 0.1f;      // N.V; surfaces seen more edge-on are measured as if turned that far
+CONST float kMaxReach = 1e5f;         // pixels
+CONST float kMinFacing = 0.1f;        // N.V; surfaces seen more edge-on are measured as if turned that far
 CONST float kStepTurn = 0.61803399f;  // of steps and bits from slice to slice
 CONST float kEdgeOn = 2.5e-7f;        // square of a cosine: packed normals are off by that; what is edge-on sends
 CONST float kBitJitter = 0.98f;       // by how much of a bit the borders between bits are moved
-CONST float kMostLight = 1e18f;       // what a pixel gets stays a number
+CONST float kMaxLight = 1e18f;        // what a pixel gets stays a number
 
 // What taps of one pixel share.
 struct Origin {
@@ -152,14 +152,14 @@ FN Uint covered_bits(Way way, Side side, Real most) {
 FN Vec3 seen_normal(Vec3 normal, Vec3 eye) {
   Real facing = dot(normal, eye);
   if (!some(facing < 0.0f)) return normal;
-  Vec3 turned = normal + eye * (kLeastFacing - facing);
+  Vec3 turned = normal + eye * (kMinFacing - facing);
   return select(facing < 0.0f, turned * rsqrt(max(dot(turned, turned), Real(1e-30f))), normal);
 }
 
 // How many columns the radius is wide.
 FN Real reach_of(Real depth) {
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
-  return clamp(Real(C.reach) / spread, Real(0.0f), Real(kMostReach));
+  return clamp(Real(C.reach) / spread, Real(0.0f), Real(kMaxReach));
 }
 
 // Whether taps may fall outside the picture.
@@ -203,7 +203,7 @@ FN Seen seen_at(Int px, Int py, Real depth) {
   Vec3 sight = view_position(px, py, Real(1.0f));  // at any depth the same way, and never too long or short
   Vec3 eye = to_eye(sight);
   Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
-  Real facing = max(dot(normal, eye), Real(kLeastFacing));
+  Real facing = max(dot(normal, eye), Real(kMinFacing));
   Origin from = origin_of(px, py, depth, normal, facing);
   Real reach = reach_of(depth);
   return Seen(eye, normal, facing, from, reach, some(is_near_border(from, reach)));
@@ -429,7 +429,7 @@ FN void gather(Int px, Int py) {
   store_ao(select(surface && whole_sum > 1e-6f, min(open_sum / known, Real(1.0f)), Real(1.0f)));
   if (kLight) {
     light = light * (Real(C.bleeding * 0.03125f) / known);
-    light = Vec3(min(light.x, Real(kMostLight)), min(light.y, Real(kMostLight)), min(light.z, Real(kMostLight)));
+    light = Vec3(min(light.x, Real(kMaxLight)), min(light.y, Real(kMaxLight)), min(light.z, Real(kMaxLight)));
     store_light(select(surface, finite_or_zero(light), none));
   }
   if (kBent) store_bent(select(surface, select(dot(bent, bent) > 1e-12f, normalized(bent), seen.normal), none));

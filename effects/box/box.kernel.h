@@ -3,7 +3,7 @@
 //
 // Both passes add up values and how many there were, so that the mean is that of the whole window where pixels are left
 // out of it.
-CONST float kLargest = 1e15f;  // sums of 225 stay finite
+CONST float kMaxSize = 1e15f;  // sums of 225 stay finite
 
 // 1 for a pixel that counts and 0 for one that does not: outside the picture, or background.
 FN Real counts(int i, int j, Real depth) {

@@ -11,7 +11,7 @@ FN void box_ao_across_pixel(Int px, Int py) {
   for (int i = C.first; i <= C.last; ++i) {
     Real one = counts(i, 0, near_depth(i, 0));
     Real ao = near_ao(i, 0);
-    ao = select(abs(ao) <= kLargest, ao, Real(1.0f));
+    ao = select(abs(ao) <= kMaxSize, ao, Real(1.0f));
     sum = mad(ao, one, sum);
     count = count + one;
   }

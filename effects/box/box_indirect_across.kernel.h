@@ -5,7 +5,7 @@ OUT_COLOR(box_indirect)
 OUT_REAL(box_count)
 #include "effects/box/box.kernel.h"
 
-FN Real clean(Real v) { return select(abs(v) <= kLargest, v, Real(0.0f)); }
+FN Real clean(Real v) { return select(abs(v) <= kMaxSize, v, Real(0.0f)); }
 
 FN void box_indirect_across_pixel(Int px, Int py) {
   Vec3 sum = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));

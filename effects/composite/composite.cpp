@@ -6,7 +6,7 @@
 namespace umbrage {
 namespace {
 
-constexpr double kMostFactor = 10.0;
+constexpr double kMaxFactor = 10.0;
 constexpr double kDamping = 0.1;  // the paper gives no number: what is lit by ambient light alone has none
 
 const std::vector<Parameter> kTable = {
@@ -14,13 +14,13 @@ const std::vector<Parameter> kTable = {
                {"ambient", "subtract", "multiply", "modulate", "occlusion", "bleeding"},
                "how occlusion meets light: on the ambient part, subtracted, multiplied, modulating colour, or alone; "
                "bleeding: on the ambient part, with bounced light damped where little direct light arrives"),
-    real_row("darkness", &CompositeParams::darkness, {.initial = 1, .max = kMostFactor},
+    real_row("darkness", &CompositeParams::darkness, {.initial = 1, .max = kMaxFactor},
              "mode modulate: how much of the mask is added to brightness"),
-    real_row("chroma", &CompositeParams::chroma, {.min = -kMostFactor, .max = kMostFactor},
+    real_row("chroma", &CompositeParams::chroma, {.min = -kMaxFactor, .max = kMaxFactor},
              "mode modulate: how much the mask changes the strength of colours"),
-    real_row("contrast", &CompositeParams::contrast, {.min = -kMostFactor, .max = kMostFactor},
+    real_row("contrast", &CompositeParams::contrast, {.min = -kMaxFactor, .max = kMaxFactor},
              "mode modulate: how much the mask changes contrast about middle grey"),
-    real_row("damping", &CompositeParams::damping, {.initial = kDamping, .max = kMostFactor, .zero_means = "off"},
+    real_row("damping", &CompositeParams::damping, {.initial = kDamping, .max = kMaxFactor, .zero_means = "off"},
              "mode bleeding: luminance of the direct light from which on bounced light is whole; with less it fades"),
     choice_row(
         "albedo", &CompositeParams::albedo, 0, {"texture", "display"},

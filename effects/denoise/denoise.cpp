@@ -13,11 +13,11 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMostRounds = 6;                 // 253 pixels wide
+constexpr int kMaxRounds = 6;                  // 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
-    int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMostRounds},
+    int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMaxRounds},
             "how often the 5x5 filter is applied, each time with its pixels twice as far apart"),
     real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1},
              "share of the occlusion's noise that is filtered"),
@@ -26,7 +26,7 @@ const std::vector<Parameter> kTable = {
              "how far a pixel may lie off another's plane to join it fully"),
     real_row("angle", &DenoiseParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
              "by how much normals may differ for pixels to join fully"),
-    int_row("light_rounds", &DenoiseParams::light_rounds, {.max = kMostRounds, .zero_means = "as rounds"},
+    int_row("light_rounds", &DenoiseParams::light_rounds, {.max = kMaxRounds, .zero_means = "as rounds"},
             "how often reflected light is filtered, if not as often as occlusion"),
     int_row(
         "for_height", &DenoiseParams::for_height, {.max = 65536, .unit = "px", .zero_means = "any"},
@@ -39,7 +39,7 @@ int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ?
 int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   if (rounds == 0 || params.for_height == 0) return rounds;
   const int more = int(std::lround(std::log2(info.share_height() / float(params.for_height))));
-  return std::min(rounds + std::max(more, 0), kMostRounds);
+  return std::min(rounds + std::max(more, 0), kMaxRounds);
 }
 
 void fill_constants(const DenoiseParams& params, const PictureInfo& info, DenoiseConstants& c) {

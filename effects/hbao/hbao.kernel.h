@@ -9,12 +9,12 @@ OUT_REAL(ao)
 
 #include "kernel/angles.kernel.h"
 
-CONST float kLeastFacing = 0.02f;  // of the normal's z: a plane seen more edge-on has no slope that is a number
+CONST float kMinFacing = 0.02f;  // of the normal's z: a plane seen more edge-on has no slope that is a number
 
 FN Real open_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
-  Real facing = max(normal.z, Real(kLeastFacing));
+  Real facing = max(normal.z, Real(kMinFacing));
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
   Real reach = clamp(Real(C.reach) / spread, Real(0.0f), Real(1e5f));
   Real x = to_real(px) + 0.5f;

@@ -23,10 +23,10 @@ namespace {
 constexpr std::string_view kPaper =
     "distribution=paper range=quadratic range_depth=window bias_of=depth bias=0 border=clamp bleeding=1 area=paper "
     "floor=0 weight=1 ambient_bounce=0";
-constexpr float kLeastInner = 1e-3f;      // of R: the logarithm of the lengths needs an end
-constexpr double kLeastOfInner = 0.1;     // rays of sight pass a pixel at this share of the shortest length at least
+constexpr float kMinInner = 1e-3f;        // of R: the logarithm of the lengths needs an end
+constexpr double kMinShareOfInner = 0.1;  // rays of sight pass a pixel at this share of the shortest length at least
 constexpr float kOpenness = 0.7f;         // of ambient light, where nobody has measured it: typical of a room
-constexpr float kLeastNearShare = 1e-4f;  // of the far plane: window depth divides by the near plane's distance
+constexpr float kMinNearShare = 1e-4f;    // of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMostSamples},
@@ -190,12 +190,12 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.seed = params.seed;
   c.noise = params.noise;
   c.one_over_noise = 1.0f / float(std::max(1, params.noise));
-  c.inner = std::max(params.floor, kLeastInner);
+  c.inner = std::max(params.floor, kMinInner);
   c.one_over_inner = 1.0f / c.inner;
   c.log_inner = std::log(c.inner);
   const double inner = std::max(double(c.inner) * c.radius, 1e-18), radius = std::max(double(c.radius), 1e-18);
   c.one_over_inner2 = float(std::min(1.0 / (inner * inner), 1e30));
-  c.least_b2 = float(std::max(kLeastOfInner * kLeastOfInner * inner * inner, 1e-30));
+  c.least_b2 = float(std::max(kMinShareOfInner * kMinShareOfInner * inner * inner, 1e-30));
   const double even_share = double(params.samples / 2) / params.samples;
   c.log_share = float((1.0 - even_share) / -double(c.log_inner));
   c.even_share_by_radius = float(even_share / radius);
@@ -205,7 +205,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   float near_depth = params.near_depth > 0.0f ? params.near_depth : info.depth_min;
   // Kernels are total: a near plane at or behind the far plane leaves a sliver between them.
   far_depth = std::max(far_depth, 1e-30f);
-  near_depth = std::clamp(near_depth, far_depth * kLeastNearShare, far_depth * 0.999f);
+  near_depth = std::clamp(near_depth, far_depth * kMinNearShare, far_depth * 0.999f);
   const double n = near_depth, f = far_depth;
   c.near_depth = near_depth;
   c.far_depth = far_depth;

@@ -19,11 +19,11 @@
 //   2/N  L cos(or) cos(oc)/cos(view)  b^2/d^2 / (a [sin(phi)] / ln(R/r0) + (1 - a) [phi] b/R)
 // with [] from Q to the end. Since b^2/d^2 = cos^2(phi at Q), it is bounded however near Q is.
 CONST float kDepthRounding = 2e-6f;  // share of the depth: 16 to 32 steps of a float
-CONST float kLeastDepth = 1e-3f;     // a sample behind the eye is moved to this share of the pixel's depth
-CONST float kLeastSpan = 0.02f;      // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
-CONST float kLeastCosine = 0.1f;     // of the angle at which the camera sees an emitter
-CONST float kMostFind = 16.0f;       // what one find may stand for, of what it stands for on average: no sparks
-CONST float kMostLight = 1e18f;      // what a pixel gets stays a number
+CONST float kMinDepth = 1e-3f;       // a sample behind the eye is moved to this share of the pixel's depth
+CONST float kMinSpan = 0.02f;        // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
+CONST float kMinCosine = 0.1f;       // of the angle at which the camera sees an emitter
+CONST float kMaxFind = 16.0f;        // what one find may stand for, of what it stands for on average: no sparks
+CONST float kMaxLight = 1e18f;       // what a pixel gets stays a number
 
 #include "effects/hemisphere/hemisphere_basis.kernel.h"
 
@@ -129,12 +129,12 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     Real end_sine = passed(end * rsqrt(mad(end, end, b2)), inner_sine);
     Real foot = b2 * rsqrt(b2);
     Real seen_angle = angle_of(mad(t, end, b2), max(end - t, Real(0.0f)) * foot);
-    Real found = max(end_sine - near_sine, inner_share * kLeastSpan) * Real(C.log_share);
+    Real found = max(end_sine - near_sine, inner_share * kMinSpan) * Real(C.log_share);
     found = mad(seen_angle * foot, Real(C.even_share_by_radius), found);
-    Real cos_view = max(abs(dot(sight, facing)), Real(kLeastCosine));
+    Real cos_view = max(abs(dot(sight, facing)), Real(kMinCosine));
     // Rays of sight part from each other: farther away there are more samples between them.
     share = share * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
-    share = min(share, Real(C.area_factor * kMostFind));
+    share = min(share, Real(C.area_factor * kMaxFind));
     sees = sees && squared <= Real(C.radius * C.radius);
   } else {
     share = share / max(squared, Real(C.least_distance * C.least_distance));
@@ -162,7 +162,7 @@ LIST_REAL(sample_depth, kListLength)  // of the sample point, by the camera that
 
 // What may send light to a pixel is noted down and looked at later still, wherever it was found: few of the pixels that
 // run together find something at the same sample point.
-CONST int kMostFound = 2 * kListLength * kLanes;
+CONST int kMaxFound = 2 * kListLength * kLanes;
 LIST_UINT(found_pixel, 2 * kListLength)   // column + 65536 x row
 LIST_UINT(found_by, 2 * kListLength)      // which of the pixels that run together + 256 x index in C.layer
 LIST_REAL(found_depth, 2 * kListLength)   // by the layer's own camera
@@ -313,7 +313,7 @@ FN void gather(Int px, Int py) {
   Real rounding = depth * kDepthRounding;
   Real least_height = rounding + Real(C.least_height);
   Real least_nearer = rounding + Real(C.least_nearer);
-  Real least_depth = depth * kLeastDepth;
+  Real least_depth = depth * kMinDepth;
   Looking from = Looking(position, normal, depth, range_limit(depth), rounding, least_height, least_nearer);
   Int own_place = place_of(to_real(px), to_real(py));
   int found_count = 0;
@@ -413,7 +413,7 @@ FN void gather(Int px, Int py) {
       found = found || hides;
       if (kGathersLight) found_count = noted(found_count, by.before, i, x, y, tap, point_depth);
     }
-    if (kGathersLight && (end == C.samples || found_count > kMostFound - kListLength * kLanes)) {
+    if (kGathersLight && (end == C.samples || found_count > kMaxFound - kListLength * kLanes)) {
       for (int i = 0; i < C.layer_count; i = C.view_end[i]) {
         add_light_of_found(found_count, i, position, normal, own_place);
       }
@@ -425,6 +425,6 @@ FN void gather(Int px, Int py) {
   store_ao(select(surface, darkens ? max(Real(0.0f), 1.0f - closed) : Real(1.0f), Real(1.0f)));
   if (!kGathersLight) return;
   Vec3 light = sum_of_arrived() * Real(C.bleeding);
-  light = Vec3(min(light.x, Real(kMostLight)), min(light.y, Real(kMostLight)), min(light.z, Real(kMostLight)));
+  light = Vec3(min(light.x, Real(kMaxLight)), min(light.y, Real(kMaxLight)), min(light.z, Real(kMaxLight)));
   store_light(select(surface, finite_or_zero(light), none));
 }

@@ -14,8 +14,8 @@ OUT_LAYERS_REAL(hemisphere_shares)
 
 #include "effects/hemisphere/hemisphere_packed.kernel.h"
 
-CONST float kMostSent = 1e15f;  // a sum of 256 of them is finite
-FN Real bounded(Real v) { return clamp(finite_or_zero(v), Real(0.0f), Real(kMostSent)); }
+CONST float kMaxSent = 1e15f;  // a sum of 256 of them is finite
+FN Real bounded(Real v) { return clamp(finite_or_zero(v), Real(0.0f), Real(kMaxSent)); }
 
 FN void store_sent(int layer, Vec3 sent, Bool faces) {
   sent =

@@ -10,15 +10,15 @@
 namespace umbrage {
 namespace {
 
-constexpr double kMostFactor = 100.0;
+constexpr double kMaxFactor = 100.0;
 
 const std::vector<Parameter> kTable = {
-    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMostFactor},
+    real_row("ambient", &LightingParams::ambient, {.initial = 1, .max = kMaxFactor},
              "factor on the light from everywhere"),
-    real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMostFactor},
+    real_row("diffuse", &LightingParams::diffuse, {.initial = 1, .max = kMaxFactor},
              "factor on diffuse reflection of the lights"),
-    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMostFactor}, "factor on highlights"),
-    real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMostFactor},
+    real_row("specular", &LightingParams::specular, {.initial = 1, .max = kMaxFactor}, "factor on highlights"),
+    real_row("emission", &LightingParams::emission, {.initial = 1, .max = kMaxFactor},
              "factor on the light that surfaces send out by themselves"),
     real_row("shadow", &LightingParams::shadow, {.initial = 1, .max = 1}, "how dark shadows are"),
     choice_row(
@@ -52,7 +52,7 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
     std::copy_n(factors, kLightingShape, color == 0 ? c.shape_r : color == 1 ? c.shape_g : c.shape_b);
   }
   c.shadow = rig.shadows ? params.shadow : 0.0f;
-  static_assert(kLightingMostLights == kMostRigLights);
+  static_assert(kLightingMostLights == kMaxRigLights);
   c.light_count = int(rig.lights.size());
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];

@@ -13,7 +13,7 @@ namespace {
 
 using namespace test;
 
-constexpr int kMostLights = 16;  // as lighting.h has it; the tests' own copy
+constexpr int kMaxLights = 16;  // as lighting.h has it; the tests' own copy
 
 // ---- the formulas in double
 // --------------------------------------------------------------------------------------------
@@ -58,7 +58,7 @@ Lit shade(const GBuffer& g, const Factors& f, int x, int y) {
   if (image.find("emission.r") && !f.clay)
     lit.direct = f.emission * glm::dvec3(value("emission.r"), value("emission.g"), value("emission.b"));
   lit.error += 2e-7 * std::max({lit.direct.r, lit.direct.g, lit.direct.b});
-  for (std::size_t k = 0; k < g.info.lights.size() && k < std::size_t(kMostLights); ++k) {
+  for (std::size_t k = 0; k < g.info.lights.size() && k < std::size_t(kMaxLights); ++k) {
     const Light& light = g.info.lights[k];
     glm::dvec3 to_light(light.direction);
     double arrives = 1.0;
@@ -255,11 +255,11 @@ TEST(Lighting, OnlySixteenLightsShine) {
                              .color = glm::vec3(0.02f * (k + 1))});
   compare(g, {}, {});  // the oracle stops at sixteen too
   GBuffer first = g;
-  first.info.lights.resize(kMostLights);
+  first.info.lights.resize(kMaxLights);
   const Effect& effect = *find_effect("lighting");
   const Image twenty = test::run_effect(effect, g, {}, {}), sixteen = test::run_effect(effect, first, {}, {});
   EXPECT_EQ(test::difference(twenty.plane("direct.r"), sixteen.plane("direct.r"), 0.0).most, 0.0);
-  first.info.lights.resize(kMostLights - 1);
+  first.info.lights.resize(kMaxLights - 1);
   const Image fifteen = test::run_effect(effect, first, {}, {});
   EXPECT_GT(test::difference(fifteen.plane("direct.r"), sixteen.plane("direct.r"), 0.0).most, 0.05);
 }

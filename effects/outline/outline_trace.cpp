@@ -39,8 +39,8 @@ std::optional<Edge> decoded(float value, int x, int y, bool below, int width, in
 
 /// The edges that outline_edges has written, without those that are noise.
 std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int width, int height) {
-  constexpr int kBlock = 32;                      // pixels wide and high
-  constexpr int kMost = kBlock * kBlock * 3 / 2;  // edges of one: what has more is noise
+  constexpr int kBlock = 32;                     // pixels wide and high
+  constexpr int kMax = kBlock * kBlock * 3 / 2;  // edges of one: what has more is noise
   std::vector<std::vector<Edge>> found(std::size_t((height + kBlock - 1) / kBlock));
   tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t row_of_blocks) {
     std::vector<Edge>& edges = found[row_of_blocks];
@@ -54,7 +54,7 @@ std::vector<Edge> read_edges(const HostPlane& right, const HostPlane& below, int
       }
     std::vector<int> count(std::size_t(width / kBlock + 1), 0);
     for (const Edge& e : edges) ++count[e.x / kBlock];
-    std::erase_if(edges, [&](const Edge& e) { return count[e.x / kBlock] > kMost; });
+    std::erase_if(edges, [&](const Edge& e) { return count[e.x / kBlock] > kMax; });
   });
   std::vector<Edge> all;
   for (const std::vector<Edge>& block : found) all.insert(all.end(), block.begin(), block.end());

@@ -9,10 +9,10 @@
 namespace umbrage {
 namespace {
 
-constexpr double kMostStops = 20.0;
+constexpr double kMaxStops = 20.0;
 
 const std::vector<Parameter> kTable = {
-    real_row("exposure", &OutputParams::exposure, {.min = -kMostStops, .max = kMostStops, .unit = "stops"},
+    real_row("exposure", &OutputParams::exposure, {.min = -kMaxStops, .max = kMaxStops, .unit = "stops"},
              "brightness, in stops: 1 doubles the light"),
     choice_row("metering", &OutputParams::metering, 0, {"none", "picture", "light"},
                "brightness that suits the picture, besides `exposure`: none, by how bright its surfaces are, or by how "

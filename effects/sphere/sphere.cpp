@@ -14,17 +14,17 @@ namespace {
 // The listing: 16 pixels of a picture 512 wide; 5 of 8 samples.
 constexpr double kRadiusPercent = 100.0 * 16.0 / 512.0;
 constexpr double kThreshold = 5.0 / 8.0;
-constexpr double kMostRadius = 4096.0;  // pixels
+constexpr double kMaxRadius = 4096.0;  // pixels
 // What is right where the listing is short, and closest to the ray-traced truth.
 constexpr std::string_view kOurs =
     "shape=hemisphere sample_z=on depth=linear range=smooth range_factor=1 map=linear threshold=0 border=skip "
     "strength=1.3";
-constexpr float kLeastNearShare = 1e-4f;  // of the far plane: window depth divides by the near plane's distance
+constexpr float kMinNearShare = 1e-4f;  // of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &SphereParams::samples, {.initial = 8, .min = 1, .max = kSphereMostSamples},
             "sample points per pixel"),
-    length_row("radius", &SphereParams::radius, {.initial_percent = kRadiusPercent, .max = kMostRadius, .unit = "px"},
+    length_row("radius", &SphereParams::radius, {.initial_percent = kRadiusPercent, .max = kMaxRadius, .unit = "px"},
                "radius of the sphere, in pixels or as a share of the picture's width"),
     length_row("reach", &SphereParams::reach, {.max = 1e12, .unit = "scene units", .zero_means = "off: `radius` holds"},
                "radius of the sphere in the scene, in its units or as a share of its radius; it replaces `radius`"),
@@ -101,7 +101,7 @@ void fill_constants(const SphereParams& params, const PictureInfo& info, SphereC
   float near_depth = params.near_depth > 0.0f ? params.near_depth : info.depth_min;
   // Kernels are total: a near plane at or behind the far plane leaves a sliver between them.
   far_depth = std::max(far_depth, 1e-30f);
-  near_depth = std::clamp(near_depth, far_depth * kLeastNearShare, far_depth * 0.999f);
+  near_depth = std::clamp(near_depth, far_depth * kMinNearShare, far_depth * 0.999f);
   c.near_depth = near_depth;
   c.far_depth = far_depth;
   const double n = near_depth, f = far_depth;

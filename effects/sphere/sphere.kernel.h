@@ -12,7 +12,7 @@ OUT_REAL(ao)
 // the paper had equal numbers, on a plane that faces the camera.
 CONST float kWindowRounding = 4.7683716e-7f;  // 2^-21 of the range of window depth, 8 steps of a 24-bit buffer
 CONST float kDepthRounding = 2e-6f;           // share of the depth: 16 to 32 steps of a float
-CONST float kLeastDepth = 1e-3f;              // a sample behind the eye is moved to this share of the pixel's depth
+CONST float kMinDepth = 1e-3f;                // a sample behind the eye is moved to this share of the pixel's depth
 
 FN Real minus_one_to_one(Uint v) { return mad(to_real(v >> 8), Real(1.1920929e-7f), Real(-1.0f)); }  // 2^-23
 
@@ -93,7 +93,7 @@ FN Real open_at(Int px, Int py, Real depth) {
     Real step_x = radius_x * v.x;
     Real step_y = -(radius_y * v.y);  // rows are counted from the top
     if (C.sample_z != 0) {
-      sample_depth = max(depth - radius * v.z, depth * kLeastDepth);
+      sample_depth = max(depth - radius * v.z, depth * kMinDepth);
       if (F.orthographic == 0) {
         Real wider = depth / sample_depth;
         step_x = mad(from_centre_x, wider - 1.0f, step_x * wider);

@@ -12,20 +12,20 @@
 namespace umbrage {
 namespace {
 
-constexpr double kMostFactor = 100.0;
+constexpr double kMaxFactor = 100.0;
 constexpr double kPaperBands = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
 // Of an edge between bands, as change of intensity: fifty times what rounding changes it across a flat face, so that a
 // face whose light falls on an edge is evenly coloured and not speckled. Surfaces that curve visibly change it faster.
-constexpr float kLeastChange = 5e-5f;
+constexpr float kMinChange = 5e-5f;
 
 const std::vector<Parameter> kTable = {
     choice_row("mode", &ToonParams::mode, 0, {"ramp", "paper"},
                "a given number of bands in a ramp of colours, or the paper's steps of the object's colour"),
     int_row("bands", &ToonParams::bands, {.initial = kPaperBands, .min = 1, .max = 256},
             "how many bands; in the paper's mode how many per unit of intensity"),
-    real_row("ambient", &ToonParams::ambient, {.initial = kPaperAmbient, .max = kMostFactor},
+    real_row("ambient", &ToonParams::ambient, {.initial = kPaperAmbient, .max = kMaxFactor},
              "intensity of light from everywhere that occlusion darkens; the key light's is 1"),
-    real_row("extra", &ToonParams::extra, {.initial = kPaperExtra, .max = kMostFactor},
+    real_row("extra", &ToonParams::extra, {.initial = kPaperExtra, .max = kMaxFactor},
              "intensity of light from everywhere that nothing darkens"),
     choice_row(
         "rig", &ToonParams::rig, 0, {"scene", "head", "key"},
@@ -33,7 +33,7 @@ const std::vector<Parameter> kTable = {
     real_row("shadow", &ToonParams::shadow, {.initial = 1, .max = 1}, "how dark the key light's shadow is"),
     real_row("softness", &ToonParams::softness, {.max = 1},
              "width of the edge between two bands, in bands; 0: antialiased, about a pixel (ramp)"),
-    real_row("specular", &ToonParams::specular, {.initial = 1, .max = kMostFactor}, "factor on highlights"),
+    real_row("specular", &ToonParams::specular, {.initial = 1, .max = kMaxFactor}, "factor on highlights"),
     real_row("highlight_size", &ToonParams::highlight_size, {.initial = 1, .min = 0.01, .max = 10},
              "factor on the diameter of highlights (ramp)"),
     real_row("shadow_r", &ToonParams::shadow_r, {.initial = 0.18, .max = 1}, "red of the darkest band on white (ramp)"),
@@ -67,7 +67,7 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   if (!rig.shadows) c.shadow = 0.0f;
   // The paper has one light, which does not fall off.
   const bool paper = params.mode == kToonPaper;
-  static_assert(kToonMostLights == kMostRigLights);
+  static_assert(kToonMostLights == kMaxRigLights);
   c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMostLights);
   if (rig.lights.empty() && !rig.ambient_shape.even()) {
     // Of a sky without a sun: bands by where most of its light comes from.
@@ -101,10 +101,10 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   // lies on an edge between bands.
   c.bands_per_intensity = c.bands / (1.0f + params.ambient + params.extra);
   c.inverse_bands = 1.0f / c.bands;
-  c.least_width = std::min(kLeastChange * c.bands_per_intensity, 1.0f);
+  c.least_width = std::min(kMinChange * c.bands_per_intensity, 1.0f);
   c.softness = params.softness;
-  constexpr float kSpeckHeight = 432.0f, kMostSpeck = 8.0f;  // of the picture, per pixel; and pixels
-  const float speck_px = std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMostSpeck);
+  constexpr float kSpeckHeight = 432.0f, kMaxSpeck = 8.0f;  // of the picture, per pixel; and pixels
+  const float speck_px = std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMaxSpeck);
   c.speck = params.mode == kToonRamp && params.softness == 0.0f ? int(speck_px) : 0;
   c.sharpness = 1.0f / (params.highlight_size * params.highlight_size);
   const bool flat = params.bands == 1;

@@ -16,10 +16,10 @@ PLANE(UintPlane, unsharp_row_low, 0)
 
 const int kInvocations = 64;
 const int kClump = 8;  // invocations whose sums are added up before those of others are
-const int kMostSamples = kUnsharpSegment + kUnsharpLargestKernel - 1;
+const int kMaxSamples = kUnsharpSegment + kUnsharpLargestKernel - 1;
 
 // Sums of the samples to the left of each, all of them, and at last of whole shares and clumps.
-shared uint high_before[kMostSamples + 1], low_before[kMostSamples + 1];
+shared uint high_before[kMaxSamples + 1], low_before[kMaxSamples + 1];
 shared uint high_share[kInvocations], low_share[kInvocations];
 shared uint high_clump[kInvocations / kClump], low_clump[kInvocations / kClump];
 

@@ -11,11 +11,11 @@ OUT_REAL(ao)
 
 CONST float kOutside = 2e6f;  // misfit of what is not in the picture
 // Where no pixel joins, the nearest in depth gives most. Where any does, this is too little to be seen.
-CONST float kLeastJoint = 1e-6f;
+CONST float kMinJoint = 1e-6f;
 // Where the four nearest pixels join by less than this, at the rims of things and on leaves and wires that none of the
 // four shows, the technique is left to compute the pixel, or else the sixteen nearest are asked.
 CONST float kFew = 0.1f;
-CONST float kLeastSquare = 1e-2f;  // of a distance in blocks: the nearest pixel but the own one is a quarter off
+CONST float kMinSquare = 1e-2f;  // of a distance in blocks: the nearest pixel but the own one is a quarter off
 
 // The column or row at which the block of a pixel in column or row `at` begins.
 FN Int block_start(Int at) { return to_signed(to_uint(at) & to_uint(Int(-C.factor))); }
@@ -84,8 +84,8 @@ FN Real wide_weight(int i, int j, Int px, Int py) {
   Real y = at.y - float(j);
   Real misfit = misfit_of(i, j, px, py, view_position(px, py, near_depth(0, 0)), near_normal(0, 0));
   Real inverse = Real(1.0f) / (misfit * misfit);
-  Real joint = max(joint_of(misfit), inverse * inverse * kLeastJoint);
-  return select(misfit < kOutside, joint / max(mad(x, x, y * y), Real(kLeastSquare)), Real(0.0f));
+  Real joint = max(joint_of(misfit), inverse * inverse * kMinJoint);
+  return select(misfit < kOutside, joint / max(mad(x, x, y * y), Real(kMinSquare)), Real(0.0f));
 }
 
 // Occlusion of the block (i, j) to the right and below.

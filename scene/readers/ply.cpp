@@ -135,7 +135,7 @@ std::vector<std::string_view> words_of(std::string_view line) {
 /// Reads the header and moves `text` behind it.
 Result<Header> read_header(std::string_view& text, const std::string& file) {
   Header header;
-  constexpr std::size_t kMostShown = 60;  // of a line in a message
+  constexpr std::size_t kMaxShown = 60;  // of a line in a message
   bool first = true, has_format = false;
   while (true) {
     const std::size_t end = text.find('\n');
@@ -149,7 +149,7 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
     first = false;
     if (words.empty() || words[0] == "ply" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;
-    std::string shown(line.substr(0, kMostShown));
+    std::string shown(line.substr(0, kMaxShown));
     std::replace_if(
         shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
     const Error wrong = file_error("'{}' has the PLY header line '{}', which cannot be understood", file, shown);
@@ -336,8 +336,8 @@ void read_lists(const Element& element, Body& body, bool strips, Mesh* mesh, Pol
 }  // namespace
 
 std::string ply_texture(const fs::path& path) {
-  constexpr std::size_t kLongestHeader = 1 << 16;
-  std::string bytes(kLongestHeader, '\0');
+  constexpr std::size_t kMaxHeaderLength = 1 << 16;
+  std::string bytes(kMaxHeaderLength, '\0');
   std::ifstream stream(path, std::ios::binary);
   stream.read(bytes.data(), std::streamsize(bytes.size()));
   std::string_view text(bytes.data(), std::size_t(stream.gcount()));

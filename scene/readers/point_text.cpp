@@ -16,19 +16,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostColumns = 10;
+constexpr std::size_t kMaxColumns = 10;
 constexpr std::string_view kBlank = " \t\r,;";
 
 /// The numbers of a line, up to the first word that is none.
 struct Row {
-  std::array<float, kMostColumns> values{};
+  std::array<float, kMaxColumns> values{};
   std::size_t count = 0;
   bool all_numbers = true;
 };
 
 Row row_of(std::string_view line) {
   Row row;
-  while (row.count < kMostColumns) {
+  while (row.count < kMaxColumns) {
     line.remove_prefix(std::min(line.find_first_not_of(kBlank), line.size()));
     if (line.empty()) break;
     if (line.front() == '+') line.remove_prefix(1);
@@ -105,7 +105,7 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
   if (wrong > 0) return file_error("'{}' has no three numbers in line {}", file, wrong);
 
   Mesh mesh;
-  std::size_t columns = kMostColumns;
+  std::size_t columns = kMaxColumns;
   for (const Row& row : rows) columns = std::min(columns, row.count);
   // An intensity may stand between the place and the colour.
   for (std::size_t first = 3; first + 3 <= columns; ++first) {

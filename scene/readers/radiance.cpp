@@ -84,10 +84,10 @@ std::string read_header(Source& source, Header& header) {
 
 /// One row, channel after channel for each pixel. False where it is damaged.
 bool read_row(Source& source, int width, std::vector<std::uint8_t>& row) {
-  constexpr int kLeastRuns = 8, kMostRuns = 32767;  // rows of other widths are never in runs by channel
+  constexpr int kMinRuns = 8, kMaxRuns = 32767;  // rows of other widths are never in runs by channel
   std::uint8_t first[kChannels];
   for (std::uint8_t& byte : first) byte = source.next();
-  if (width >= kLeastRuns && width <= kMostRuns && first[0] == 2 && first[1] == 2 && first[2] < 128) {
+  if (width >= kMinRuns && width <= kMaxRuns && first[0] == 2 && first[1] == 2 && first[2] < 128) {
     if (first[2] * 256 + first[3] != width) return false;
     for (int c = 0; c < kChannels; ++c)
       for (int x = 0; x < width && !source.ended;) {
@@ -136,8 +136,8 @@ Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std:
   if (const std::string wrong = read_header(source, header); !wrong.empty())
     return file_error("'{}' is no Radiance picture that can be read: {}", name, wrong);
   const int width = header.width, height = header.height;
-  constexpr int kWidest = 1 << 16;  // of which a row takes memory before anything is known to follow
-  if (std::int64_t(width) * height > most_pixels || width > kWidest)
+  constexpr int kMaxWidth = 1 << 16;  // of which a row takes memory before anything is known to follow
+  if (std::int64_t(width) * height > most_pixels || width > kMaxWidth)
     return file_error("'{}' says that it has {} x {} pixels, more than such an image can have here ({})", name, width,
                       height, most_pixels);
   std::vector<std::uint8_t> row(std::size_t(width) * kChannels);

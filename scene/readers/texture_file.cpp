@@ -20,7 +20,7 @@ namespace umbrage {
 namespace {
 
 /// A gigabyte of RGBA: the header of a broken file may ask for any size.
-constexpr std::int64_t kMostPixels = std::int64_t(1) << 28;
+constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;
 
 /// What the header says that the image is.
 struct ImageHeader {
@@ -58,7 +58,7 @@ Result<std::vector<std::uint8_t>> bytes_of(const std::filesystem::path& file) {
 }  // namespace
 
 Result<Texture> decode_texture(std::span<const std::uint8_t> bytes, const std::string& name) {
-  if (const auto header = check_header(bytes, name, kMostPixels); !header) return header.error();
+  if (const auto header = check_header(bytes, name, kMaxPixels); !header) return header.error();
   const int size = int(bytes.size());
   int width = 0, height = 0, channels = 0;
   constexpr int kRgba = 4;
@@ -79,8 +79,8 @@ Result<Texture> read_texture(const std::filesystem::path& file) {
 }
 
 Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std::string& name) {
-  if (is_radiance(bytes)) return decode_radiance(bytes, name, kMostPanoramaPixels);
-  const auto header = check_header(bytes, name, kMostPanoramaPixels);
+  if (is_radiance(bytes)) return decode_radiance(bytes, name, kMaxPanoramaPixels);
+  const auto header = check_header(bytes, name, kMaxPanoramaPixels);
   if (!header) return header.error();
   constexpr int kRgb = 3;
   const int size = int(bytes.size());
@@ -102,7 +102,7 @@ Result<Panorama> read_panorama(const std::filesystem::path& file) {
   if (!bytes) return bytes.error();
   auto panorama = decode_panorama(*bytes, file.string());
   if (!panorama) return panorama;
-  return reduced_panorama(*panorama, kWidestPanorama, kHighestPanorama);
+  return reduced_panorama(*panorama, kMaxPanoramaWidth, kMaxPanoramaHeight);
 }
 
 }  // namespace umbrage

@@ -19,9 +19,9 @@ Result<Texture> decode_texture(std::span<const std::uint8_t> bytes, const std::s
 Result<Texture> read_texture(const std::filesystem::path& file);
 
 /// Of an image of what is around a scene: 16384 x 8192.
-inline constexpr std::int64_t kMostPanoramaPixels = std::int64_t(1) << 27;
+inline constexpr std::int64_t kMaxPanoramaPixels = std::int64_t(1) << 27;
 /// What is larger is reduced to this as it is read.
-inline constexpr int kWidestPanorama = 8192, kHighestPanorama = 4096;
+inline constexpr int kMaxPanoramaWidth = 8192, kMaxPanoramaHeight = 4096;
 
 /// The same for an image of what is around a scene: HDR as it is, other formats as sRGB. Errors: kFile.
 Result<Panorama> decode_panorama(std::span<const std::uint8_t> bytes, const std::string& name);

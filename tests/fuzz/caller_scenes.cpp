@@ -83,7 +83,7 @@ void Caller::change_scene() {
 void Caller::set_mesh_buffer() {
   static const std::vector<std::string> kNames = {"position", "index", "position", "index", "normal",
                                                   "color",    "uv",    "radius",   "none"};
-  constexpr std::size_t kMost = 100;  // elements: meshes may have more
+  constexpr std::size_t kMax = 100;  // elements: meshes may have more
   SceneState& state = one(scenes_);
   const UmbScene scene = handle_of(state.ref);
   std::string name = choose_.one_of(kNames);
@@ -100,7 +100,7 @@ void Caller::set_mesh_buffer() {
     if (name == "radius" && triangles > 0 && choose_.below(4)) name = "normal", channels = 3;
     count = name == "index" ? triangles : vertices;
   }
-  if (count > kMost) return;
+  if (count > kMax) return;
   const auto size = std::ptrdiff_t(bytes_of(type) * std::size_t(std::clamp(channels, 1, 4)));
   const std::vector<std::ptrdiff_t> strides = {0, 0, size, size + 1, size + 4, -size, -size - 3};
   const std::ptrdiff_t stride = choose_.one_of(strides), step = stride != 0 ? stride : size;
