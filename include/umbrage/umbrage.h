@@ -11,17 +11,17 @@
  * in use. Nothing throws, ends the process or prints.
  *
  * Callbacks must not throw. From within one the library may be called, but not on the object whose call calls back, the
- * job that executes or the scene that loads; nor may the scene of that job be changed, nor another job, of any device, be
- * executed or prepared. These calls return UMB_ERROR_USAGE. Retaining, releasing, errors and counters are free. An error
- * callback runs after its call, and may use all objects; of what fails within it, it is not told.
+ * job that executes or the scene that loads; nor may the scene of that job be changed, nor another job, of any device,
+ * be executed or prepared. These calls return UMB_ERROR_USAGE. Retaining, releasing, errors and counters are free. An
+ * error callback runs after its call, and may use all objects; of what fails within it, it is not told.
  *
  * Threads. Different threads may use different objects at the same time. While a function changes, executes or loads an
- * object, calls of other threads on it return UMB_ERROR_USAGE, or what stands for nothing, and do nothing. Functions that
- * only read, such as umbGetJobOutput, may be called side by side; a change waits until they are done. Functions of devices, retaining and releasing (by who has
- * a reference), errors and counters are free at any time. Jobs of one device wait for each other; a callback must not
- * wait for a thread that executes one. Jobs of several devices may draw one scene at the same time; while one does, the
- * scene cannot be changed: UMB_ERROR_USAGE. Strings, strokes and images that an object returns are for the thread that
- * uses it next.
+ * object, calls of other threads on it return UMB_ERROR_USAGE, or what stands for nothing, and do nothing. Functions
+ * that only read, such as umbGetJobOutput, may be called side by side; a change waits until they are done. Functions of
+ * devices, retaining and releasing (by who has a reference), errors and counters are free at any time. Jobs of one
+ * device wait for each other; a callback must not wait for a thread that executes one. Jobs of several devices may draw
+ * one scene at the same time; while one does, the scene cannot be changed: UMB_ERROR_USAGE. Strings, strokes and images
+ * that an object returns are for the thread that uses it next.
  *
  * Spaces. World space is the scene's. View space is right-handed: +x right, +y up, the camera looks down -z. Depth is
  * the positive distance along the view axis, +infinity where there is no surface. Normals are unit vectors in view
@@ -105,7 +105,8 @@ typedef enum UmbType {
 } UmbType;
 
 /* Pixels in the caller's memory. Strides are in bytes and may be negative; 0 means packed: channels side by side, then
- * pixels, then rows. Of a job's images and outputs `channels` of 0 are as many as the pass has. `data` is channel 0 of the upper left pixel. */
+ * pixels, then rows. Of a job's images and outputs `channels` of 0 are as many as the pass has. `data` is channel 0 of
+ * the upper left pixel. */
 typedef struct UmbImage {
   void* data;
   int32_t type; /* UmbType */
@@ -140,9 +141,9 @@ UMB_API int umbAddMesh(UmbScene scene, const char* name, size_t vertices, size_t
 UMB_API UmbError umbRemoveMesh(UmbScene scene, int mesh);
 
 /* Copies a buffer of the caller's: "position" (3 channels, FLOAT32), "normal" (3), "color" (3 or 4, linear if floats,
- * sRGB if integers), "uv" (2, (0, 0) is the lower left corner), "radius" (1, of points, above 0), each of one value a vertex; or
- * "index" (3 a triangle: UINT32, UINT16 or UINT8). `stride`: bytes from an element to the next, 0: packed. Errors:
- * UMB_ERROR_USAGE, also for an index beyond the vertices. */
+ * sRGB if integers), "uv" (2, (0, 0) is the lower left corner), "radius" (1, of points, above 0), each of one value a
+ * vertex; or "index" (3 a triangle: UINT32, UINT16 or UINT8). `stride`: bytes from an element to the next, 0: packed.
+ * Errors: UMB_ERROR_USAGE, also for an index beyond the vertices. */
 UMB_API UmbError umbSetMeshBuffer(UmbScene scene, int mesh, const char* name, const void* data, UmbType type,
                                   int channels, ptrdiff_t stride);
 
@@ -241,15 +242,16 @@ UMB_API UmbError umbGetJobStrokeColor(UmbJob job, float rgb[3], float* opacity);
 /* Whether the parameters are right, as far as can be said without the scene or the images. Errors: UMB_ERROR_USAGE. */
 UMB_API UmbError umbCheckJob(UmbJob job);
 
-/* Counters of all executions of the job: "hierarchies_built", "captures_made", "planes_copied" (of inputs). -1: there is
- * no such counter. */
+/* Counters of all executions of the job: "hierarchies_built", "captures_made", "planes_copied" (of inputs). -1: there
+ * is no such counter. */
 UMB_API int64_t umbGetJobCounter(UmbJob job, const char* name);
 
 /* ---- Files ---- */
 
 /* Writes images, each a pass by its name, whole or not at all: .png and .pfm take "color" or one pass of 1 or 3
- * channels, .exr takes all. In .png values are clamped to 0 to 1. Alpha is left out where all pixels are opaque. `bits`: 8 or 16, of .png; `half`: 16-bit
- * floats in .exr where they suffice. Errors, of umbGetError: UMB_ERROR_USAGE; UMB_ERROR_FILE. */
+ * channels, .exr takes all. In .png values are clamped to 0 to 1. Alpha is left out where all pixels are opaque.
+ * `bits`: 8 or 16, of .png; `half`: 16-bit floats in .exr where they suffice. Errors, of umbGetError: UMB_ERROR_USAGE;
+ * UMB_ERROR_FILE. */
 UMB_API UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                                 bool half);
 /* Writes strokes as .svg, for a picture of that size. */
@@ -284,7 +286,8 @@ typedef struct UmbParameter {
 UMB_API int umbGetPassChannels(const char* pass);
 
 /* The parameters of "render", "shade", "scene" or an effect. Of a smaller `size`, as an older header has it, the first
- * members are filled; of a larger one those that this library has, the others are 0. Errors: UMB_ERROR_USAGE; beyond the last one the same, and no error to be asked for. */
+ * members are filled; of a larger one those that this library has, the others are 0. Errors: UMB_ERROR_USAGE; beyond
+ * the last one the same, and no error to be asked for. */
 UMB_API UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter);
 
 #ifdef __cplusplus
