@@ -21,7 +21,7 @@ std::string version_text(std::uint32_t version) {
   return fmt::format("{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
 }
 
-/// What effects need and the device does not have.
+/// Returns what effects need and the device lacks, as a noun; empty: nothing.
 std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
   if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver has {})", version_text(version));
   VkPhysicalDeviceVulkan12Features has{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
@@ -103,7 +103,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   if (made != VK_SUCCESS) return vulkan_error(made, "was started");
   if (auto found = add_functions(instance->handle, instance->vk); !found) return found.error();
   if (instance->on_message) {
-    // What is chained to the instance above speaks only while that is made or ended.
+    // The messenger chained to the instance above reports only while the instance is created or destroyed.
     const auto create_messenger =
         reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(get(instance->handle, "vkCreateDebugUtilsMessengerEXT"));
     if (!create_messenger ||
@@ -115,7 +115,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
 
 bool may_have_gpu() {
 #ifdef __linux__
-  // Kernel drivers: DRM (most cards), NVIDIA's, Windows' subsystem, Mali's, Adreno's.
+  // Kernel drivers: DRM (most cards), NVIDIA, Windows Subsystem for Linux, Mali, Adreno.
   constexpr std::string_view kStarts[] = {"dri", "nvidia", "dxg", "mali", "kgsl"};
   std::error_code failed;
   for (const auto& entry : std::filesystem::directory_iterator("/dev", failed)) {

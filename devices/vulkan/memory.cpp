@@ -5,10 +5,11 @@
 namespace umbrage {
 namespace {
 
-constexpr VkDeviceSize kAlignment = 256;                      // of planes in a slab: the most that descriptors ask for
-constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;        // few allocations, and little that stays unused
-constexpr VkDeviceSize kMaxPlanesOfSlab = 16;                 // planes
-constexpr VkDeviceSize kKeptEmpty = VkDeviceSize(256) << 20;  // of slabs of other sizes, while new ones are made
+constexpr VkDeviceSize kAlignment = 256;                // of planes in a slab: the max that descriptors require
+constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;  // few allocations, and little unused memory
+constexpr VkDeviceSize kMaxPlanesOfSlab = 16;           // planes
+// Max bytes of empty slabs of other sizes while new ones are made.
+constexpr VkDeviceSize kKeptEmpty = VkDeviceSize(256) << 20;
 constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;
 constexpr VkDeviceSize kKeptHost = VkDeviceSize(256) << 20;
 
@@ -34,7 +35,7 @@ Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMem
   }
   if (type < 0)
     return device_error("the Vulkan device has no memory for pictures of {:.0f} MiB", mebibytes(needs.size));
-  // Some drivers promise more than there is.
+  // Some drivers promise more memory than there is.
   const bool on_device = (wanted & VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT) != 0;
   const VkDeviceSize heap = gpu_->memory.memoryHeaps[gpu_->memory.memoryTypes[type].heapIndex].size;
   VkDeviceMemory memory = VK_NULL_HANDLE;
@@ -195,7 +196,7 @@ Result<HostBufferPtr> Memory::host(VkDeviceSize bytes, bool uniform) {
     else
       try {
         self->free_host_.push_back(copy);
-      } catch (const std::bad_alloc&) {  // it is not kept
+      } catch (const std::bad_alloc&) {  // not kept
         self->destroy(copy);
       }
     delete buffer;

@@ -102,7 +102,7 @@ void begin_drawing(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& t
       buffer, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | kDrawingStages,
       VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | kDrawingStages, 0, 1, &written, 0,
       nullptr, 2, turns);
-  const std::array<VkClearValue, 2> nothing{};  // number 0, infinitely far
+  const std::array<VkClearValue, 2> nothing{};  // index 0, infinitely far
   VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
   begin.renderPass = pass;
   begin.framebuffer = target.framebuffer;
