@@ -26,7 +26,7 @@ inline int edit_distance(std::string_view a, std::string_view b) {
   return last.back();
 }
 
-/// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (there are: a, b, c)".
+/// Returns " (did you mean 'x'?)" for the closest of `names` if it is close, otherwise " (available: a, b, c)".
 template <class Names>
 std::string suggestion(std::string_view word, const Names& names) {
   constexpr int kMaxSlips = 2;  // more, or two in a word of up to four letters, is a different word
@@ -39,7 +39,7 @@ std::string suggestion(std::string_view word, const Names& names) {
     all += (all.empty() ? "" : ", ") + std::string(name);
   }
   if (!nearest.empty()) return " (did you mean '" + std::string(nearest) + "'?)";
-  return " (there are: " + all + ")";
+  return " (available: " + all + ")";
 }
 
 }  // namespace umbrage

@@ -109,7 +109,7 @@ class CpuDevice final : public Device {
   }
 
   Frame branch(const Frame& frame) override {
-    if (cpu_planes(frame).band) fail_check("a band has no branches");
+    if (cpu_planes(frame).band) fail_check("a strip cannot have branches");
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
     planes->kept = std::static_pointer_cast<const CpuPlanes>(frame.storage);
     planes->branches = planes->kept->branches.branch();

@@ -168,7 +168,7 @@ Result<Image> download_band(const Frame& frame, const std::vector<std::string>& 
       plane = find_whole(planes, frame.info, name, held->version);
       first = 0;
     } else if (held) {
-      if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a band", name));
+      if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a strip", name));
       first = held->first;
     }
     if (!plane) return usage_error("the picture has no plane '{}'", name);

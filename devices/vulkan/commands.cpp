@@ -77,7 +77,7 @@ Result<VkCommandBuffer> Commands::buffer() {
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const auto r = gpu_->vk.BeginCommandBuffer(buffer_, &begin); r != VK_SUCCESS)
-    return vulkan_error(r, "was given work");
+    return vulkan_error(r, "recorded its work");
   recording_ = true;
   if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMaxPasses);
   return buffer_;
@@ -178,7 +178,7 @@ Result<void> Commands::read_times() {
   const VkResult read = gpu_->vk.GetQueryPoolResults(gpu_->device, queries_, 0, std::uint32_t(ticks.size()),
                                                      ticks.size() * sizeof(std::uint64_t), ticks.data(),
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
-  if (read != VK_SUCCESS) return vulkan_error(read, "told what its passes took");
+  if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its passes");
   if (times_.size() > kMaxTimes) times_.clear();
   if (ms_of_group_.size() > kMaxKinds) ms_of_group_.clear();
   std::map<Kind, double> slowest;  // row ranges of one dispatch differ: background is faster
@@ -222,7 +222,7 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
   allocate.pSetLayouts = &layout;
   VkDescriptorSet set = VK_NULL_HANDLE;
   if (const auto r = gpu_->vk.AllocateDescriptorSets(gpu_->device, &allocate, &set); r != VK_SUCCESS)
-    return vulkan_error(r, "was given work");
+    return vulkan_error(r, "recorded its work");
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
   write.dstSet = set;
   write.descriptorCount = std::uint32_t(buffers.size());

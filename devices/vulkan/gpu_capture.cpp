@@ -111,7 +111,7 @@ int capture_slot(std::string_view plane) {
     if (plane == name) return slot;
   for (int light = 0; light < kMaxShadows; ++light)
     if (plane == shadow_plane(light)) return kShadowSlot + light;
-  fail_check(fmt::format("plane '{}' is captured by nobody", plane));
+  fail_check(fmt::format("plane '{}' cannot be captured", plane));
 }
 
 }  // namespace umbrage

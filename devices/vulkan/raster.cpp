@@ -53,7 +53,7 @@ Result<VkRenderPass> make_render_pass(const Gpu& gpu, bool clear) {
   create.pSubpasses = &subpass;
   VkRenderPass pass = VK_NULL_HANDLE;
   if (const auto r = gpu.vk.CreateRenderPass(gpu.device, &create, nullptr, &pass); r != VK_SUCCESS)
-    return vulkan_error(r, "was made ready to draw");
+    return vulkan_error(r, "prepared to draw");
   return pass;
 }
 
@@ -85,7 +85,7 @@ Result<RasterTargetPtr> make_raster_target(GpuPtr gpu, Memory& memory, VkRenderP
   target->gpu = std::move(gpu);
   const Gpu& on = *target->gpu;
   if (const auto r = on.vk.CreateFramebuffer(on.device, &create, nullptr, &target->framebuffer); r != VK_SUCCESS)
-    return vulkan_error(r, "was made ready to draw");
+    return vulkan_error(r, "prepared to draw");
   return RasterTargetPtr(std::move(target));
 }
 

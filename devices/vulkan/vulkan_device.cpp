@@ -391,7 +391,7 @@ Result<std::vector<VulkanGpu>> vulkan_gpus(const VulkanSettings& settings) {
 }
 
 Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& settings, std::unique_ptr<Device> capture) {
-  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for one in software");
+  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for a software device");
   if (settings.real && !may_have_gpu()) return no_gpu;
   auto instance = make_instance(settings.get, settings.on_message);
   if (!instance) return instance.error();
@@ -400,7 +400,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   int index = settings.index;
   if (index >= int(gpus->size()))
     return device_error("there is no device 'vulkan:{}': there {} (see umbrage list devices)", index,
-                        gpus->size() == 1 ? std::string("is vulkan:0 alone")
+                        gpus->size() == 1 ? std::string("is only vulkan:0")
                                           : fmt::format("are vulkan:0 to vulkan:{}", gpus->size() - 1));
   if (index < 0) {
     const auto best = std::max_element(gpus->begin(), gpus->end(), [](const PhysicalGpu& a, const PhysicalGpu& b) {

@@ -390,10 +390,10 @@ TEST(Vulkan, SaysWhatIsMissing) {
     return error_of(make_vulkan_device(settings, make_cpu_device()));
   };
   faulty().faults.loader_version = VK_API_VERSION_1_1;
-  EXPECT_NE(message({.get = test::faulty_get}).find("1.2 is needed"), std::string::npos);
+  EXPECT_NE(message({.get = test::faulty_get}).find("1.2 is required"), std::string::npos);
   faulty().faults = {};
   faulty().faults.device_version = VK_API_VERSION_1_1;
-  EXPECT_NE(message({.get = test::faulty_get}).find("lacks Vulkan 1.2 (its driver has 1.1)"), std::string::npos);
+  EXPECT_NE(message({.get = test::faulty_get}).find("lacks Vulkan 1.2 (its driver supports 1.1)"), std::string::npos);
   const auto listed = vulkan_gpus({.get = test::faulty_get});
   ASSERT_TRUE(listed);
   EXPECT_FALSE(listed->front().usable);
