@@ -1,11 +1,12 @@
-// Bands: a picture that is too large to be held at once is drawn some rows at a time.
+// Strips: a picture that is too large for memory is drawn in strips of full-width rows, one after the other.
 //
-// A band's frame holds its own rows and some more above and below, for passes that read their neighbours. Every pass
-// says how far it reads, and runs on those rows alone for which it has all that it reads: the band shrinks from pass to
-// pass, and what remains is the same to the bit as in a picture that is drawn whole. Passes that read anywhere get
-// planes of the whole picture. These are gathered from the bands first: a band ends at such a pass, unfinished, after
-// it has given its rows, and is drawn anew, from its capture on, when all bands have given theirs. What a host step
-// makes of such planes is whole, too, made by the first band for all.
+// The frame of a strip holds its own rows and a margin above and below, for dispatches that read neighbours. Each
+// dispatch states how many rows it reads above and below a pixel, and runs only on rows for which all its inputs are
+// valid: the valid rows shrink from dispatch to dispatch. The result is bitwise identical to that of a picture drawn
+// whole.
+// A dispatch that reads any row gets planes of the whole picture, which are gathered from the strips first: each strip
+// adds its rows and stops before this dispatch, unfinished. Once all strips have added theirs, each is drawn again from
+// its capture on. The outputs of a host step are whole planes too; the first strip computes them for all.
 #pragma once
 #include <algorithm>
 #include <map>
@@ -17,7 +18,7 @@
 
 namespace umbrage {
 
-/// Rows of a picture, from `begin` to before `end`.
+/// Rows of a picture: [begin, end).
 struct Rows {
   int begin = 0, end = 0;
 
@@ -26,33 +27,34 @@ struct Rows {
   bool operator==(const Rows&) const = default;
 };
 
-/// Planes of the whole picture, gathered from its bands.
+/// Planes of the whole picture, gathered from its strips.
 struct WholePlanes {
   struct Entry {
     Plane plane;
-    bool complete = false;  ///< all bands have given their rows, or it was made whole
+    bool complete = false;  ///< all strips have added their rows, or a host step wrote it
   };
-  /// By the reduction of the picture, the name, and which pass of a frame wrote it, 0 for the capture: names are
-  /// written over.
+  /// Key: downsampling factor of the picture, plane name, version. The version is the number of the dispatch of the
+  /// frame that wrote the plane, 0 for the capture: later dispatches may write another plane of the same name.
   std::map<std::tuple<int, std::string, int>, Entry> planes;
 };
 
-/// How far an effect, or a look, came on a frame. Of a whole picture it is always finished.
+/// How far an effect, or a look, got on a frame. On a frame of a whole picture it is always finished.
 struct Progression {
   bool finished = true;
-  int missing_rows = 0;  ///< not finished: the margin is too small by so many; 0: other bands have to get here first
+  int missing_rows = 0;  ///< if not finished: rows that the margin lacks; 0: other strips come first
 };
 
-/// What a frame holds of a picture that is drawn in bands.
+/// The part of a picture that the frame of a strip holds.
 struct Band {
-  Rows rows;       ///< of the whole picture, its guard band included; the first is a multiple of 4
-  int margin = 0;  ///< rows above and below besides, as far as there are any
+  Rows rows;       ///< rows of the strip in the picture, guard band included; begin is a multiple of 4
+  int margin = 0;  ///< further rows above and below, as far as the picture has them
   std::shared_ptr<WholePlanes> wholes;
 
   bool operator==(const Band&) const = default;
 };
 
-/// The rows that such a frame holds, of a picture of that height. The first is a multiple of 4.
+/// Returns the rows that the frame of a strip holds, margin included. `height`: of the picture. The first row is a
+/// multiple of 4.
 inline Rows held_rows(const Band& band, int height) {
   constexpr int kMultiple = 4;
   return {std::max(0, band.rows.begin - band.margin) / kMultiple * kMultiple,

@@ -8,7 +8,7 @@
 namespace umbrage {
 namespace {
 
-/// The camera's window moved outwards by so many pixels on each side.
+/// Returns the camera with its window extended by `pixels` on each side.
 Camera widened(Camera camera, int width, int height, int pixels) {
   const float across = (camera.right - camera.left) / float(width) * float(pixels);
   const float down = (camera.top - camera.bottom) / float(height) * float(pixels);
@@ -19,12 +19,12 @@ Camera widened(Camera camera, int width, int height, int pixels) {
   return camera;
 }
 
-/// The window of every `factor`th pixel from the first on. A pixel's ray goes through its centre, hence the half
-/// pixels.
+/// Returns the camera of one pixel in `factor`, from the first one on. The ray of a pixel goes through its centre,
+/// hence the half pixels.
 Camera thinned(Camera camera, int width, int height, int factor) {
   const double across = (double(camera.right) - camera.left) / width;
   const double down = (double(camera.top) - camera.bottom) / height;
-  const double before = (factor - 1) / 2.0;  // pixels that the first one grows by on each side
+  const double before = (factor - 1) / 2.0;  // pixels by which the first one grows on each side
   const double left = camera.left - before * across, top = camera.top + before * down;
   camera.left = float(left);
   camera.top = float(top);

@@ -1,4 +1,4 @@
-// Memory of planes, and whose it is.
+// Memory of planes and its ownership.
 #include "core/image.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-// Large enough to be kept: 4 MB.
+// Large enough for the pool to keep: 4 MB.
 constexpr int kSide = 1024;
 
 TEST(PlanePool, MemoryServesTheNextPlanesOfItsSize) {

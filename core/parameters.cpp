@@ -77,7 +77,7 @@ std::string parameter_range(const Parameter& row) {
     case ParameterType::kChoice:
       return join_choices(row.choices);
     case ParameterType::kLength:
-      if (row.above_zero) return fmt::format("a number above 0{} or a share up to {:g}%", of_unit, kMaxPercent);
+      if (row.above_zero) return fmt::format("a number above 0{} or a percentage up to {:g}%", of_unit, kMaxPercent);
       return fmt::format("{:g} to {:g}{} or 0% to {:g}%{}", row.least, row.most, unit, kMaxPercent, zero);
     default:
       return fmt::format("{:g} to {:g}{}{}", row.least, row.most, unit, zero);

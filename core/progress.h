@@ -1,4 +1,4 @@
-// ProgressMonitor: who asked for long work hears how far it is, and may end it.
+// ProgressMonitor: reports the progress of long work to its caller, who may cancel it.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -9,30 +9,30 @@
 
 namespace umbrage {
 
-/// Told now and then, by the thread that asked for the work and by no other, the share of it that is done, from 0 to 1.
-/// Returns whether to go on: after false the work ends with `interrupted`. Null: nobody listens.
+/// Called repeatedly with the fraction of the work that is done, 0 to 1, only on the thread that requested the work.
+/// Returns whether to continue: after false the work ends with `interrupted`. Null: no monitor.
 using ProgressMonitor = std::function<bool(double done)>;
 
 inline Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
 
-/// How often a monitor is asked at most: no more often than people see.
+/// Min time between two calls of a monitor; faster than users can see.
 inline constexpr std::chrono::milliseconds kAskEvery(40);
 
-/// Asks a monitor from within work of one thread. After false the work is ended: what it makes is thrown away, so that
-/// loops may stop where they are. What is told never falls.
+/// Calls a monitor from work of one thread. After false the result is discarded, so that loops may stop at once. The
+/// reported progress never decreases.
 class Poll {
  public:
-  /// The monitor lives longer.
+  /// `monitor` must outlive this object.
   explicit Poll(const ProgressMonitor& monitor) : monitor_(monitor) {}
 
-  /// What follows is this share of the whole, and begins.
+  /// Starts a part of the work, from this fraction of the whole to that one.
   void part(double from, double to) {
     from_ = from;
     to_ = to;
     ask(0.0);
   }
 
-  /// Asks at once, with this share of the part done. Whether the work is ended.
+  /// Calls the monitor now with this fraction of the part. Returns whether the work is cancelled.
   bool ask(double done) {
     if (!monitor_ || ended_) return ended_;
     last_ = std::chrono::steady_clock::now();
@@ -40,7 +40,7 @@ class Poll {
     return ended_ = !monitor_(told_);
   }
 
-  /// The same where it is time to ask.
+  /// Does the same if kAskEvery has passed.
   bool passing(double done) {
     if (!monitor_ || ended_ || std::chrono::steady_clock::now() - last_ < kAskEvery) return ended_;
     return ask(done);
@@ -55,9 +55,9 @@ class Poll {
   bool ended_ = false;
 };
 
-/// In loops over `count` items, before each: whether to stop. Null: nobody asks.
+/// Returns whether a loop over `count` items should stop before `item`. Null: never.
 inline bool stops(Poll* poll, std::size_t item, std::size_t count) {
-  constexpr std::size_t kItems = 4096;  // take far less than kAskEvery
+  constexpr std::size_t kItems = 4096;  // they take far less than kAskEvery
   return poll && (poll->ended() || (item % kItems == 0 && poll->passing(double(item) / double(count))));
 }
 

@@ -1335,7 +1335,7 @@ TEST(Reference, RefusesValuesThatItCannotUse) {
   };
   for (const char* value : {"0", "4097", "-1", "1.5", "many", "nan"}) expect_refused("samples", value, "1 to 4096");
   for (const char* value : {"0", "0%", "-1", "-5%", "1001%", "nan", "inf", "wide"})
-    expect_refused("radius", value, "a number above 0 in scene units or a share up to 1000%");
+    expect_refused("radius", value, "a number above 0 in scene units or a percentage up to 1000%");
   for (const char* value : {"-1", "91"}) expect_refused("sun_angle", value, "0 to 90 deg");
   expect_refused("falloff", "smoth", "did you mean 'smooth'");
   for (const char* value : {"1", "4096"})

@@ -29,7 +29,7 @@ void take_every(const float* from, float* to, int count) {
   for (int x = 0; x < count; ++x) to[x] = from[std::ptrdiff_t(x) * step];
 }
 
-/// As many as asked for, but no more than the machine has.
+/// Returns `wish` threads, at most as many as the machine has; 0: all.
 int thread_count(int wish) {
   const int most = tbb::info::default_concurrency();
   return wish > 0 ? std::min(wish, most) : most;
@@ -105,11 +105,11 @@ class CpuDevice final : public Device {
         planes->image.planes.push_back(std::move(plane));
       }
     frame.storage = std::move(planes);
-    return views ? branch(frame) : frame;  // what is run on a branch does not write to the views
+    return views ? branch(frame) : frame;  // effects on a branch do not write to the views
   }
 
   Frame branch(const Frame& frame) override {
-    if (cpu_planes(frame).band) fail_check("a band has no branches");
+    if (cpu_planes(frame).band) fail_check("a strip cannot have branches");
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
     planes->kept = std::static_pointer_cast<const CpuPlanes>(frame.storage);
     planes->branches = planes->kept->branches.branch();
@@ -140,7 +140,7 @@ class CpuDevice final : public Device {
     check_less(0, factor, "factor of a reduced frame");
     Frame small;
     small.info = reduced_info(frame.info, factor);
-    // Planes of a reduced frame that nobody has any more are written anew: fresh memory costs as much as the technique.
+    // Reuses the planes of a reduced frame that no one uses any more: fresh memory costs as much as the technique.
     std::shared_ptr<CpuPlanes>& last = cpu_planes(frame).last_reduced;
     const CpuPlanes& from_planes = cpu_planes(frame);
     const Rows rows = from_planes.band ? divided(from_planes.rows, factor) : Rows{0, small.info.height};
@@ -154,15 +154,15 @@ class CpuDevice final : public Device {
       planes->held.clear();
       planes->passes = 0;
     }
-    // The first pixel of each block, not their mean: a mean of two surfaces' depths lies on neither of them, and there
-    // a technique would find occluders in the air. The first and not the nearest, so that one camera fits all of them.
+    // Takes the first pixel of each block, not the mean: a mean depth of two surfaces lies on neither, and a technique
+    // would find occluders in the air. Takes the first and not the nearest, so that one camera fits all pixels.
     for (const std::string& name : names)
       for (int layer = 0; layer < kMaxLayers; ++layer) {
         const std::string of_layer = layer_plane(layer, name);
         const Plane* in = find_made(from_planes, of_layer);
         if (!in) continue;
         Plane& out = planes->image.add(of_layer);
-        int first = 0;  // row of `in` that the first of `out` is
+        int first = 0;  // row of `in` that is row 0 of `out`
         if (const Held* held = find_held(from_planes, of_layer)) {
           planes->held[of_layer] = {divided(held->valid, factor), held->version, rows.begin};
           first = rows.begin * factor - held->first;
@@ -170,7 +170,7 @@ class CpuDevice final : public Device {
         for_rows(arena_, out.height, [&](int y) {
           const float* from = in->row(first + y * factor);
           float* to = out.row(y);
-          // A step that the compiler knows makes vectors.
+          // A constant step lets the compiler vectorize.
           if (factor == 2)
             take_every<2>(from, to, out.width);
           else if (factor == 4)
@@ -194,12 +194,12 @@ class CpuDevice final : public Device {
       if (!in) return usage_error("the picture has no plane '{}'", name);
       Plane& out = writable(whole, reduced_plane(name));
       if (const Held* held = find_held(cpu_planes(small), name); held && whole.band) {
-        // A pass reads it where the rows are that it stands for.
+        // A pass reads the plane at the full-resolution rows that it covers.
         const Rows valid{held->valid.begin * factor,
                          held->valid.end < small.info.height ? held->valid.end * factor : full.info.height};
         whole.held[reduced_plane(name)] = {valid, ++whole.passes, held->first};
       }
-      // The rest is 0 already where a picture of this size lay there before.
+      // The rest is 0 already if a picture of this size was placed there before.
       std::pair<int, int>& placed = cpu_planes(full).placed[reduced_plane(name)];
       const bool fresh = placed != std::pair(in->width, in->height);
       placed = {in->width, in->height};
@@ -244,10 +244,10 @@ class CpuDevice final : public Device {
   }
 
  private:
-  /// Runs a host step, once for a whole picture. What it makes is that of all of its bands.
+  /// Runs a host step, once for a whole picture. Its outputs are valid for all strips of the picture.
   Result<Progression> run_host(const PassRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
-    std::list<Plane> whole_neutral;  // a band's own are as high as that
+    std::list<Plane> whole_neutral;  // those of a strip have only its rows
     std::vector<const Plane*> inputs;
     for (const std::string_view input : run.pass.inputs) {
       const std::string name = run.plane(input);
@@ -289,7 +289,7 @@ class CpuDevice final : public Device {
         planes.constants.emplace(*value, Plane(info.width, planes.image.height, *value));
       planes.neutral.push_back(name);
     }
-    // The inputs are looked up before the outputs, which may have the same names, are made.
+    // Looks up the inputs before it makes the outputs, which may have the same names.
     std::vector<KernelPlane> kernel_planes;
     BandRun band{.rows = {0, info.height}};
     if (planes.band) {
@@ -300,7 +300,7 @@ class CpuDevice final : public Device {
     for (std::string_view output : pass.outputs)
       if (run.is_there(output)) writable(planes, run.plane(output));
     if (band.rows.count() <= 0) return Progression();
-    // A kernel stores to its outputs alone, which are nobody else's.
+    // The kernel writes only to its outputs, which no other frame shares.
     for (std::string_view name : pass.inputs)
       kernel_planes.push_back({name, row_zero_of(run, planes, band, run.plane(name))});
     for (std::string_view name : pass.outputs)
@@ -318,7 +318,7 @@ class CpuDevice final : public Device {
     const bool tuned = settings_.tuned && pass.tuned && all;
     const CpuKernel kernel = settings_.scalar ? pass.kernel.scalar : tuned ? pass.tuned : pass.kernel.lanes;
 
-    // Missing pixels are few: each tile leaves lanes over, but pixels far from each other share no cache lines.
+    // Missing pixels are few: each tile leaves lanes unused, but distant pixels share no cache lines.
     constexpr int kMissingTile = 128;
     const int tile_width = std::min(all ? pass.tile.width : kMissingTile, stride);
     const int tile_height = all ? pass.tile.height : kMissingTile;

@@ -10,7 +10,7 @@
 namespace umbrage {
 namespace {
 
-/// By how many rows of the picture a band's margin is too small, where these rows of a plane are valid.
+/// Returns the number of picture rows that the margin of a strip lacks, if these rows of a plane are valid.
 int missing_margin(const CpuPlanes& planes, const Rows& valid, int reduced) {
   const int above = valid.begin - planes.band->rows.begin, below = planes.band->rows.end - valid.end;
   return std::max({0, above * reduced, below * reduced});
@@ -25,7 +25,7 @@ const Plane* find_made(const CpuPlanes& planes, std::string_view name) {
 
 Plane& writable(CpuPlanes& planes, const std::string& name) {
   if (Plane* own = planes.image.find(name)) return *own;
-  // Of a plane that nobody made a pass may write a part.
+  // A pass may write only a part of the plane; the remainder keeps its previous or neutral values.
   const Plane* before = find_plane(planes, name);
   Plane& own = planes.image.add(name);
   if (before) own = *before;
@@ -40,7 +40,7 @@ const Plane* find_plane(const CpuPlanes& planes, std::string_view name) {
 }
 
 std::vector<std::string> names_of(const CpuPlanes& planes) {
-  std::vector<const CpuPlanes*> line;  // from the one that is no branch on
+  std::vector<const CpuPlanes*> line;  // from the frame that is no branch on
   for (const CpuPlanes* each = &planes; each; each = each->kept.get()) line.insert(line.begin(), each);
   std::vector<std::string> names;
   std::set<std::string_view> listed;
@@ -100,7 +100,7 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
       of.rows = {std::max(of.rows.begin, valid.begin), std::min(of.rows.end, valid.end)};
     }
   }
-  // Of missing pixels the others keep what they have.
+  // All pixels that are not missing keep their values.
   if (run.pixels == PixelSet::kMissing)
     if (const Held* ao = find_held(planes, run.plane("ao")))
       of.rows = {std::max(of.rows.begin, ao->valid.begin), std::min(of.rows.end, ao->valid.end)};
@@ -125,7 +125,7 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
   for (const std::string_view output : run.pass.outputs) {
     if (!run.is_there(output)) continue;
     const std::string name = run.plane(output);
-    // A pass may write a part of what was there before.
+    // A pass may write only a part of an existing plane.
     if (const Held* held = find_held(planes, name); held && !held->made) {
       const Plane& from = *find_whole(planes, info, name, held->version);
       Plane& to = planes.image.add(name);
@@ -168,7 +168,7 @@ Result<Image> download_band(const Frame& frame, const std::vector<std::string>& 
       plane = find_whole(planes, frame.info, name, held->version);
       first = 0;
     } else if (held) {
-      if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a band", name));
+      if (!held->valid.contains(own)) fail_check(fmt::format("rows of '{}' are missing in a strip", name));
       first = held->first;
     }
     if (!plane) return usage_error("the picture has no plane '{}'", name);

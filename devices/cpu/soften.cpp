@@ -17,7 +17,7 @@ namespace {
 constexpr int kSegmentBlocks = 8;
 constexpr int kSegment = kSegmentBlocks * kSoftenBlock;  // pixels of a row that are filtered together, or not at all
 
-/// Something that holds or not for each segment of each row of blocks.
+/// A flag for each segment of each row of blocks.
 struct Segments {
   int columns, rows;
   std::vector<std::uint8_t> holds;
@@ -28,7 +28,7 @@ struct Segments {
   bool at(int i, int j) const { return holds[std::size_t(j) * std::size_t(columns) + std::size_t(i)] != 0; }
 };
 
-/// What holds up to so many segments aside or blocks above and below.
+/// Dilates the flags by `aside` segments to both sides and `above` blocks up and down.
 Segments around(const Segments& in, int aside, int above) {
   Segments out(in.columns, in.rows);
   for (int j = 0; j < in.rows; ++j)
@@ -39,7 +39,7 @@ Segments around(const Segments& in, int aside, int above) {
   return out;
 }
 
-/// Calls work(j) for all rows of blocks, from all threads.
+/// Calls work(j) for all rows of blocks, on all threads.
 template <class Work>
 void over_rows(int rows, const Work& work) {
   tbb::parallel_for(tbb::blocked_range<int>(0, rows, 4), [&](const tbb::blocked_range<int>& range) {
@@ -47,7 +47,7 @@ void over_rows(int rows, const Work& work) {
   });
 }
 
-/// Where a shadow changes, and must be looked at: within a segment, or from it to the next one, aside or below.
+/// Flags the segments in which a shadow changes: within the segment, or from it to the next one, to the right or below.
 Segments changing(const Plane& shadow) {
   Segments out((shadow.width + kSegment - 1) / kSegment, soften_blocks(shadow.height));
   over_rows(out.rows, [&](int j) {
@@ -64,19 +64,19 @@ Segments changing(const Plane& shadow) {
   return out;
 }
 
-/// The rows of blocks, counted from the first that is held, for which so many above and below are held, or are not in
-/// the picture.
+/// Returns the rows of blocks, counted from the first that is held, whose `neighbours` rows above and below are held or
+/// outside the picture.
 Rows held_blocks(int height, const Rows& rows, int neighbours) {
   return {rows.begin == 0 ? 0 : neighbours,
           rows.end == height ? soften_blocks(rows.count()) : rows.count() / kSoftenBlock - neighbours};
 }
 
-/// Where a plane's first row would be whose first held one is that of row `first`.
+/// Returns the address of row 0 of a plane whose first row is row `first` of the picture.
 float* data_of(const Plane& plane, int first = 0) {
-  return row_zero(const_cast<float*>(plane.data()), plane.stride, first);  // a kernel stores to its outputs alone
+  return row_zero(const_cast<float*>(plane.data()), plane.stride, first);  // a kernel stores only to its outputs
 }
 
-/// One run of a pass over the segments of a picture.
+/// One run of a kernel over the segments of a picture.
 struct Run {
   FrameConstants frame;
   SoftenConstants constants;
@@ -84,7 +84,8 @@ struct Run {
   CpuKernel kernel;
 };
 
-/// In the rows of blocks whose neighbours, so many above and below, are held or not in the picture.
+/// Runs the kernel on the flagged segments in the rows of blocks whose `neighbours` rows above and below are held or
+/// outside the picture.
 void run_segments(const Run& run, const Rows& rows, const Segments& where, int neighbours) {
   const KernelFrame frame{run.frame, &run.constants, run.planes};
   const Rows blocks = held_blocks(run.frame.height, rows, neighbours);
@@ -109,9 +110,9 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
   for (const PenumbraRadii& of : radii) {
     Plane& shadow = image.plane(shadow_plane(of.light));
     Plane between(shadow.width, shadow.height);
-    Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenLeast);  // where it is not computed
+    Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenLeast);  // value where it is not computed
     Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_pass())};
-    // What is filtered along columns needs rows above and below that are filtered along themselves.
+    // The filter along columns needs rows above and below that the filter along rows has processed.
     const auto filter = [&](bool second, bool down, const Segments& where) {
       run.constants = {.dx = down ? 0 : 1, .dy = down ? 1 : 0, .second = second ? 1 : 0};
       const int first = rows.begin;

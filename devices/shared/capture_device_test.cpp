@@ -1,4 +1,4 @@
-// Devices that capture: sizes, threads, several scenes and frames; planes that are handed over; PictureInfo.
+// Captures on different devices: sizes, threads, several scenes and frames; uploaded planes; PictureInfo.
 #include "capture_support.h"
 
 namespace umbrage {
@@ -103,7 +103,7 @@ TEST(Device, UploadsAndDownloadsTheSamePlanes) {
 }
 
 TEST(Device, NeutralValuesStandInForPlanesThatAreMissing) {
-  // Depth and normals alone are enough to light a picture.
+  // Depth and normals alone suffice to light a picture.
   const auto device = make_cpu_device();
   GBuffer g = test::empty_gbuffer(2, 2);
   g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.5f)}};
@@ -145,7 +145,7 @@ TEST(PictureInfo, CapturedDepthsLieWithin) {
         if (!std::isfinite(depth)) continue;
         ++hits;
         ASSERT_LE(depth, picture.info.depth_max * 1.000001f);
-        // From inside, surfaces may be nearer than the share of the farthest depth that depth_min keeps.
+        // From inside, surfaces may be nearer than depth_min, which is at least 1e-3 of the farthest depth.
         ASSERT_GE(depth, std::min(picture.info.depth_min, 1e-3f * picture.info.depth_max) * 0.999999f);
       }
     EXPECT_GT(hits, 1000);

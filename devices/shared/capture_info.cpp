@@ -44,7 +44,7 @@ void add_layers(const TracedScene& traced, const CaptureSettings& settings, Pict
   for (int layer = 1; layer < settings.layers; ++layer) info.more_layers.push_back({LayerKind::kBehind, layer - 1, {}});
   for (int layer = 0; settings.back_sides && layer < settings.layers; ++layer)
     info.more_layers.push_back({LayerKind::kBack, layer, {}});
-  if (settings.extra_views == 0) return;  // without a look at the scene
+  if (settings.extra_views == 0) return;  // `traced` is not needed
   for (const Camera& camera : extra_cameras(traced, info, settings.extra_views))
     info.more_layers.push_back({LayerKind::kOther, 0, camera});
 }

@@ -8,7 +8,7 @@ using namespace test;
 
 // ---- depth layers ----
 
-/// How many surfaces a pixel has, which lie in its first layers.
+/// Returns the number of surfaces at a pixel; they must be in its first layers.
 int surfaces_at(const Picture& picture, int layers, int x, int y) {
   int count = 0;
   for (int layer = 0; layer < layers; ++layer)
@@ -109,7 +109,7 @@ TEST(CaptureLayers, ASphereIsAsThickAsItsChord) {
 }
 
 TEST(CaptureLayers, RaysEnterAndLeaveClosedSolids) {
-  // Rays through edges and vertices meet several triangles in one place; that is one surface.
+  // Rays through edges and vertices meet several triangles in one place, which count as one surface.
   struct Solid {
     const char* name;
     Mesh mesh;
@@ -117,7 +117,7 @@ TEST(CaptureLayers, RaysEnterAndLeaveClosedSolids) {
   };
   const auto round = [](glm::vec3) { return 1.0f; };
   Mesh cone = shapes::cone(0.9f, 0.3f, 0.8f, 24, 3);
-  for (glm::vec3& p : cone.positions) p.y -= 0.41f;  // its foot is in the plane of no ray
+  for (glm::vec3& p : cone.positions) p.y -= 0.41f;  // no ray lies in the plane of its base
   const Solid solids[] = {{"coarse sphere", shapes::sphere(1.0f, 16, 8), true},
                           {"fine sphere", shapes::sphere(1.0f, 90, 60), true},
                           {"box", shapes::box({-0.7f, -0.8f, -0.9f}, {0.9f, 0.8f, 0.7f}), true},
@@ -155,8 +155,8 @@ TEST(CaptureLayers, AGridsVerticesAndDiagonalsAreOneSurface) {
     for (int y = 0; y < pixels; ++y)
       for (int x = 0; x < pixels; ++x) ASSERT_EQ(surfaces_at(picture, 3, x, y), 1) << x << ',' << y;
   }
-  // Whether a rim that falls on pixel centres belongs to the surface is a matter of rounding: with fused multiply-adds
-  // all of it does for Embree's rays, without (SSE4.2) a half, as where triangles are drawn. So the rim is cut off.
+  // Rounding decides whether a border that falls on pixel centres belongs to the surface: with fused multiply-adds all
+  // of it does for Embree's rays, without (SSE4.2) half of it, as in rasterisation. So the border is cropped.
   const auto inside = [](Image image) {
     Image out(image.width - 2, image.height - 2);
     for (std::size_t p = 0; p < image.planes.size(); ++p) out.add(image.names[p]) = cropped(image.planes[p], 1);
@@ -250,7 +250,7 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
       for (int x = 0; x < 60; ++x) {
         const PixelRay ray = ray_of(picture.info, x, y);
         std::vector<double> depths;
-        bool clear = true;  // no edge and no second surface so near that rounding decides
+        bool clear = true;  // no edge or second surface so near that rounding decides
         for (unsigned i = 0; i < kTriangles; ++i) {
           const glm::dvec3 a(soup.positions[3 * i]), b(soup.positions[3 * i + 1]), c(soup.positions[3 * i + 2]);
           // [Moeller and Trumbore 1997]

@@ -27,7 +27,7 @@ bool PassRun::is_there(std::string_view output) const { return layer_of_plane(ou
 Result<Progression> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
                                PixelSet pixels, const std::function<Result<Progression>(const PassRun&)>& run) {
   check_equal(params.size(), effect.params_size, effect.name);
-  if (!effect.constants) fail_check(fmt::format("{} is no effect of a device", effect.name));
+  if (!effect.constants) fail_check(fmt::format("{} does not run on a device", effect.name));
   if (pixels == PixelSet::kMissing && !runs_for_missing(effect, params))
     fail_check(fmt::format("{} does not run for missing pixels", effect.name));
   std::vector<std::byte> constants(effect.constants_size);

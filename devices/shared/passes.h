@@ -1,4 +1,4 @@
-// How an effect becomes passes, on every device.
+// Running the passes of an effect, on every device.
 #pragma once
 #include <cstddef>
 #include <functional>
@@ -11,33 +11,33 @@
 
 namespace umbrage {
 
-/// What kernels read of a picture whose planes have rows `stride` floats apart.
+/// Returns the constants of the picture that all kernels read. `stride`: floats between rows of its planes.
 FrameConstants frame_constants(const PictureInfo& info, int stride, int round, PixelSet pixels = PixelSet::kAll);
 
-/// One pass of an effect as it is to run.
+/// A pass of an effect and everything needed to run it.
 struct PassRun {
   const Effect& effect;
   const Pass& pass;
   std::span<const std::byte> params, constants;
-  const PictureInfo& info;  ///< as the layer shows the picture
+  const PictureInfo& info;  ///< of the picture as the layer shows it
   int layer = 0, round = 0;
   PixelSet pixels = PixelSet::kAll;
 
-  /// The name in the frame of one of the pass's planes.
+  /// Returns the name in the frame of one of the pass's planes.
   std::string plane(std::string_view name) const;
-  /// Whether the picture has the layer of an output; a kernel does not store to others.
+  /// Returns whether the picture has the layer of this output; kernels do not store to other layers.
   bool is_there(std::string_view output) const;
 };
 
-/// Calls `run` for each pass that the effect needs with these params, in order. Ends with the first one that fails or
-/// is not finished.
+/// Calls `run` for each pass that the effect needs with these params, in order. Stops at the first one that fails or
+/// does not finish.
 Result<Progression> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
                                PixelSet pixels, const std::function<Result<Progression>(const PassRun&)>& run);
 
-/// The error of a pass that reads a plane which the picture does not have.
+/// Returns the error of a pass that reads a plane that the picture lacks.
 Error missing_plane(const PassRun& run, std::string_view plane);
 
-/// Ends the program unless the settings are such as a capture takes. Errors: see layer_count.
+/// Throws InternalError if a setting is outside its range. Errors: see layer_count.
 Result<void> check_capture(const CaptureSettings& settings);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// The filter of soft shadows on planes that are seen at grazing angles, and at steps.
+// The filter of soft shadows on surfaces at grazing angles, and at steps.
 #include <limits>
 
 #include "devices/cpu/soften.h"
@@ -10,7 +10,8 @@
 namespace umbrage {
 namespace {
 
-/// The shadow of the first light, softened as far as the filter reaches, on every SIMD target and by scalar kernels.
+/// Passes the shadow of the first light, softened with the widest filter, to `check`, for every SIMD target and the
+/// scalar kernels.
 void softened(const GBuffer& g, const Plane& shadow, const std::function<void(const Plane&)>& check) {
   PenumbraRadii radii{.light = 0, .across = Plane(g.info.width, g.info.height), .down = {}};
   radii.across = radii.down = Plane(g.info.width, g.info.height, std::numeric_limits<float>::infinity());

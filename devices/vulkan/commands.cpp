@@ -10,10 +10,10 @@
 namespace umbrage {
 namespace {
 
-constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of passes
-constexpr std::uint32_t kMaxPasses = 1024;                   // of a submission: two times and a descriptor set of each
-constexpr std::size_t kMaxTimes = 65536;                     // that are kept for somebody who asks
-constexpr std::size_t kMaxKinds = 4096;                      // of work, of which it is known what it takes
+constexpr std::size_t kUniformBytes = std::size_t(4) << 20;  // of constants: some hundreds of dispatches
+constexpr std::uint32_t kMaxPasses = 1024;  // of a submission; each takes two timestamps and a descriptor set
+constexpr std::size_t kMaxTimes = 65536;    // unread times that are kept
+constexpr std::size_t kMaxKinds = 4096;     // kinds of work whose time is known
 constexpr VkAccessFlags kWrites = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
 constexpr VkAccessFlags kReads = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_TRANSFER_READ_BIT;
 constexpr VkPipelineStageFlags kStages = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
@@ -77,7 +77,7 @@ Result<VkCommandBuffer> Commands::buffer() {
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const auto r = gpu_->vk.BeginCommandBuffer(buffer_, &begin); r != VK_SUCCESS)
-    return vulkan_error(r, "was given work");
+    return vulkan_error(r, "recorded its work");
   recording_ = true;
   if (queries_) gpu_->vk.CmdResetQueryPool(buffer_, queries_, 0, 2 * kMaxPasses);
   return buffer_;
@@ -101,7 +101,7 @@ Result<void> Commands::finish() {
 }
 
 Result<void> Commands::hand_over(VkSemaphore signal) {
-  if (const auto begun = buffer(); !begun) return begun.error();  // semaphores want a submission even of nothing
+  if (const auto begun = buffer(); !begun) return begun.error();  // semaphores require a submission, even an empty one
   Result<void> done = submit(signal);
   if (!done) reset();
   return done;
@@ -157,7 +157,7 @@ Result<void> Commands::wait_for_it() {
   const auto& vk = gpu_->vk;
   const VkResult waited =
       vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
-  // Where the waiting failed the GPU may still work: only once it has ended may anything of that be used again.
+  // If waiting failed, the GPU may still be working: its resources may be reused only once it is idle.
   if (waited != VK_SUCCESS && vk.DeviceWaitIdle(gpu_->device) != VK_SUCCESS) {
     handed_over_ = false;
     lost_ = vulkan_error(waited, "worked");
@@ -166,7 +166,7 @@ Result<void> Commands::wait_for_it() {
   struct AtEnd {
     Commands& commands;
     ~AtEnd() { commands.reset(); }
-  } const at_end{*this};  // also where reading the times throws: nobody signals the fence again
+  } const at_end{*this};  // also if reading the times throws: the fence will not be signalled again
   if (const auto r = vk.ResetFences(gpu_->device, 1, &fence_); r != VK_SUCCESS) lost_ = vulkan_error(r, "worked");
   if (waited != VK_SUCCESS) return failed(waited);
   return lost_ ? Result<void>(*lost_) : read_times();
@@ -178,10 +178,10 @@ Result<void> Commands::read_times() {
   const VkResult read = gpu_->vk.GetQueryPoolResults(gpu_->device, queries_, 0, std::uint32_t(ticks.size()),
                                                      ticks.size() * sizeof(std::uint64_t), ticks.data(),
                                                      sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
-  if (read != VK_SUCCESS) return vulkan_error(read, "told what its passes took");
+  if (read != VK_SUCCESS) return vulkan_error(read, "reported the times of its passes");
   if (times_.size() > kMaxTimes) times_.clear();
   if (ms_of_group_.size() > kMaxKinds) ms_of_group_.clear();
-  std::map<Kind, double> slowest;  // bands of one pass differ: sky is done sooner
+  std::map<Kind, double> slowest;  // row ranges of one dispatch differ: background is faster
   for (std::size_t k = 0; k < timed_.size(); ++k) {
     Timed& timed = timed_[k];
     timed.time.ms = double(ticks[2 * k + 1] - ticks[2 * k]) * gpu_->ns_of_tick * 1e-6;
@@ -222,7 +222,7 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
   allocate.pSetLayouts = &layout;
   VkDescriptorSet set = VK_NULL_HANDLE;
   if (const auto r = gpu_->vk.AllocateDescriptorSets(gpu_->device, &allocate, &set); r != VK_SUCCESS)
-    return vulkan_error(r, "was given work");
+    return vulkan_error(r, "recorded its work");
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
   write.dstSet = set;
   write.descriptorCount = std::uint32_t(buffers.size());

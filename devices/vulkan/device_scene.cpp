@@ -41,7 +41,8 @@ Result<DevicePlanePtr> upload(Bytes bytes, Memory& memory, Commands& commands, c
   return to;
 }
 
-/// Colours of vertices are kept of the meshes that have them, one after the other.
+/// Returns the meshes with their materials. Vertex colours are stored only for meshes that have them, one mesh after
+/// the other.
 std::vector<CaptureMesh> meshes_of(const Scene& scene) {
   std::vector<CaptureMesh> meshes;
   int vertices = 0, colors = 0;
@@ -69,7 +70,7 @@ std::vector<CaptureMesh> meshes_of(const Scene& scene) {
   return meshes;
 }
 
-/// The points of rays to lights, and what sRGB bytes mean.
+/// Returns the sample points on lights, followed by the linear values of sRGB bytes.
 std::vector<float> tables() {
   std::vector<float> out;
   const auto points = disc_points();

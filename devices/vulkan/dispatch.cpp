@@ -9,8 +9,8 @@
 namespace umbrage {
 namespace {
 
-constexpr int kDrawnAtOnce = 1024;  // triangles, at least, of a submission
-/// Of the table of planes, on each device a multiple of what constants must be aligned to.
+constexpr int kDrawnAtOnce = 1024;  // min triangles per submission
+/// Size of the table of planes; on every device a multiple of the alignment of constants.
 constexpr std::size_t kTableBytes = kMaxPlanes * sizeof(VkDeviceAddress);
 
 }  // namespace
@@ -29,8 +29,8 @@ Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const Pic
   if (!pipeline) return pipeline.error();
   std::vector<VkDeviceAddress> table;
   for (const DevicePlane* plane : planes) table.push_back(plane ? plane->address : 0);
-  // Where there is no plane another one is bound, and of one that is too large its beginning: nobody reads them, but
-  // a shader must have them.
+  // A missing plane is replaced by another one, and one that is too large is bound with its beginning: no shader reads
+  // them, but all bindings must be set.
   const auto any = std::find_if(planes.begin(), planes.end(), [](auto* plane) { return plane != nullptr; });
   if (any == planes.end()) fail_check(fmt::format("kernel {} has no planes", step.name));
   std::array<VkDescriptorBufferInfo, kBoundPlanes> bound;
@@ -55,7 +55,7 @@ Result<void> Dispatcher::dispatch(const GpuWork& work, const PictureInfo& info, 
   int begin = 0, end = 0;  // rows that are done
   if (!commands_->ms_of_group(kind)) {
     if (rows <= first_rows) return note_rows(work, columns, 0, rows, false, constants, table);
-    begin = work.target ? 0 : (rows - first_rows) / 2;  // the first triangle of several in one place is seen
+    begin = work.target ? 0 : (rows - first_rows) / 2;  // of several triangles in one place the first is visible
     end = begin + first_rows;
     if (auto done = note_rows(work, columns, begin, end, false, constants, table); !done) return done;
     if (auto done = commands_->finish(); !done) return done;
@@ -97,10 +97,10 @@ Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, in
   }
   const auto buffer = commands_->buffer();
   if (!buffer) return buffer.error();
-  // The table comes first: it is as large for all shaders, and so the constants lie as aligned as it does.
+  // The table comes first: its size is the same for all shaders, so the constants are as aligned as the table.
   std::memcpy(uniforms->bytes, table.data(), table.size_bytes());
   std::memcpy(uniforms->bytes + kTableBytes, constants.data(), constants.size());
-  // Before the barrier: where something was drawn, lavapipe takes the time at the next one.
+  // Before the barrier: after drawing, lavapipe takes the time at the next barrier.
   commands_->begin_pass(work.effect, work.pass, {work.pipeline, work.settings}, double(columns) * (end - row), further);
   commands_->barrier();
   const VkPipelineBindPoint point = work.target ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
@@ -110,7 +110,7 @@ Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, in
   if (work.target) {
     const int first = row * kDrawnAtOnce, last = std::min(end * kDrawnAtOnce, work.triangles);
     begin_drawing(*gpu_, *buffer, *work.target, *drawing, row == 0);
-    const std::uint32_t corners = work.points ? 6 : 3;  // of each: see corner.vert
+    const std::uint32_t corners = work.points ? 6 : 3;  // of each triangle: see corner.vert
     gpu_->vk.CmdDraw(*buffer, std::uint32_t(last - first) * corners, 1, std::uint32_t(first) * corners, 0);
     end_drawing(*gpu_, *buffer);
   } else {

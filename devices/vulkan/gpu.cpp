@@ -6,7 +6,7 @@ namespace umbrage {
 
 namespace {
 
-/// Fills in what the device says of itself.
+/// Fills in the properties and limits of the device.
 void learn(Gpu& gpu) {
   VkPhysicalDeviceMaintenance3Properties most{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
   VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &most};

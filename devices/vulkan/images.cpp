@@ -24,7 +24,8 @@ std::string_view texel_format_names() {
 }
 
 Error unknown_format(const DeviceImage& image) {
-  return usage_error("images of format {} cannot be used: {} can", int(image.format), texel_format_names());
+  return usage_error("images of format {} cannot be used; the supported formats are {}", int(image.format),
+                     texel_format_names());
 }
 
 VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format, VkDeviceSize offset) {

@@ -21,9 +21,9 @@ std::string version_text(std::uint32_t version) {
   return fmt::format("{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
 }
 
-/// What effects need and the device does not have.
+/// Returns what effects need and the device lacks, as a noun; empty: nothing.
 std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
-  if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver has {})", version_text(version));
+  if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver supports {})", version_text(version));
   VkPhysicalDeviceVulkan12Features has{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &has};
   instance.vk.GetPhysicalDeviceFeatures2(gpu, &features);
@@ -32,7 +32,7 @@ std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32
   VkPhysicalDeviceProperties properties{};
   instance.vk.GetPhysicalDeviceProperties(gpu, &properties);
   if (std::string room = lacks_room(properties.limits); !room.empty()) return room;
-  if (queue_family(instance, gpu) < 0) return "a queue that computes";
+  if (queue_family(instance, gpu) < 0) return "a compute queue";
   return {};
 }
 
@@ -41,7 +41,7 @@ std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32
 std::string lacks_room(const VkPhysicalDeviceLimits& limits) {
   const std::uint32_t binds = limits.maxPerStageDescriptorStorageBuffers;
   if (binds >= std::uint32_t(kBoundPlanes)) return {};
-  return fmt::format("bound buffers (it binds {} to a shader: {} are needed)", binds, kBoundPlanes);
+  return fmt::format("bound buffers (it supports {} per shader; {} are required)", binds, kBoundPlanes);
 }
 
 Instance::~Instance() {
@@ -64,7 +64,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   instance->vk = *functions;
   std::uint32_t version = 0;
   if (instance->vk.EnumerateInstanceVersion(&version) != VK_SUCCESS || version < VK_API_VERSION_1_2)
-    return device_error("the Vulkan loader here is of version {}: 1.2 is needed, or `device` cpu",
+    return device_error("the Vulkan loader has version {}; 1.2 is required, or use `device` cpu",
                         version_text(version));
 
   const VkApplicationInfo application{
@@ -83,7 +83,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
     if (std::none_of(layers.begin(), layers.end(), [](const VkLayerProperties& layer) {
           return std::strcmp(layer.layerName, kValidationLayer) == 0;
         }))
-      return device_error("there are no Vulkan validation layers here: install vulkan-validationlayers");
+      return device_error("the Vulkan validation layers are not installed: install vulkan-validationlayers");
     instance->on_message = std::make_unique<ValidationMessage>(std::move(on_message));
     messenger.messageSeverity =
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
@@ -103,19 +103,19 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
   if (made != VK_SUCCESS) return vulkan_error(made, "was started");
   if (auto found = add_functions(instance->handle, instance->vk); !found) return found.error();
   if (instance->on_message) {
-    // What is chained to the instance above speaks only while that is made or ended.
+    // The messenger chained to the instance above reports only while the instance is created or destroyed.
     const auto create_messenger =
         reinterpret_cast<PFN_vkCreateDebugUtilsMessengerEXT>(get(instance->handle, "vkCreateDebugUtilsMessengerEXT"));
     if (!create_messenger ||
         create_messenger(instance->handle, &messenger, nullptr, &instance->messenger) != VK_SUCCESS)
-      return device_error("the Vulkan validation layers here do not speak");
+      return device_error("the Vulkan validation layers cannot report messages");
   }
   return InstancePtr(std::move(instance));
 }
 
 bool may_have_gpu() {
 #ifdef __linux__
-  // Kernel drivers: DRM (most cards), NVIDIA's, Windows' subsystem, Mali's, Adreno's.
+  // Kernel drivers: DRM (most cards), NVIDIA, Windows Subsystem for Linux, Mali, Adreno.
   constexpr std::string_view kStarts[] = {"dri", "nvidia", "dxg", "mali", "kgsl"};
   std::error_code failed;
   for (const auto& entry : std::filesystem::directory_iterator("/dev", failed)) {

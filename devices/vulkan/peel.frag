@@ -1,10 +1,10 @@
-// Which triangle or point a pixel sees first behind the layer before. Depth is that at which the pixel's ray meets the
-// triangle, not what hardware interpolates: of a triangle that reaches to the camera that has no precision left.
+// Finds the first triangle or point that a pixel sees behind the layer before. The depth is that of the hit of the
+// pixel's ray, not the interpolated one, which has no precision left for a triangle that extends to the camera.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "devices/vulkan/capture_scene.glsl"
 
-layout(constant_id = 0) const bool kMasks = true;   // some of the scene's textures cut holes
+layout(constant_id = 0) const bool kMasks = true;   // some textures of the scene cut holes
 layout(constant_id = 1) const bool kPoints = true;  // the scene has points
 layout(location = 0) flat in int triangle_index;
 layout(location = 0) out uint seen;

@@ -266,7 +266,7 @@ Result<VkPipeline> Pipelines::compile(std::span<const std::uint32_t> spirv, cons
   if (!shader) return shader.error();
   const auto& vk = gpu_->vk;
   VkComputePipelineCreateInfo create{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
-  create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE;  // dispatches may be cut into bands
+  create.flags = VK_PIPELINE_CREATE_DISPATCH_BASE;  // dispatches may be split into row ranges
   create.stage = {VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO};
   create.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
   create.stage.module = *shader;

@@ -53,7 +53,7 @@ Result<VkRenderPass> make_render_pass(const Gpu& gpu, bool clear) {
   create.pSubpasses = &subpass;
   VkRenderPass pass = VK_NULL_HANDLE;
   if (const auto r = gpu.vk.CreateRenderPass(gpu.device, &create, nullptr, &pass); r != VK_SUCCESS)
-    return vulkan_error(r, "was made ready to draw");
+    return vulkan_error(r, "prepared to draw");
   return pass;
 }
 
@@ -85,7 +85,7 @@ Result<RasterTargetPtr> make_raster_target(GpuPtr gpu, Memory& memory, VkRenderP
   target->gpu = std::move(gpu);
   const Gpu& on = *target->gpu;
   if (const auto r = on.vk.CreateFramebuffer(on.device, &create, nullptr, &target->framebuffer); r != VK_SUCCESS)
-    return vulkan_error(r, "was made ready to draw");
+    return vulkan_error(r, "prepared to draw");
   return RasterTargetPtr(std::move(target));
 }
 
@@ -102,7 +102,7 @@ void begin_drawing(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& t
       buffer, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | kDrawingStages,
       VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT | kDrawingStages, 0, 1, &written, 0,
       nullptr, 2, turns);
-  const std::array<VkClearValue, 2> nothing{};  // number 0, infinitely far
+  const std::array<VkClearValue, 2> nothing{};  // index 0, infinitely far
   VkRenderPassBeginInfo begin{VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO};
   begin.renderPass = pass;
   begin.framebuffer = target.framebuffer;

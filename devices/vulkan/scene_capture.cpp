@@ -33,7 +33,7 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
   if (auto fine = check_capture(settings); !fine) return fine.error();
   Frame frame;
   frame.info = picture_info(*scene_.scene, camera, settings);
-  if (settings.extra_views > 0 && !traced_) {  // where they stand is found out by rays
+  if (settings.extra_views > 0 && !traced_) {  // rays determine their positions
     const ProgressMonitor before = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
     auto traced = trace_ready(*scene_.scene, threads_, before);
     if (!traced) return traced.error();
@@ -58,7 +58,7 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
     return layer == 0 ? LayerKind::kBehind : frame.info.more_layers[std::size_t(layer) - 1].kind;
   };
   for (int layer = 0; layer < all; ++layer) {
-    if (kind_of(layer) == LayerKind::kBack) continue;  // drawn with its front
+    if (kind_of(layer) == LayerKind::kBack) continue;  // captured with its front
     int back = -1;
     for (int k = 1; k < all; ++k)
       if (kind_of(k) == LayerKind::kBack && frame.info.more_layers[std::size_t(k) - 1].of == layer) back = k;
@@ -89,7 +89,7 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
   }
   const PictureInfo info = layer_info(frame.info, layer);
   const CaptureConstants constants = capture_constants(scene_, info, settings, planes.stride, back > 0);
-  // Rays take as long as scene, lights and the layers before make them.
+  // The time of the rays depends on scene, lights and the layers before.
   const std::size_t kind = ((scenes_ * kMaxLayers + std::size_t(layer)) * 64 + std::size_t(settings.shadow_rays)) * 64 +
                            std::size_t(settings.shadows);
   DevicePlanePtr seen;
@@ -107,17 +107,17 @@ Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int laye
                                                Dispatcher::Constants constants, Dispatcher::Table table) {
   const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
   if (!pipeline) return pipeline.error();
-  auto seen = memory_->plane(planes.bytes);  // first: it may take the target's memory
+  auto seen = memory_->plane(planes.bytes);  // first: it may take the memory of the target
   if (!seen) return DevicePlanePtr();
   if (!target_ || target_->width != info.width || target_->height != info.height) {
     const auto drawing = pipelines_->drawing(true);
     if (!drawing) return drawing.error();
-    target_.reset();  // in use no longer, or kept by the commands
+    target_.reset();  // unused by now, or kept by the commands
     const auto made = make_raster_target(gpu_, *memory_, *drawing, info.width, info.height);
-    if (!made) return DevicePlanePtr();  // a device that is lost says so to what comes next
+    if (!made) return DevicePlanePtr();  // a lost device reports its error with the next call
     target_ = *made;
   }
-  // A triangle takes the longer the larger the picture is.
+  // The time per triangle grows with the size of the picture.
   const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));
   if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
                                          .effect = "capture",

@@ -1,4 +1,4 @@
-// Scenes drawn by the GPU, plane by plane against Embree's.
+// Captures on the GPU, compared with Embree's plane by plane.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
       return std::string(std::get<0>(info.param).name) + "_" + test::name_of(std::get<1>(info.param));
     });
 
-/// The hierarchy's root box and every inner one, checked against what lies below it.
+/// Checks the boxes of the hierarchy, from the root on, against their contents.
 void expect_boxes_hold(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 high, std::vector<int>& seen) {
   if (child < 0) {
     for (int k = ~child >> 3; k < (~child >> 3) + (~child & 7); ++k) {
@@ -99,7 +99,7 @@ void expect_boxes_hold(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 h
 TEST(Hierarchy, HoldsEachTriangleOnceInItsBoxes) {
   auto scene = load_scene("scene:solids?detail=3000");
   ASSERT_TRUE(scene);
-  // A thousand triangles in one place: no plane parts them.
+  // A thousand triangles in one place: no plane separates them.
   Mesh pile = scene->meshes[0];
   pile.indices.resize(3);
   for (int k = 1; k < 1000; ++k)
@@ -122,7 +122,8 @@ class VulkanCaptureWays : public testing::TestWithParam<VulkanCapture> {};
 INSTANTIATE_TEST_SUITE_P(Ways, VulkanCaptureWays, testing::ValuesIn(test::kGpuCaptures),
                          [](const auto& info) { return std::string(test::name_of(info.param)); });
 
-/// How far two devices' pictures differ: at most, and the larger share of pixels of a channel by more than 2/255.
+/// Returns the difference of two devices' pictures: the max, and as share, for the worst channel, the fraction of
+/// pixels that differ by more than 2/255.
 test::Difference difference_between(std::array<Device*, 2> devices, Request settings) {
   settings.width = 150;
   settings.height = 110;
@@ -158,7 +159,7 @@ TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
     const auto d = difference_between({gpu, cpu.get()}, settings);
     EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.most;
   }
-  // A line is smooth: where one of its pixels differs all of it lies elsewhere by a few hundredths of a pixel.
+  // Lines are smooth: where one pixel of a line differs, all of it is shifted by a few hundredths of a pixel.
   Request with_lines;
   with_lines.look = "cartoon";
   const auto d = difference_between({gpu, cpu.get()}, with_lines);
@@ -186,7 +187,7 @@ TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
   EXPECT_EQ(vulkan_memory(*gpu).host_bytes, after_both.host_bytes);
 }
 
-/// Whether a capture drew triangles.
+/// Returns whether a capture drew triangles.
 bool drew(Device& gpu, const Scene& scene, const Camera& camera, const CaptureSettings& settings, Image* image) {
   gpu.take_pass_times();
   *image = test::captured(gpu, scene, camera, settings);
@@ -207,7 +208,7 @@ TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
   Image by_rays, image;
   EXPECT_FALSE(drew(*rays, *scene, camera, settings, &by_rays));
   EXPECT_TRUE(drew(*raster, *scene, camera, settings, &image));
-  // A queue that only computes.
+  // A queue that can only compute.
   ASSERT_TRUE(test::start_faulty());
   test::faulty().faults.draws = false;
   const auto computes = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .get = test::faulty_get});
@@ -223,7 +224,7 @@ TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
   mixed.meshes.push_back(points);
   finish_scene(mixed);
   EXPECT_TRUE(drew(*raster, mixed, camera, settings, &image));
-  // Nothing before the camera.
+  // Nothing is in front of the camera.
   Camera away = camera;
   away.view_from_world = glm::mat4(-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1) * camera.view_from_world;
   drew(*raster, *scene, away, settings, &image);
@@ -231,7 +232,7 @@ TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
     for (int x = 0; x < settings.width; ++x) ASSERT_EQ(image.plane("depth").at(x, y), INFINITY);
 }
 
-/// Mesh k is object k.
+/// Returns a scene in which mesh k is object k.
 Scene scene_of(std::vector<Mesh> meshes) {
   Scene scene;
   scene.meshes = std::move(meshes);
@@ -246,13 +247,13 @@ TEST(VulkanCapture, RasterisationLeavesNoHoleAroundTheEye) {
   Device* const raster = test::drawing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(rays && raster);
   const test::NoMessages no_messages;
-  // The eye in a box of few large triangles that reach to both sides of it, once close to a wall, and in a ball of many
-  // small ones.
+  // The camera in a box of a few large triangles that extend to both sides of it, once close to a wall, and in a sphere
+  // of many small ones.
   Mesh box;
   for (int k = 0; k < 8; ++k) box.positions.emplace_back(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
   box.indices = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
                  2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
-  // And in a point; so is a further one, which hides part of it.
+  // Also inside a point, and inside a second one, which occludes part of it.
   Scene points;
   points.materials.resize(1);
   points.meshes.resize(1);
@@ -281,7 +282,7 @@ TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
   Device* const raster = test::drawing_device(VulkanCapture::kRaster);
   UMBRAGE_NEEDS_VULKAN(raster);
   const test::NoMessages no_messages;
-  // Two sheets that reach from behind the eye to the horizon; the lower one is drawn first, and once the upper one.
+  // Two sheets from behind the camera to the horizon, with either one drawn first.
   const auto sheet = [](float height) {
     Mesh mesh;
     mesh.positions = {{-100, height, -100}, {-100, height, 100}, {100, height, 100}, {100, height, -100}};
@@ -300,7 +301,7 @@ TEST(VulkanCapture, RasterisationTellsSheetsApartFarFromTheEye) {
           if (!std::isfinite(image.plane("depth").at(x, y))) continue;
           ++seen;
           ASSERT_EQ(image.plane("object_id").at(x, y), float(upper)) << gap << ' ' << x << ',' << y;
-          // Sheets that are closer than the step from layer to layer are one surface.
+          // Sheets that are closer than the step between layers count as one surface.
           if (gap == 1e-4f && std::isfinite(image.plane("layer1.depth").at(x, y))) {
             ASSERT_EQ(image.plane("layer1.object_id").at(x, y), float(1 - upper)) << x << ',' << y;
           }
@@ -347,7 +348,7 @@ TEST_P(VulkanCaptureWays, WhereThereIsNoMemoryToDrawIntoRaysDo) {
     return any;
   };
   EXPECT_EQ(drew(*gpu), GetParam() == VulkanCapture::kRaster);
-  // Planes of the same size are there, what triangles are drawn into is not.
+  // There is memory for planes of the same size, but not for the target of drawing.
   test::faulty().faults.memory_left = 0;
   const auto without = captured(*gpu, 30);
   test::faulty().faults.memory_left = std::uint64_t(1) << 30;
@@ -378,12 +379,12 @@ TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
   const auto capture = [&] { return gpu->capture(frame_scene(*scene, {}, 256, 256), {.width = 256, .height = 256}); };
   const auto frame = capture();
   ASSERT_TRUE(frame);
-  const auto before = gpu->download_all(*frame);  // and room on the host for what is uploaded
+  const auto before = gpu->download_all(*frame);  // also allocates host memory for uploads
   ASSERT_TRUE(before);
   const std::uint64_t held = vulkan_memory(*gpu).device_bytes;
   test::faulty().faults.memory_left = 0;
   test::faulty().faults.reuses_memory = true;
-  // Its planes take less than depth and the triangle's number of each pixel did.
+  // Its planes take less memory than depth and the triangle indices did.
   const auto other = gpu->upload(test::bumpy_gbuffer(80, 60, 5));
   EXPECT_TRUE(other) << other.error().message;
   EXPECT_LT(vulkan_memory(*gpu).device_bytes, held);

@@ -23,7 +23,7 @@ namespace {
 
 class VulkanDevice final : public Device {
  public:
-  /// `capture` is what draws scenes; null: this device itself.
+  /// `capture` is the device that captures scenes; null: this device itself.
   VulkanDevice(GpuPtr gpu, std::string name, std::string description, int threads, std::unique_ptr<Device> capture,
                const VulkanSettings& settings)
       : gpu_(std::move(gpu)),
@@ -78,7 +78,7 @@ class VulkanDevice final : public Device {
     auto drawn = capture_->capture(camera, settings, monitor);
     if (!drawn) return drawn;
     Frame whole = *drawn;
-    whole.info.guard = 0;  // all of it
+    whole.info.guard = 0;  // no part is cropped
     const auto planes = capture_->download_all(whole);
     if (!planes) return planes.error();
     Frame frame{drawn->info, empty_planes(drawn->info)};
@@ -277,7 +277,7 @@ class VulkanDevice final : public Device {
     return run_step(run, plain_step(pass), planes, {});
   }
 
-  /// Does what is noted down, and runs a host step on what that made.
+  /// Finishes the recorded work, and runs a host step on its results.
   Result<void> run_host(const PassRun& run, DevicePlanes& planes) {
     std::vector<std::string> names;
     for (const std::string_view input : run.pass.inputs) names.push_back(run.plane(input));
@@ -293,7 +293,7 @@ class VulkanDevice final : public Device {
   }
 
   Result<void> run_way(const PassRun& run, const GpuWay& way, DevicePlanes& planes) {
-    // The last step's outputs are all of them the pass's. Memory given back here serves what is noted down later.
+    // All outputs of the last step are outputs of the pass. Memory released here is reused by work recorded later.
     StepPlanes own;
     const auto& of_pass = run.pass.outputs;
     for (const GpuStep& step : way.steps) {
@@ -318,7 +318,7 @@ class VulkanDevice final : public Device {
     }
     if (run.pixels == PixelSet::kMissing) {
       table.resize(kMaxPlanes);
-      table.back() = planes.find(run.plane("ao"));  // as kernel/glsl.h reads it
+      table.back() = planes.find(run.plane("ao"));  // kernel/glsl.h reads it there
       if (!table.back()) return missing_plane(run, "ao");
     }
     return dispatcher_->run_kernel(step,
@@ -326,7 +326,7 @@ class VulkanDevice final : public Device {
                                    run.info, block, planes.bytes, table);
   }
 
-  /// Notes down pick.comp.
+  /// Records pick.comp.
   Result<void> pick(const Frame& from, const DevicePlane& in, int factor, const Frame& to, const DevicePlane& out) {
     const auto pipeline = pipelines_->pick();
     if (!pipeline) return pipeline.error();
@@ -391,7 +391,7 @@ Result<std::vector<VulkanGpu>> vulkan_gpus(const VulkanSettings& settings) {
 }
 
 Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& settings, std::unique_ptr<Device> capture) {
-  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for one in software");
+  const Error no_gpu = device_error("there is no GPU here: use `device` cpu, or `device` vulkan for a software device");
   if (settings.real && !may_have_gpu()) return no_gpu;
   auto instance = make_instance(settings.get, settings.on_message);
   if (!instance) return instance.error();
@@ -400,7 +400,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device(const VulkanSettings& setting
   int index = settings.index;
   if (index >= int(gpus->size()))
     return device_error("there is no device 'vulkan:{}': there {} (see umbrage list devices)", index,
-                        gpus->size() == 1 ? std::string("is vulkan:0 alone")
+                        gpus->size() == 1 ? std::string("is only vulkan:0")
                                           : fmt::format("are vulkan:0 to vulkan:{}", gpus->size() - 1));
   if (index < 0) {
     const auto best = std::max_element(gpus->begin(), gpus->end(), [](const PhysicalGpu& a, const PhysicalGpu& b) {

@@ -1,4 +1,4 @@
-// Which numbers of a kernel's constants become part of its shader, and that it still is one.
+// Which constants of a kernel become part of its shader, and that the shader remains valid.
 #include "devices/vulkan/options.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(KernelOptions, AreWhatTheKernelCompares) {
   EXPECT_EQ(other->count, kLayersRead);
   EXPECT_NE(option_at(options, effect + offsetof(HemisphereConstants, layer_count)), nullptr);
   EXPECT_NE(option_at(options, offsetof(FrameConstants, orthographic)), nullptr);
-  // What is counted or computed with is none: another number needs no other shader.
+  // Counters and operands are not options: other values need no other shader.
   EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, samples)), nullptr);
   EXPECT_EQ(option_at(options, effect + offsetof(HemisphereConstants, seed)), nullptr);
   EXPECT_EQ(option_at(options, offsetof(FrameConstants, width)), nullptr);
@@ -50,7 +50,7 @@ TEST(KernelOptions, AreReadFromTheBlock) {
   ASSERT_EQ(values.size(), 3u);
   EXPECT_EQ(values[0], -5);
   EXPECT_EQ(values[1], 7);
-  EXPECT_EQ(values[2], std::nullopt);  // numbers that differ
+  EXPECT_EQ(values[2], std::nullopt);  // elements differ
 }
 
 TEST(KernelOptions, TakeThePlaceOfLoads) {
@@ -62,7 +62,7 @@ TEST(KernelOptions, TakeThePlaceOfLoads) {
       const auto words = with_options(pass.kernel.spirv, options, values);
       EXPECT_EQ(words.size(), pass.kernel.spirv.size() + 4 * options.loads.size()) << effect->name;
       EXPECT_EQ(slots_of(words).size(), slots_of(pass.kernel.spirv).size()) << effect->name;
-      // Nothing is left to replace, and nothing happens where no value is known.
+      // Nothing is left to replace, and the shader is unchanged if no value is known.
       EXPECT_TRUE(options_of(words).loads.empty()) << effect->name << ' ' << pass.name;
       std::fill(values.begin(), values.end(), std::nullopt);
       const auto same = with_options(pass.kernel.spirv, options, values);

@@ -1,4 +1,4 @@
-// Times on a Vulkan device, by turns. They are printed, not judged: machines are never idle enough for that. Run with
+// Times on a Vulkan device, in alternation. Prints them without asserting: machines are never idle enough for that.
 // umbrage_tests --gtest_also_run_disabled_tests --gtest_filter='VulkanSpeed.*'
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ double median(std::vector<double> ms) {
   return ms[ms.size() / 2];
 }
 
-/// The scene as the look `unsharp` captures it.
+/// Returns the scene as captured for the look `unsharp`.
 Result<Frame> captured(Device& device, const char* scene_name, int width, int height) {
   auto scene = load_scene(scene_name);
   if (!scene) return scene.error();
@@ -51,7 +51,7 @@ Result<Frame> captured(Device& device, const char* scene_name, int width, int he
   return draw(device, *scene, settings, ignored);
 }
 
-/// Milliseconds on the GPU of all passes of an effect but those of that name.
+/// Returns the GPU time of all passes of an effect except those named `without`, milliseconds.
 double gpu_ms(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame,
               std::string_view without = {}) {
   device.take_pass_times();
@@ -86,9 +86,9 @@ TEST(VulkanSpeed, DISABLED_UnsharpByItsWaysAndPlain) {
     }
 }
 
-// ---- shaders written by hand ----
+// ---- hand-written shaders ----
 
-/// What loader.h does not list, since the device uses no images of its own.
+/// Functions that loader.h does not list, since the device uses no images of its own.
 struct ImageFunctions {
   PFN_vkCreateImage create_image;
   PFN_vkDestroyImage destroy_image;
@@ -120,14 +120,14 @@ ImageFunctions image_functions(const Gpu& gpu) {
 
 void expect_success(VkResult result) { ASSERT_EQ(result, VK_SUCCESS); }
 
-/// A GPU with planes of a picture on it as buffers and as images, and shaders that are bound to them.
+/// A GPU with the planes of a picture as buffers and as images, and shaders bound to them.
 struct HandWritten {
   GpuPtr gpu;
   ImageFunctions f;
   std::shared_ptr<Memory> memory;
   std::unique_ptr<Commands> commands;
   int width = 0, height = 0, stride = 0;
-  DevicePlanePtr planes[4], ao;  // depth, normal
+  DevicePlanePtr planes[4], ao;  // planes: depth, normal
   VkSampler sampler = VK_NULL_HANDLE;
   VkImage images[2] = {};
   VkDeviceMemory image_memory[2] = {};
@@ -256,7 +256,7 @@ std::unique_ptr<HandWritten> hand_written(const Image& image) {
   return made;
 }
 
-/// Compiles a shader and binds everything to it; returns its number.
+/// Compiles a shader and binds everything to it; returns its index.
 std::size_t add_shader(HandWritten& h, std::span<const std::uint32_t> spirv, bool images) {
   const auto& vk = h.gpu->vk;
   const VkDevice device = h.gpu->device;
@@ -365,7 +365,7 @@ const ByHand kByHand[] = {{"hemisphere", "occlusion", hemisphere_by_hand_address
                           {"bitmask", "occlusion", bitmask_by_hand_addresses_spirv(), bitmask_by_hand_buffers_spirv(),
                            bitmask_by_hand_images_spirv()}};
 
-/// Times all four by turns, and asks that they make the same picture.
+/// Times all four in alternation, and checks that they compute the same picture.
 void compare_with_hand(const char* scene, int width, int height, int turns) {
   const auto ours = device_without_validation(true);
   UMBRAGE_NEEDS_VULKAN(ours);

@@ -32,7 +32,7 @@ def _distance(a: str, b: str) -> int:
 
 
 def suggestion(word: str, names: Iterable[str]) -> str:
-    """" (did you mean 'x'?)" for the nearest of the names if it is near, else " (there are: a, b)": the library's rule,
+    """" (did you mean 'x'?)" for the nearest of the names if it is near, else " (available: a, b)": the library's rule,
     for names that it does not know."""
     listed = list(dict.fromkeys(names))
     best, nearest = _SLIPS + 1, ""
@@ -42,4 +42,4 @@ def suggestion(word: str, names: Iterable[str]) -> str:
             best, nearest = distance, name
     if nearest:
         return f" (did you mean '{nearest}'?)"
-    return f" (there are: {', '.join(listed) or 'none'})"
+    return f" (available: {', '.join(listed) or 'none'})"
