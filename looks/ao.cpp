@@ -1,4 +1,4 @@
-// The occlusion alone, as grey values without a transfer function: white is open.
+// Look `ao`: the occlusion alone, as grey values without a transfer function. White is open.
 #include "core/look.h"
 
 namespace umbrage {

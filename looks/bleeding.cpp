@@ -1,5 +1,5 @@
-// The scene's own materials and lights, with the light that surfaces send to each other: a red drape colours the floor.
-// Our own settings for what [Colliander and Törnquist 2015] set out to do.
+// Look `bleeding`: the scene's own materials and lights, with color bleeding: a red drape colours the floor. After the
+// idea of [Colliander and Törnquist 2015], with our own settings.
 #include "core/look.h"
 
 namespace umbrage {

@@ -1,5 +1,6 @@
-// The paper preset of [Lajzer and Nottingham]: eight samples in a sphere, blurred four times, steps of a quarter of the
-// object's colour, black outlines by the rule of eight neighbours; no transfer function, no shadow.
+// Look `cartoon-paper`: the settings of [Lajzer and Nottingham]. Eight samples in a sphere, blurred four times; tone
+// steps of a quarter of the object's colour; black outlines by the rule of eight neighbours; no transfer function, no
+// shadow.
 #include "core/look.h"
 
 namespace umbrage {

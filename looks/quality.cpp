@@ -3,7 +3,7 @@
 namespace umbrage {
 
 std::span<const Quality> qualities() {
-  // Settings of `bitmask` lie on the frontier of error against time in effects/bitmask/README.md.
+  // The settings of `bitmask` are on the Pareto front of error and time in effects/bitmask/README.md.
   static const std::vector<Quality> all = {
       {.name = "draft",
        .summary = "to try things: one frame, occlusion at half resolution",

@@ -1,5 +1,5 @@
-// A model as on a photographer's table: soft key and fill light with shadows, what stands in the open on a ground that
-// shows the shade alone, light between surfaces, exposure by the picture.
+// Look `studio`: a model as in a photo studio. Soft key and fill lights with shadows, a shadow catcher as ground under
+// models that stand in the open, indirect light, exposure by metering of the picture.
 #include "core/look.h"
 
 namespace umbrage {

@@ -1,6 +1,6 @@
-// The paper preset of [Chamberlin 2011]: white material, ambient 0.3 and diffuse 0.7, shade subtracted from the whole
-// lit colour, no transfer function, no shadow. The window is the paper's 40 pixels at its 1024, and keeps its share of
-// the picture at other sizes.
+// Look `unsharp`: the settings of [Chamberlin 2011]. White material, ambient 0.3 and diffuse 0.7, occlusion subtracted
+// from the whole lit colour, no transfer function, no shadow. The window is the paper's 40 pixels of 1024, and the same
+// fraction of the picture at other sizes.
 #include "core/look.h"
 
 namespace umbrage {

@@ -29,7 +29,7 @@ const std::vector<Parameter> kTable = {
              "added to the squared distance, in squared radii, against division by 0"),
 };
 
-// A tap that falls into the next pixel may add a large term: two quanta.
+// A tap that rounds into the next pixel may add a large term: up to two quanta.
 constexpr double kQuantum = 0.5;
 
 void fill_constants(const AlchemyParams& params, const PictureInfo& info, AlchemyConstants& c) {
@@ -40,13 +40,14 @@ void fill_constants(const AlchemyParams& params, const PictureInfo& info, Alchem
   c.reach = c.radius / column;
   c.rows = -column / row;
   c.scalable = params.formula;
-  // [2011]: 2 sigma / s. [2012]: 5 sigma / (r^6 s), of which the kernel has r^-6. Both are for metres: one radius more.
+  // [2011]: 2 sigma / s. [2012]: 5 sigma / (r^6 s); the kernel applies r^-6. Both formulas are for metres; the extra
+  // factor of the radius makes the strength independent of the unit.
   c.factor = (c.scalable ? 5.0f : 2.0f) * params.strength * c.radius / float(params.samples);
   c.contrast = params.contrast;
   c.bias = params.bias;
   c.epsilon = params.epsilon * c.radius2;
   for (int i = 0; i < params.samples; ++i) {
-    // [McGuire et al. 2012], equation 4: a spiral; by the square root all parts of the disc are alike, as in [2011].
+    // [McGuire et al. 2012], equation 4: a spiral. The square root makes the points uniform in the disc, as in [2011].
     const double share = (i + 0.5) / params.samples, angle = 2.0 * std::numbers::pi * share * params.turns;
     const double length = c.scalable ? share : std::sqrt(share);
     c.points[2 * i] = float(length * std::cos(angle));

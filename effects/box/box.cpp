@@ -21,7 +21,7 @@ const std::vector<Parameter> kTable = {
 };
 
 void fill_constants(const BoxParams& params, const PictureInfo&, BoxConstants& c) {
-  // A window of even size reaches one pixel farther to the left and upwards.
+  // A window of even size extends one pixel farther to the left and upwards.
   const int first = -(params.size / 2);
   c = {first, first + params.size - 1, params.background == 0 ? 1 : 0};
 }

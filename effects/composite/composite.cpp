@@ -7,7 +7,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxFactor = 10.0;
-constexpr double kDamping = 0.1;  // the paper gives no number: what is lit by ambient light alone has none
+constexpr double kDamping = 0.1;  // the paper gives no value; surfaces lit by ambient light alone get no bounced light
 
 const std::vector<Parameter> kTable = {
     choice_row("mode", &CompositeParams::mode, 0,

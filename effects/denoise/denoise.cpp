@@ -13,7 +13,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMaxRounds = 6;                  // 253 pixels wide
+constexpr int kMaxRounds = 6;                  // the filter is then 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
@@ -35,7 +35,7 @@ const std::vector<Parameter> kTable = {
 
 int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }
 
-/// So many rounds, and one more for each time that the picture is twice as high as the one that they are meant for.
+/// Returns `rounds`, plus one for each doubling of the picture height over `for_height`, rounded; at most kMaxRounds.
 int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   if (rounds == 0 || params.for_height == 0) return rounds;
   const int more = int(std::lround(std::log2(info.share_height() / float(params.for_height))));
@@ -68,7 +68,7 @@ bool ao_alone(const ParameterBytes& bytes) {
   return params.rounds > 0 && params.occlusion > 0.0f && !light_too(bytes);
 }
 
-/// Two pixels, twice as far apart in each round.
+/// Returns the reach in rows: two taps, whose spacing doubles in each round.
 int reach(const void*, int round) { return 2 << round; }
 
 }  // namespace

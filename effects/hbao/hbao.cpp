@@ -24,7 +24,7 @@ const std::vector<Parameter> kTable = {
     real_row("strength", &HbaoParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),
 };
 
-// One tap of one may be the whole horizon: two quanta.
+// With one tap, that tap may be the whole horizon: up to two quanta.
 constexpr double kQuantum = 0.5;
 
 void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConstants& c) {

@@ -38,7 +38,7 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
   c.display = params.material == 2 ? 1 : 0;
   c.diffuse = params.diffuse;
   c.specular = params.specular;
-  c.emission = params.material != 1 ? params.emission : 0.0f;  // clay does not shine
+  c.emission = params.material != 1 ? params.emission : 0.0f;  // clay does not emit light
   const LightRig rig = light_rig(Rig(params.rig), info);
   c.ambient_r = rig.ambient.r * params.ambient;
   c.ambient_g = rig.ambient.g * params.ambient;
