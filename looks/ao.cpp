@@ -5,7 +5,7 @@ namespace umbrage {
 
 Look look_ao() {
   return {.name = "ao",
-          .summary = "the occlusion alone: white is open, black is closed in",
+          .summary = "the occlusion alone: white is open, black is occluded",
           .occlusion = "unsharp",
           .effects = {"occlusion", "composite", "output"},
           .presets = {"unsharp.kernel=5%", "unsharp.threshold=0.15", "unsharp.linearization=extent",

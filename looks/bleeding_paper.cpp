@@ -8,7 +8,7 @@ namespace umbrage {
 Look look_bleeding_paper() {
   return {
       .name = "bleeding-paper",
-      .summary = "ambient occlusion and colour bleeding from one hemisphere of samples, as the paper has it",
+      .summary = "ambient occlusion and colour bleeding from one hemisphere of samples, as in the paper",
       .occlusion = "hemisphere",
       .effects = {"lighting", "occlusion", "box", "composite", "output"},
       .presets = {"lighting.material=display", "hemisphere.distribution=paper", "hemisphere.range=quadratic",

@@ -9,7 +9,7 @@ namespace umbrage {
 
 Look look_cartoon() {
   return {.name = "cartoon",
-          .summary = "toon bands with coloured shadows, contact shade and clean outlines",
+          .summary = "toon shading with coloured shadows, contact shadows and clean outlines",
           .occlusion = "sphere",
           .effects = {"occlusion", "denoise", "gaussian", "toon", "outline", "output"},
           .presets = {"sphere.samples=32",        "sphere.shape=hemisphere",

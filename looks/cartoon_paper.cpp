@@ -7,7 +7,7 @@ namespace umbrage {
 
 Look look_cartoon_paper() {
   return {.name = "cartoon-paper",
-          .summary = "occlusion and cartoon rendering combined, as the paper has it",
+          .summary = "occlusion and cartoon rendering combined, as in the paper",
           .occlusion = "sphere",
           .effects = {"occlusion", "gaussian", "toon", "outline", "output"},
           .presets = {"gaussian.rounds=4", "toon.mode=paper", "toon.rig=key", "toon.shadow=0", "toon.albedo=display",

@@ -216,7 +216,7 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
     }
     const Effect* of_others = find_named(run.handed_in, name);
     steps.push_back(of_others ? of_others : find_effect(name));
-    if (!steps.back()) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
+    if (!steps.back()) fail_check(fmt::format("look {}: there is no effect '{}'", run.look->name, name));
   }
   if (run.wanted) keep_needed(run, steps);
   return steps;
@@ -249,7 +249,8 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
   for (std::size_t step = 0; step < steps.size();) {
     const Effect& effect = *steps[step];
     const bool of_others = find_named(run.handed_in, effect.name) != nullptr;
-    if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", effect.name));
+    if (of_others && !run.run_handed_in)
+      fail_check(fmt::format("LookRun::run_handed_in is not set; effect '{}' requires it", effect.name));
     std::size_t next = step + 1;
     if (effect.exposed_by) {
       const auto done = run_exposed(run, effect, device, frame);

@@ -6,8 +6,7 @@ namespace umbrage {
 
 Look look_studio() {
   return {.name = "studio",
-          .summary =
-              "soft light with shadows, occlusion and light between surfaces, on a ground that shows the shade alone",
+          .summary = "soft light with shadows, occlusion and indirect light, on a ground that shows only its shadow",
           .occlusion = "bitmask",
           .effects = {"lighting", "occlusion", "denoise", "composite", "ground", "hide_ground", "output"},
           .presets = {"bitmask.bleeding=1", "bitmask.radius=25%", "denoise.indirect=1", "denoise.light_rounds=3",

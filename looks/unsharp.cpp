@@ -7,7 +7,7 @@ namespace umbrage {
 
 Look look_unsharp() {
   return {.name = "unsharp",
-          .summary = "white clay with the unsharp mask of the depth buffer subtracted, as the paper has it",
+          .summary = "white clay with the unsharp mask of the depth buffer subtracted, as in the paper",
           .occlusion = "unsharp",
           .effects = {"lighting", "occlusion", "composite", "output"},
           .presets = {"lighting.material=clay", "lighting.rig=key", "lighting.shadow=0", "unsharp.kernel=3.90625%",

@@ -26,44 +26,44 @@ constexpr float kSlopeAlways = 0.4f, kSlopeOfOne = 0.4f;
 
 const std::vector<Parameter> kTable = {
     int_row("slices", &BitmaskParams::slices, {.initial = 2, .min = 1, .max = 64},
-            "planes through the line of sight in which occluders are sought"),
+            "planes through the view ray in which occluders are searched"),
     int_row("steps", &BitmaskParams::steps, {.initial = 8, .min = 1, .max = 512},
-            "depths that are read along each side of a slice"),
+            "depth taps along each side of a slice"),
     choice_row("distribution", &BitmaskParams::distribution, kBitmaskStep15, {"1", "1.5", "2", "3"},
-               "power of the steps' distances: the higher, the more of them lie near the pixel"),
+               "exponent of the steps' distances: higher values put more steps near the pixel"),
     radius_row("radius", &BitmaskParams::radius,
-               "how far away occluders are sought, in scene units or as a share of the scene's radius"),
-    choice_row(
-        "mode", &BitmaskParams::mode, 0, {"thick", "infinite", "layers"},
-        "where occluders end in depth: at their assumed thickness, nowhere, or at the next depth layer, of which "
-        "each occludes by itself, and at the assumed thickness at the latest"),
+               "search radius for occluders, in scene units or in percent of the bounding-sphere radius"),
+    choice_row("mode", &BitmaskParams::mode, 0, {"thick", "infinite", "layers"},
+               "where occluders end in depth: at the assumed thickness, never, or at the next depth layer (each layer "
+               "occludes by itself) but at the assumed thickness at the latest"),
     real_row("thickness", &BitmaskParams::thickness, {.initial = 0.05, .max = 100},
              "assumed thickness of occluders, in radii"),
-    real_row("slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
-             "assumed thickness of occluders as a share of their distance; the larger of the two holds"),
+    real_row(
+        "slope", &BitmaskParams::slope, {.max = 100, .zero_means = "automatic"},
+        "assumed thickness of occluders, relative to their distance; the larger of `thickness` and `slope` is used"),
     choice_row(
         "measure", &BitmaskParams::measure, 0, {"exact", "uniform", "sectors"},
-        "what a bit of a slice is: an equal share of cosine-weighted directions, an equal angle, or an equal step of "
-        "the sine of the angle to the normal"),
+        "what a bit of a slice covers: an equal part of the cosine-weighted directions, an equal angle, or an equal "
+        "step of the sine of the angle to the normal"),
     real_row("falloff", &BitmaskParams::falloff, {.max = 1},
-             "mode infinite: the last share of the radius, over which occluders fade"),
+             "mode infinite: outer fraction of the radius over which occluders fade out"),
     choice_row("noise", &BitmaskParams::noise, kBitmaskTile, {"hilbert", "tile", "hash", "none"},
-               "what turns slices and moves steps from pixel to pixel: a sequence along a Hilbert curve, a tile of 4x4 "
-               "pixels, a hash, or nothing"),
+               "noise that rotates slices and offsets steps per pixel: a sequence along a Hilbert curve, a tile of 4x4 "
+               "pixels, a hash, or none"),
     int_row("frame", &BitmaskParams::frame, {.max = 65535},
-            "number of the picture among several that are averaged: each has other noise"),
-    bool_row("mips", &BitmaskParams::mips, false, "read what is far away in the picture from smaller copies of it"),
+            "sample index among several pictures that are averaged; each has different noise"),
+    bool_row("mips", &BitmaskParams::mips, false, "read distant taps from downsampled copies of the depth"),
     choice_row("border", &BitmaskParams::border, 0, {"skip", "open"},
-               "what lies outside the picture: left out of the count, or open"),
-    bool_row("bent", &BitmaskParams::bent, false, "write the plane `bent` as well: the mean of the open directions"),
+               "taps outside the picture: left out of the estimate, or open"),
+    bool_row("bent", &BitmaskParams::bent, false, "also write the plane `bent`, the mean unoccluded direction"),
     real_row("bleeding", &BitmaskParams::bleeding, {.max = 100, .zero_means = "off"},
-             "factor of the light that occluders reflect"),
+             "factor of the indirect light from occluders"),
     real_row("ambient_bounce", &BitmaskParams::ambient_bounce, {.initial = 1, .max = 10},
-             "factor of the ambient light that surfaces send on"),
+             "factor of the ambient light that surfaces reflect"),
     int_row("bounces", &BitmaskParams::bounces, {.initial = 1, .min = 1, .max = 16},
-            "how often light is reflected: 1, or more with what arrived the time before"),
+            "number of bounces; each reflects the indirect light of the one before"),
     int_row("layers", &BitmaskParams::layers, {.max = kLayersRead, .zero_means = "all"},
-            "mode layers: depth layers in which occluders are sought, of those that were captured"),
+            "mode layers: number of captured depth layers in which occluders are searched"),
 };
 
 // With one tap, that tap may cover the whole slice: up to two quanta.
@@ -189,7 +189,7 @@ Effect effect_bitmask() {
       kTable,
       {.name = "bitmask",
        .summary =
-           "slices of the hemisphere by 32 bits of equal weight: the closest to the truth; light that occluders send",
+           "slices of the hemisphere as 32 bits of equal weight: the most accurate technique; also indirect light",
        .source = "Therrien et al. 2023",
        .set_radius = set_radius_of<&BitmaskParams::radius>,
        .noise = "frame",

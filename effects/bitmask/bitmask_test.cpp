@@ -30,9 +30,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 /// A plane, or a part of one.
 struct Wall {
   glm::dvec3 point, normal;
-  std::function<bool(glm::dvec3)> holds = [](glm::dvec3) {
-    return true;
-  };  ///< whether a point of the plane belongs to the wall
+  /// Returns whether a point of the plane belongs to the wall.
+  std::function<bool(glm::dvec3)> holds = [](glm::dvec3) { return true; };
 };
 
 struct Ray {

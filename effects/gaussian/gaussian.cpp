@@ -13,7 +13,8 @@ constexpr float kSide = 0.25f;  // [1 2 1]/4
 
 const std::vector<Parameter> kTable = {
     // "Several times" [Lajzer and Nottingham]. Each round halves noise of period 4 pixels, so that 6 % of it remain.
-    int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64}, "how often the 3x3 Gaussian is applied"),
+    int_row("rounds", &GaussianParams::rounds, {.initial = 4, .max = 64},
+            "number of times the 3x3 Gaussian is applied"),
     bool_row("edges", &GaussianParams::edges, false,
              "blur along each surface only, not across its silhouette or into the background"),
 };
