@@ -11,7 +11,7 @@ float usual_stops(const PictureInfo& info) {
 }
 
 void Metering::add(const Image& rows, int first, int height) {
-  constexpr int kEvery = 3;  // pixels across and down: a tenth of them tells as much
+  constexpr int kEvery = 3;  // one pixel in 3, across and down, is enough
   seen_.reserve(std::size_t(rows.width / kEvery + 1) * std::size_t(height / kEvery + 1));
   int y = std::min(kEvery / 2, height - 1);
   if (y < first) y += (first - y + kEvery - 1) / kEvery * kEvery;
@@ -25,11 +25,11 @@ void Metering::add(const Image& rows, int first, int height) {
 }
 
 float Metering::stops(float usual) {
-  constexpr double kHighlights = 0.03;  // share of the surfaces that may be brighter than white
-  constexpr float kHowFar = 0.7f;       // of the way to white, in stops
-  constexpr float kMaxStops = 2.5f;     // up or down
-  constexpr float kMaxBeyond = 1.0f;    // stops
-  constexpr float kBlack = 1e-4f;       // of the brightest: what is darker tells nothing
+  constexpr double kHighlights = 0.03;  // fraction of the surface pixels that may be brighter than white
+  constexpr float kHowFar = 0.7f;       // fraction of the correction, in stops, that is applied
+  constexpr float kMaxStops = 2.5f;     // bound of the correction, up or down
+  constexpr float kMaxBeyond = 1.0f;    // stops beyond white
+  constexpr float kBlack = 1e-4f;       // relative to the brightest; darker values are clamped
   std::vector<float> seen;
   seen.swap(seen_);
   if (seen.empty()) return usual;

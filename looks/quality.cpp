@@ -3,24 +3,24 @@
 namespace umbrage {
 
 std::span<const Quality> qualities() {
-  // Settings of `bitmask` lie on the frontier of error against time in effects/bitmask/README.md.
+  // The settings of `bitmask` are on the Pareto front of error and time in effects/bitmask/README.md.
   static const std::vector<Quality> all = {
       {.name = "draft",
-       .summary = "to try things: one frame, occlusion at half resolution",
+       .summary = "for previews: one frame, occlusion at half resolution",
        .frames = 1,
        .occlusion_every = 2,
        .shadow_rays = 1,
        .settings = {"bitmask.slices=1", "bitmask.steps=8", "hemisphere.samples=8", "sphere.samples=8"},
        .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=8", "hemisphere.samples=8", "sphere.samples=8"}},
       {.name = "normal",
-       .summary = "for every day: smooth edges of four frames",
+       .summary = "for everyday use: four averaged frames, smooth edges",
        .frames = 4,
        .occlusion_every = 2,
        .shadow_rays = 1,
        .settings = {"bitmask.slices=2", "bitmask.steps=12", "hemisphere.samples=16", "sphere.samples=16"},
        .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=12", "hemisphere.samples=8", "sphere.samples=16"}},
       {.name = "high",
-       .summary = "for print: eight frames, occlusion at full resolution from two layers of depth",
+       .summary = "for print: eight averaged frames, occlusion at full resolution from two depth layers",
        .frames = 8,
        .occlusion_every = 1,
        .layers = 2,
@@ -30,7 +30,7 @@ std::span<const Quality> qualities() {
        .settings_of_frames = {"bitmask.slices=1", "bitmask.steps=16", "bitmask.mode=layers", "hemisphere.samples=16",
                               "sphere.samples=32"}},
       {.name = "ultra",
-       .summary = "whatever it takes: sixteen frames, four layers of depth",
+       .summary = "for best quality: sixteen frames, four depth layers",
        .frames = 16,
        .occlusion_every = 1,
        .layers = 4,

@@ -10,7 +10,7 @@
 
 namespace umbrage {
 
-// looks.inc is made by CMake: one line per file.
+// CMake generates looks.inc, with one line per look.
 #define UMBRAGE_LOOK(name) Look look_##name();
 #include "looks.inc"
 #undef UMBRAGE_LOOK
@@ -43,7 +43,7 @@ bool contains(const auto& names, std::string_view name) {
 
 bool runs(const Pass& pass, const ParameterBytes& params) { return !pass.needed || pass.needed(params); }
 
-/// Whether a pass reads, on a layer beyond the first, what `effect` makes.
+/// Returns whether a pass of `reader` reads an output of `effect` on a layer beyond the first.
 bool reads_on_layers(const Effect& reader, const ParameterBytes& params, const Effect& effect) {
   for (const Pass& pass : reader.passes) {
     if (!runs(pass, params)) continue;
@@ -60,7 +60,7 @@ const ParameterBytes& params_of(const LookRun& run, const Effect& effect) {
   return umbrage::params_of(*run.settings, effect.name);
 }
 
-/// Leaves out steps that make nothing of what is wanted, nor of what later steps read.
+/// Removes steps that write neither a requested plane nor a plane that a later step reads.
 void keep_needed(const LookRun& run, Steps& steps) {
   std::set<std::string_view> read;
   for (const std::string& plane : *run.wanted) read.insert(of_first_layer(plane));
@@ -81,14 +81,14 @@ void keep_needed(const LookRun& run, Steps& steps) {
   steps = std::move(kept);
 }
 
-/// Whether a later step reads what this one makes on layers beyond the first.
+/// Returns whether a later step reads outputs of this step on layers beyond the first.
 bool runs_on_layers(const LookRun& run, const Steps& steps, std::size_t step) {
   return std::any_of(steps.begin() + long(step) + 1, steps.end(), [&](const Effect* later) {
     return reads_on_layers(*later, params_of(run, *later), *steps[step]);
   });
 }
 
-/// The step after those that run at reduced resolution from `step` on, or `step` itself where that does not.
+/// Returns the end of the steps that run at reduced resolution from `step` on; `step` itself if it does not.
 std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step) {
   const bool of_others = find_named(run.handed_in, steps[step]->name) != nullptr;
   if (steps[step]->name != run.occlusion || run.occlusion_every == 1 || of_others) return step;
@@ -97,12 +97,12 @@ std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step
   return step;
 }
 
-/// Whether a technique computes, after its run at reduced resolution, what no pixel shows there.
+/// Returns whether a technique, after its run at reduced resolution, computes the pixels that no reduced pixel covers.
 bool fills_missing(const LookRun& run, const Effect& technique) {
   return run.occlusion_every == 2 && runs_for_missing(technique, params_of(run, technique));
 }
 
-/// Runs one step, on every layer where a later one reads what it makes there.
+/// Runs one step: on every layer if a later step reads its outputs there, otherwise on the first.
 Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
   const Effect& effect = *steps[step];
   const ParameterBytes& params = params_of(run, effect);
@@ -119,16 +119,17 @@ Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t
   return Progression();
 }
 
-/// What the steps from `first` to before `last` read of a frame that is reduced for them, and whether they make light.
+/// The planes that a range of steps reads from a frame at reduced resolution, and whether the steps write `indirect`.
 struct ReducedPlanes {
   std::vector<std::string> read;
   bool light = false;
 };
 
+/// Collects the planes of the steps in [first, last).
 ReducedPlanes reduced_planes(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last,
                              const PictureInfo& small_info) {
   ReducedPlanes planes;
-  std::vector<std::string_view> made;  // by the technique: of an earlier run at full resolution nothing is taken
+  std::vector<std::string_view> made;  // by the technique; an earlier run's planes are not reused
   for (const Pass& pass : steps[first]->passes)
     if (runs(pass, params_of(run, *steps[first]))) made.insert(made.end(), pass.outputs.begin(), pass.outputs.end());
   for (std::size_t step = first; step < last; ++step)
@@ -138,7 +139,7 @@ ReducedPlanes reduced_planes(const LookRun& run, const Steps& steps, std::size_t
       const bool once = !steps[step]->rounds || steps[step]->rounds(params, small_info) == 1;
       for (std::string_view input : pass.inputs) {
         if (once && contains(pass.later_inputs, input)) continue;
-        // Every layer's plane of that name is reduced with the first one's.
+        // Downsampling a plane of the first layer also downsamples it on all other layers.
         if (layer_of_plane(input) == 0 && !contains(made, input) && !contains(planes.read, input))
           planes.read.emplace_back(input);
       }
@@ -147,15 +148,15 @@ ReducedPlanes reduced_planes(const LookRun& run, const Steps& steps, std::size_t
   return planes;
 }
 
-/// The effect that fills in a picture from one of reduced resolution.
+/// Returns the effect that upsamples from reduced to full resolution.
 const Effect& filling_effect() {
   const auto all = effects();
   return **std::find_if(all.begin(), all.end(), [](const Effect* effect) { return effect->set_reduction; });
 }
 
-/// Runs the steps from `first` to before `last` at reduced resolution, and brings the occlusion and the light that they
-/// make to the frame. What no computed pixel shows, a technique that can computes at full resolution; at a quarter that
-/// would be too much.
+/// Runs the steps in [first, last) at reduced resolution and upsamples their occlusion and indirect light to the frame.
+/// At factor 2, a technique that supports it computes pixels that no reduced pixel covers at full resolution; at factor
+/// 4 there are too many of them.
 Result<Progression> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last,
                                 Device& device, Frame& frame) {
   const ReducedPlanes planes = reduced_planes(run, steps, first, last, reduced_info(frame.info, run.occlusion_every));
@@ -180,7 +181,7 @@ Result<Progression> run_reduced(const LookRun& run, const Steps& steps, std::siz
   return done;
 }
 
-/// Runs an effect that exposes the picture.
+/// Runs the effect that exposes the picture, after metering if its parameters ask for it.
 Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& device, Frame& frame) {
   ParameterBytes params = params_of(run, effect);
   LookDone done;
@@ -210,12 +211,12 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
   Steps steps;
   for (std::string_view name : run.look->effects) {
     if (name == kOcclusionStep) {
-      if (run.occlusion == kNoOcclusion) continue;  // `ao` is then the device's neutral 1
+      if (run.occlusion == kNoOcclusion) continue;  // `ao` then has its neutral value 1
       name = run.occlusion;
     }
     const Effect* of_others = find_named(run.handed_in, name);
     steps.push_back(of_others ? of_others : find_effect(name));
-    if (!steps.back()) fail_check(fmt::format("look {} names no effect: {}", run.look->name, name));
+    if (!steps.back()) fail_check(fmt::format("look {}: there is no effect '{}'", run.look->name, name));
   }
   if (run.wanted) keep_needed(run, steps);
   return steps;
@@ -248,7 +249,8 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
   for (std::size_t step = 0; step < steps.size();) {
     const Effect& effect = *steps[step];
     const bool of_others = find_named(run.handed_in, effect.name) != nullptr;
-    if (of_others && !run.run_handed_in) fail_check(fmt::format("nobody runs {}", effect.name));
+    if (of_others && !run.run_handed_in)
+      fail_check(fmt::format("LookRun::run_handed_in is not set; effect '{}' requires it", effect.name));
     std::size_t next = step + 1;
     if (effect.exposed_by) {
       const auto done = run_exposed(run, effect, device, frame);

@@ -24,7 +24,7 @@ Result<Setting> parse_setting(std::string_view assignment, std::span<const Effec
   if (!row) {
     std::vector<std::string_view> names;
     for (const Parameter& each : (*effect)->parameters) names.push_back(each.name);
-    return usage_error("{} has no parameter '{}'{}", owner, name, suggestion(name, names));
+    return usage_error("effect {} has no parameter '{}'{}", owner, name, suggestion(name, names));
   }
   return Setting{*effect, row, assignment.substr(equals + 1)};
 }

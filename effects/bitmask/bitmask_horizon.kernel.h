@@ -1,13 +1,13 @@
-// Occlusion alone by occluders without an end in depth: of all that a side of a slice meets, what stands highest hides
-// all below it, so that directions are measured once a side. Based on [Jimenez et al. 2016], Algorithm 1, and its
-// equation 7; the arcs as in bitmask_measure.kernel.h.
+// Occlusion only, by occluders of infinite thickness: on each side of a slice, the highest occluder hides all
+// directions below it, so that one measurement per side suffices. Based on [Jimenez et al. 2016], Algorithm 1 and
+// equation 7; arcs as in bitmask_measure.kernel.h.
 #include "effects/bitmask/bitmask_no_light.kernel.h"
 #include "effects/bitmask/bitmask_not_bent.kernel.h"
 #include "effects/bitmask/bitmask_one_layer.kernel.h"
 
 #include "effects/bitmask/bitmask.kernel.h"
 
-// The higher of `highest` and the cosine of what a tap shows.
+// Returns the larger of `highest` and the cosine of the surface at a tap, faded by C.falloff.
 FN Real higher_of(Real highest, Side side, Way way, Real depth) {
   Real c = cosine_of(way);
   if (C.falloff > 0.0f) {
@@ -18,7 +18,7 @@ FN Real higher_of(Real highest, Side side, Way way, Real depth) {
   return select(is_near(way, depth), max(c, highest), highest);
 }
 
-// The directions of one side from the eye down to the cosine c.
+// Returns the measure of the directions of one side from the view direction down to the cosine c.
 FN Real open_above(Real c, Real nv, Real nt) {
   return mad(nv, mad(-c, c, Real(1.0f)), nt * (Real(1.57079633f) - arc(c)));
 }

@@ -1,4 +1,4 @@
-// For bitmask.kernel.h: occluders that send no light.
+// Definitions for bitmask.kernel.h: no indirect light.
 CONST bool kLight = false;
 FN Vec3 normal_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }
 FN Vec3 sent_of(int layer, Int place) { return Vec3(Real(0.0f), Real(0.0f), Real(0.0f)); }

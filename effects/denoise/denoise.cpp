@@ -13,29 +13,27 @@
 namespace umbrage {
 namespace {
 
-constexpr int kMaxRounds = 6;                  // 253 pixels wide
+constexpr int kMaxRounds = 6;                  // the filter is then 253 pixels wide
 constexpr float kNear = 0.25f, kFar = 0.125f;  // [1 2 2 2 1]/8
 
 const std::vector<Parameter> kTable = {
     int_row("rounds", &DenoiseParams::rounds, {.initial = 1, .max = kMaxRounds},
-            "how often the 5x5 filter is applied, each time with its pixels twice as far apart"),
-    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1},
-             "share of the occlusion's noise that is filtered"),
-    real_row("indirect", &DenoiseParams::indirect, {.max = 1}, "share of the reflected light's noise that is filtered"),
+            "number of times the 5x5 filter is applied; the spacing of its taps doubles each time"),
+    real_row("occlusion", &DenoiseParams::occlusion, {.initial = 1, .max = 1}, "strength of the filter for occlusion"),
+    real_row("indirect", &DenoiseParams::indirect, {.max = 1}, "strength of the filter for indirect light"),
     real_row("distance", &DenoiseParams::distance, {.initial = 1, .min = 0.01, .max = 100, .unit = "px"},
-             "how far a pixel may lie off another's plane to join it fully"),
+             "max distance of a pixel from another's plane at full weight"),
     real_row("angle", &DenoiseParams::angle, {.initial = 25, .min = 1, .max = 180, .unit = "deg"},
-             "by how much normals may differ for pixels to join fully"),
+             "max angle between normals at full weight"),
     int_row("light_rounds", &DenoiseParams::light_rounds, {.max = kMaxRounds, .zero_means = "as rounds"},
-            "how often reflected light is filtered, if not as often as occlusion"),
-    int_row(
-        "for_height", &DenoiseParams::for_height, {.max = 65536, .unit = "px", .zero_means = "any"},
-        "height of the picture that the rounds are meant for: one twice as high takes one more, rounded, up to six"),
+            "number of times indirect light is filtered, if different from occlusion"),
+    int_row("for_height", &DenoiseParams::for_height, {.max = 65536, .unit = "px", .zero_means = "any"},
+            "picture height that the rounds are meant for: each doubling of the height adds one (rounded), up to six"),
 };
 
 int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ? params.light_rounds : params.rounds; }
 
-/// So many rounds, and one more for each time that the picture is twice as high as the one that they are meant for.
+/// Returns `rounds`, plus one for each doubling of the picture height over `for_height`, rounded; at most kMaxRounds.
 int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   if (rounds == 0 || params.for_height == 0) return rounds;
   const int more = int(std::lround(std::log2(info.share_height() / float(params.for_height))));
@@ -68,7 +66,7 @@ bool ao_alone(const ParameterBytes& bytes) {
   return params.rounds > 0 && params.occlusion > 0.0f && !light_too(bytes);
 }
 
-/// Two pixels, twice as far apart in each round.
+/// Returns the reach in rows: two taps, whose spacing doubles in each round.
 int reach(const void*, int round) { return 2 << round; }
 
 }  // namespace
@@ -76,7 +74,7 @@ int reach(const void*, int round) { return 2 << round; }
 Effect effect_denoise() {
   return filter_effect<fill_constants>(
       kTable, {.name = "denoise",
-               .summary = "smooths the noise of occlusion and reflected light along surfaces, and keeps their mean",
+               .summary = "smooths the noise of occlusion and indirect light along surfaces, preserving their mean",
                .source = "Dammertz et al. 2010",
                .tunable = {"rounds", "distance", "angle"},
                .variants = {"", "rounds=2", "rounds=3", "indirect=1", "indirect=1 light_rounds=3"},

@@ -1,6 +1,8 @@
-// One pass of the filter. Passes define before it kAlongRows, whether it runs along rows or along columns, and ao_at,
-// the occlusion of the pixel (i, j) to the right and below; kLight, whether it filters reflected light too, and
-// light_at likewise (denoise_no_light.kernel.h).
+// One dispatch of the filter. The including kernel must define:
+//   kAlongRows  whether the filter runs along rows (true) or columns
+//   ao_at       returns the `ao` of the pixel (i, j) to the right and below
+//   kLight      whether indirect light is filtered, too
+//   light_at    returns the light of that pixel (denoise_no_light.kernel.h: none)
 #include "effects/denoise/denoise.kernel.h"
 
 struct Filtered {
@@ -10,7 +12,7 @@ struct Filtered {
 
 FN Filtered filtered(Int px, Int py) {
   int step = 1 << F.round;
-  int to_right = kAlongRows ? 1 : 0;  // the way to the next pixel
+  int to_right = kAlongRows ? 1 : 0;  // step to the next pixel
   int to_below = kAlongRows ? 0 : 1;
   float occlusion = F.round < C.rounds ? C.occlusion : 0.0f;
   float indirect = kLight && F.round < C.light_rounds ? C.indirect : 0.0f;

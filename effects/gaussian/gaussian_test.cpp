@@ -1,4 +1,4 @@
-// `gaussian` against its 3x3 stencil in double, and what it promises about edges.
+// Tests `gaussian` against its 3x3 stencil in double, and its behaviour at edges.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 using test::Settings;
 
-/// Surfaces that face the camera at depth 5, or at 9 from column `first_far` on, and occlusion to be filled.
+/// Returns surfaces that face the camera at depth 5, or at 9 from column `first_far` on, with constant `ao`.
 GBuffer step(int width, int height, int first_far, float occlusion = 1.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   Image& image = g.layers[0];
@@ -54,7 +54,7 @@ TEST(Gaussian, ImpulseBecomesTheBinomialCoefficients) {
     }
 }
 
-/// One round by the paper's words: the weighted average of the pixel and the eight around it; borders clamped.
+/// Returns one round as the paper describes it: the weighted average of 3x3 pixels, with clamped borders.
 std::vector<double> blurred(const std::vector<double>& in, int width, int height) {
   std::vector<double> out(in.size());
   const double weights[3] = {0.25, 0.5, 0.25};
@@ -123,7 +123,7 @@ TEST(Gaussian, EdgesKeepAStepOfOcclusionAtAStepOfDepth) {
 }
 
 TEST(Gaussian, EdgesBlurPlanesAtGrazingAnglesAsWithout) {
-  // Depth changes by many pixels' sizes from row to row, and yet the rows are neighbours on one surface.
+  // Depth changes by many pixel sizes from row to row, but the rows are neighbours on one surface.
   for (const bool orthographic : {false, true})
     for (const double tilt_deg : {30.0, 69.0, 80.0}) {
       GBuffer g = step(48, 64, 99);
@@ -132,7 +132,7 @@ TEST(Gaussian, EdgesBlurPlanesAtGrazingAnglesAsWithout) {
       const int horizon = test::tilt_about_x(g, tilt_deg);
       const Image without = test::run_effect(*find_effect("gaussian"), g, rounds(3, "off"), {});
       test::on_every_target("gaussian", g, rounds(3, "on"), [&](const Image& image) {
-        const int first = horizon > 0 ? horizon + 3 : 0;  // three rounds see three rows
+        const int first = horizon > 0 ? horizon + 3 : 0;  // three rounds reach three rows
         EXPECT_LT(first, 30);
         for (int y = first; y < 64; ++y)
           for (int x = 0; x < 48; ++x)

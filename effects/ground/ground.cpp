@@ -7,9 +7,10 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "how dark the shade on the ground is"),
-    choice_row("blend", &GroundParams::blend, 0, {"light", "display"},
-               "how the shade is laid over a background: as light, or as picture viewers do that know alpha alone"),
+    real_row("strength", &GroundParams::strength, {.initial = 1, .max = 2}, "strength of the shadow on the ground"),
+    choice_row(
+        "blend", &GroundParams::blend, 0, {"light", "display"},
+        "how the shadow is blended over a background: in linear light, or in display values, as image viewers do"),
 };
 
 void fill_constants(const GroundParams& params, const PictureInfo& info, GroundConstants& c) {
@@ -27,7 +28,7 @@ void fill_constants(const GroundParams& params, const PictureInfo& info, GroundC
 Effect effect_ground() {
   return shading_effect<fill_constants>(
       kTable, {.name = "ground",
-               .summary = "leaves of the ground under a model the shade on it alone",
+               .summary = "makes the ground under a model a shadow catcher: only the shadow on it is visible",
                .source = "",
                .passes = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
                                       "lit.r", "lit.g", "lit.b"},

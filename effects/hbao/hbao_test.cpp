@@ -1,4 +1,4 @@
-// `hbao` against its paper's formula, ported literally in double, and on planes.
+// Tests `hbao` against the formula of the paper, ported literally in double, and on planes.
 #include "effects/hbao/hbao.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ unsigned scrambled(unsigned v) {
   return v ^ (v >> 16);
 }
 
-/// Section 3 with angles, not sines and cosines.
+/// Returns `ao` of a pixel by section 3 of the paper, with angles instead of sines and cosines.
 double listing(const GBuffer& g, const HbaoParams& params, double radius, int x, int y) {
   const glm::dvec3 at = position(g, x, y), n = normal(g, x, y);
   const Camera& camera = g.info.camera;

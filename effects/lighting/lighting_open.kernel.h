@@ -1,5 +1,5 @@
-// The luminance of a white matte surface where nothing stands in the way of the light: of lights and ambient light
-// together. As in lighting.kernel.h, without shadows and materials.
+// Writes `open_light`: the luminance of an unoccluded white diffuse surface under all lights and ambient light. Like
+// lighting.kernel.h without shadows and materials.
 IN_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(open_light)
