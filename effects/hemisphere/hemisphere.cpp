@@ -77,9 +77,7 @@ const std::vector<Parameter> kTable = {
              "area paper: size of a fragment, in squares of the radius"),
     real_row("floor", &HemisphereParams::floor, {.initial = 0.02, .max = 0.5},
              "fraction of the radius: length of the shortest sample of distribution even, and minimum distance of an "
-             "emitter "
-             "XX"
-             "of area equal and paper"),
+             "emitter of area equal and paper"),
     int_row("layers", &HemisphereParams::layers, {.max = kLayersRead, .zero_means = "all"},
             "number of captured depth layers in which occluders are searched"),
     real_row("ambient_bounce", &HemisphereParams::ambient_bounce, {.initial = 1, .max = 10},
