@@ -56,8 +56,8 @@ const std::vector<Parameter> kTable = {
     real_row("far", &HemisphereParams::far_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
              "distance of window depth's far plane"),
     real_row("bias", &HemisphereParams::bias, {.initial = 0.02, .max = 1},
-             "fraction of the radius: an occluder that rises less (above the surface, or in front of the sample: see "
-             "bias_of) does not occlude"),
+             "occluders that rise less than this fraction of the radius (above the surface, or in front of the sample: "
+             "see bias_of) do not count"),
     choice_row(
         "bias_of", &HemisphereParams::bias_of, 0, {"surface", "depth"},
         "what an occluder must rise above: the surface's plane, which keeps planes unoccluded, or only the sample's "
@@ -85,7 +85,7 @@ const std::vector<Parameter> kTable = {
     int_row("bounces", &HemisphereParams::bounces, {.initial = 1, .min = 1, .max = 16},
             "number of reflections: 1, or more, each of the light that arrived in the one before"),
     bool_row("tangents", &HemisphereParams::tangents, false,
-             "also write the plane `tangent`: the rotation of each pixel's sample points about the normal"),
+             "also write the plane `tangent`: the direction to which each pixel's points are turned about the normal"),
 };
 
 // With a single sample, flipping it changes occlusion and light from none to full: two quanta.

@@ -1,6 +1,6 @@
 // Writes the strength of a possible crease between each pixel and its right and lower neighbours: the turn of the
 // normals across a window, minus the turn of the surface beside the window over the same width, in that of several
-// windows where it is the largest. Thus sharp and bevelled edges are found, and round surfaces have none. At the
+// windows where it is the largest. Sharp and bevelled edges are both found, and round surfaces have none. At the
 // surface's own silhouette some pixels must be left beside the window to measure. Normals in the middle of a window
 // must be between those at its ends; otherwise it contains a vertex. Stored as strength + kWindowUnit times half of the
 // window's width; 0: no crease. outline_edges chooses among neighbours.

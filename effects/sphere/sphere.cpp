@@ -53,8 +53,9 @@ const std::vector<Parameter> kTable = {
                "how occluders far in front of the pixel count: fully, not at all, or less with distance"),
     real_row("range_factor", &SphereParams::range_factor, {.initial = 0.05, .max = 100},
              "end of the range, in radii; for window depth the radius is a fraction of the picture's width"),
-    real_row("bias", &SphereParams::bias, {.initial = 0.02, .max = 1},
-             "shape hemisphere: fraction of the radius: a surface that rises less above the pixel's does not occlude"),
+    real_row(
+        "bias", &SphereParams::bias, {.initial = 0.02, .max = 1},
+        "shape hemisphere: occluders that rise less than this fraction of the radius above the surface do not count"),
     choice_row("border", &SphereParams::border, 0, {"clamp", "skip"},
                "sample outside the picture: moved to the nearest pixel, or not counted"),
     real_row("strength", &SphereParams::strength, {.initial = 1, .max = 10}, "factor of the occlusion"),

@@ -123,9 +123,9 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   fill_lights(params, info, c);
 }
 
-/// Shadows read the neighbouring pixels,
+/// Rows that dispatch `light` reads: shadows read the neighbouring pixels.
 int light_reach(const void*, int) { return 1; }
-/// tone steps also pixels as far away as specks are wide.
+/// Rows that dispatch `bands` reads: edges read the neighbouring pixels, specks as far as they are wide.
 int bands_reach(const void* constants, int) { return std::max(static_cast<const ToonConstants*>(constants)->speck, 1); }
 
 }  // namespace

@@ -95,7 +95,7 @@ GBuffer bumps(bool perspective, unsigned seed) {
   return g;
 }
 
-// ---- rung 1: listing 2
+// ---- listing 2
 // -----------------------------------------------------------------------------------------------
 
 struct Listing {
@@ -183,7 +183,7 @@ TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
   });
 }
 
-// ---- rung 2: bands
+// ---- tone steps
 // ---------------------------------------------------------------------------------------------------
 
 TEST(Toon, SphereHasAsManyBandsAsAsked) {
@@ -655,7 +655,7 @@ TEST(Toon, RigsReplaceLightsAndShadow) {
     });
 }
 
-// ---- what is missing or wrong
+// ---- missing or invalid planes
 // ----------------------------------------------------------------------------------------
 
 TEST(Toon, WithoutLightsOnlyAmbientIsLeft) {

@@ -1,9 +1,8 @@
 // `unsharp` on the CPU at a cost that hardly grows with the window; bitwise identical to its reference,
 // unsharp.kernel.h. Sums of integer steps are exact in any order, so only the order differs:
 //   no threshold  running sums over columns and rows: the same few additions per pixel for any window
-//   threshold     the window in blocks of 16, 8 and 4 pixels, with the min, max and sum of each: a block entirely
-//   within
-//                 the threshold is added at once, one entirely outside is skipped, any other is subdivided
+//   threshold     the window in blocks of 16, 8 and 4 pixels, with the min, max and sum of each: a block
+//                 entirely within the threshold is added at once, one entirely outside is skipped, any other is split
 // A Gaussian window uses the plain kernel.
 // Measured gain: see docs/performance.md.
 #include "effects/unsharp/unsharp.h"
