@@ -24,8 +24,8 @@ struct ChainPoint {
   int object = 0;      // number of the nearer surface's object
 };
 
-/// A chain. If it is not closed it has two ends, 0 the first and 1 the last; among all chains ends are numbered 2 *
-/// chain + end.
+/// A chain. If it is not closed it has two ends, 0 the first and 1 the last; among all chains ends have the number
+/// 2 * chain + end.
 struct Chain {
   std::vector<ChainPoint> points;        // at least one
   std::array<int, 2> node = {-1, -1};    // junctions at its ends, or -1

@@ -46,7 +46,8 @@ void bridge_gaps(Tracing& t, float reach, const PixelSize& pixel);
 /// repeats this for the chains whose ends it frees. Chains that are hardly longer get less weight.
 void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& least_px);
 
-/// Moves points to parabolas fitted to their neighbours: straight and round parts become exactly so, corners stay.
+/// Moves points to parabolas fitted to their neighbours: straight parts become straight, round parts round, and corners
+/// stay.
 void smooth_chains(Tracing& t);
 
 /// Extends ends to the lines that they meet or beyond the picture's border, and repeats the first point of closed
