@@ -1,10 +1,10 @@
-// Where chains end exactly: at what they meet.
+// Extends chains to what they meet.
 #include "lines/trace.h"
 
 namespace umbrage {
 namespace {
 
-/// The mean place of what meets at a node: of chains that pass, or else of ends.
+/// The mean position of the chains that meet at a node: of those that pass, or else of the ends.
 struct Meeting {
   float x = 0.0f, y = 0.0f;
   int passing = 0, ends = 0;
@@ -35,7 +35,7 @@ void lead_to(Chain& chain, int last, std::array<float, 2> place) {
 }  // namespace
 
 void meet(Tracing& t) {
-  constexpr float kBeyond = 2.0f;  // pixels that a line goes on at the picture's border
+  constexpr float kBeyond = 2.0f;  // pixels that a line extends beyond the picture's border
   std::vector<std::array<float, 2>> of_edge(std::size_t(t.graph.size()));
   std::vector<Meeting> meetings(2 * std::size_t(t.graph.size()));
   for (const Chain& chain : t.chains) {

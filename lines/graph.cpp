@@ -32,8 +32,8 @@ void EdgeGraph::number_edges(const std::vector<Edge>& all) {
       there = e;
 }
 
-// A line whose place was found within rows or columns may move on by a pixel from one to the next without a side
-// between.
+// A line whose position was found within rows or columns may move by a pixel from one to the next, without a side
+// between them.
 void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
   const std::size_t count = edges.size();
   for (std::size_t k = 0; k < count; ++k)
@@ -43,7 +43,7 @@ void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
       int best = -1, least = 2 * kWays + 1;
       for (int turn = 1; turn < kWays; ++turn) {
         const int way = (from + turn) % kWays, met = degree(next(node, way));
-        const int cost = met + (turn == 2 ? 0 : 1);  // straight on before aside
+        const int cost = met + (turn == 2 ? 0 : 1);  // prefers straight on
         if (met == 0 || cost >= least) continue;
         least = cost;
         best = way;
@@ -59,7 +59,7 @@ void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
 
 Edge EdgeGraph::side(Node node, int way) {
   const int x = column(node), y = row(node);
-  const bool across = way % 2 == 0;  // up and down lie between a pixel and the one to its right
+  const bool across = way % 2 == 0;  // up and down are between a pixel and its right neighbour
   return {.x = way == 1 ? x : x - 1, .y = way == 2 ? y : y - 1, .below = !across};
 }
 

@@ -1,33 +1,38 @@
-// Occlusion and reflected light by points in a hemisphere: sample points above a pixel's surface that lie behind what
-// the depth buffer holds at their place are occluded, and what hides them sends its light to the pixel. Based on
-// [Colliander and Törnquist 2015], "SSAO Pass" and "Calculating Colour Bleed", equation 1.
+// Occlusion and reflected light from sample points in a hemisphere. A sample point above a pixel's surface is occluded
+// where the depth buffer has a surface in front of it; that surface, the occluder, reflects its light to the pixel.
+// Based on [Colliander and Törnquist 2015], "SSAO Pass" and "Calculating Colour Bleed", equation 1.
 //
-// The text is included by two kernels. They differ in what they define before: normal_of and sent_of, the normal of a
-// layer's surface and the light that it sends, store_light, and kGathersLight.
+// Two kernels include this text. Each defines before it: normal_of and sent_of (the normal of a layer's surface and the
+// light that it emits), store_light, and kGathersLight.
 //
-// Whether a sample counts hangs on which pixel it falls into, so positions use operations alone that round alike on
-// every machine: no rsqrt here before that.
+// Whether a sample counts depends on the pixel into which it falls. Positions are therefore computed only with
+// operations that round identically on every machine: no rsqrt before that.
 //
-// Ours, `measured`: equation 1 is a sum over emitting surface, so each sample must know how much of it stands for. A
-// patch dA at Q hides all samples behind it along the ray of sight that are still in the hemisphere. With N samples of
-// density p, it is found N dA cos(view) int p dt times on average; so one find stands for 1 / (N cos(view) int p dt).
-// Our lengths are even in their logarithm between r0 and R, or even between 0 and R, in the shares a and 1 - a:
+// Differs, for `area=measured`: equation 1 is a sum over emitting surface, so the area that each hit (occluded sample)
+// represents must be known. A patch dA at Q occludes all samples behind it along the view ray that are still in the
+// hemisphere. With N samples of density p, N dA cos(view) int p dt samples hit it on average, so one hit represents
+// 1 / (N cos(view) int p dt). A fraction a of our lengths is uniform in the logarithm between r0 and R, the fraction
+// 1 - a is uniform between 0 and R:
 //   2 pi p = a / (ln(R/r0) r^3) + (1 - a) / (R r^2)
-// With b the distance from P to the ray and t the length along it from there, r^2 = b^2 + t^2, tan(phi) = t/b,
+// With b the distance from P to the ray, t the length along the ray from there, r^2 = b^2 + t^2 and tan(phi) = t/b,
 //   int dt / r^3 = sin(phi) / b^2,  int dt / r^2 = phi / b
-// The light of one find, over pi, is then
+// The light of one hit, divided by pi, is then
 //   2/N  L cos(or) cos(oc)/cos(view)  b^2/d^2 / (a [sin(phi)] / ln(R/r0) + (1 - a) [phi] b/R)
-// with [] from Q to the end. Since b^2/d^2 = cos^2(phi at Q), it is bounded however near Q is.
-CONST float kDepthRounding = 2e-6f;  // share of the depth: 16 to 32 steps of a float
-CONST float kMinDepth = 1e-3f;       // a sample behind the eye is moved to this share of the pixel's depth
-CONST float kMinSpan = 0.02f;        // of sin(phi) between Q and where the ray leaves the hemisphere; of 2
-CONST float kMinCosine = 0.1f;       // of the angle at which the camera sees an emitter
-CONST float kMaxFind = 16.0f;        // what one find may stand for, of what it stands for on average: no sparks
-CONST float kMaxLight = 1e18f;       // what a pixel gets stays a number
+// with [] the difference between the ray's end in the hemisphere and Q. Since b^2/d^2 = cos^2(phi at Q), it is bounded
+// however near Q is.
+CONST float kDepthRounding = 2e-6f;  // relative to the depth: 16 to 32 ulp of a float
+// Minimum depth of a sample, relative to the pixel's depth; samples behind the camera move there
+CONST float kMinDepth = 1e-3f;
+// Minimum difference of sin(phi) between Q and the point where the ray leaves the hemisphere; the range is 2
+CONST float kMinSpan = 0.02f;
+CONST float kMinCosine = 0.1f;  // minimum cosine of the angle at which the camera sees an emitter
+CONST float kMaxFind = 16.0f;   // maximum of what one hit represents, relative to the average: avoids fireflies
+CONST float kMaxLight = 1e18f;  // maximum light of a pixel: keeps it finite
 
 #include "effects/hemisphere/hemisphere_basis.kernel.h"
 
-// e^x for x in [-8, 0] by operations that round alike everywhere: the series for x/16, squared four times.
+// Returns e^x for x in [-8, 0], with operations that round identically everywhere: the series for x/16, squared four
+// times.
 FN Real exp_of(Real x) {
   Real y = x * 0.0625f;
   Real sum = mad(y, Real(1.0f / 120.0f), Real(1.0f / 24.0f));
@@ -41,13 +46,13 @@ FN Real exp_of(Real x) {
   return sum * sum;
 }
 
-// Window depth: what a depth buffer of the frustum between near and far holds.
+// Returns the window depth: the depth buffer's value for the frustum between near and far.
 FN Real window_depth(Real depth) {
   Real between = clamp(depth, Real(C.near_depth), Real(C.far_depth));
   return Real(C.window_one) - Real(C.window_inverse) / between;
 }
 
-// By how much depths may differ at a pixel for one to occlude the other.
+// Returns the maximum difference in depth at which an occluder of a pixel counts.
 FN Real range_limit(Real depth) {
   Real limit = Real(C.limit);
   if (C.range == kHemisphereRangeLinear || C.range == kHemisphereRangeQuadratic) {
@@ -58,7 +63,7 @@ FN Real range_limit(Real depth) {
   return clamp(limit, Real(1e-30f), Real(1e30f));
 }
 
-// How much an occluder counts by the difference of its depth to the pixel's.
+// Returns the weight of an occluder by the difference of its depth and the pixel's.
 FN Real range_weight(Real depth, Real tap, Real limit) {
   if (C.range == kHemisphereRangeNone) return Real(1.0f);
   Real difference = abs(depth - tap);
@@ -71,7 +76,8 @@ FN Real range_weight(Real depth, Real tap, Real limit) {
   return select(difference < limit, Real(1.0f), Real(0.0f));
 }
 
-// A position as the camera of the i-th layer sees it, or a direction.
+// turned_to rotates a vector from the first camera's view space to that of the i-th layer's camera, turned_back rotates
+// it back; added_to is the translation of that transform.
 FN Vec3 turned_to(int i, Vec3 v) {
   return Vec3(dot(Vec3(Real(C.move[12 * i]), Real(C.move[12 * i + 1]), Real(C.move[12 * i + 2])), v),
               dot(Vec3(Real(C.move[12 * i + 4]), Real(C.move[12 * i + 5]), Real(C.move[12 * i + 6])), v),
@@ -86,13 +92,13 @@ FN Vec3 turned_back(int i, Vec3 v) {
 
 FN Real own_depth_of(int i, Vec3 position) { return -(turned_to(i, position) + added_to(i)).z; }
 
-// Antiderivative of the samples' density along a ray of sight, times b^2: sin(phi), without what lies within r0.
+// Antiderivative of the samples' density along a view ray, times b^2: sin(phi), without the part within r0.
 FN Real passed(Real sine, Real inner_sine) {
   Real beyond = max(abs(sine) - inner_sine, Real(0.0f));
   return select(sine < 0.0f, -beyond, beyond);
 }
 
-// The angle from 0 to pi of the direction (x, y), y >= 0: exact at every eighth of a turn, within 1 % between.
+// Returns the angle, 0 to pi, of the direction (x, y), y >= 0: exact at multiples of 45 degrees, within 1 % between.
 FN Real angle_of(Real x, Real y) {
   Real m = y / max(abs(x) + y, Real(1e-30f));
   Real bow = m * (1.0f - m);
@@ -100,9 +106,9 @@ FN Real angle_of(Real x, Real y) {
   return select(x < 0.0f, Real(3.1415927f) - angle, angle);
 }
 
-// What one find stands for: the light that arrives by it over pi, for emitted light 1. `way` leads from the pixel to
-// the emitter, whose normal is `facing`; `sight` is the unit direction in which the camera sees it, `widening` how much
-// farther away than the emitter the sample is.
+// Returns what one hit represents: the light that arrives from it, divided by pi, for an emitted light of 1. `way`
+// leads from the pixel to the emitter, `facing` is the emitter's normal, `sight` the unit direction in which the camera
+// sees the emitter, `widening` the ratio of the sample's depth to the emitter's.
 FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real widening) {
   Real squared = max(dot(way, way), Real(1e-30f));
   Real one_over = rsqrt(squared);
@@ -117,7 +123,7 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     Real end2 = max(Real(C.radius * C.radius) - b2, Real(0.0f));
     Real end = end2 * rsqrt(max(end2, Real(1e-30f)));
     if (C.above != 0) {
-      // Where the ray dives below the surface there are no samples any more.
+      // There are no samples where the ray is below the surface.
       Real dive = -dot(sight, normal);
       Real below = t + height / max(dive, Real(1e-6f));
       end = select(dive > 1e-6f, min(end, below), end);
@@ -132,7 +138,7 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     Real found = max(end_sine - near_sine, inner_share * kMinSpan) * Real(C.log_share);
     found = mad(seen_angle * foot, Real(C.even_share_by_radius), found);
     Real cos_view = max(abs(dot(sight, facing)), Real(kMinCosine));
-    // Rays of sight part from each other: farther away there are more samples between them.
+    // View rays diverge: with distance there are more samples between them.
     share = share * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
     share = min(share, Real(C.area_factor * kMaxFind));
     sees = sees && squared <= Real(C.radius * C.radius);
@@ -142,36 +148,36 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
   return select(sees, share, Real(0.0f));
 }
 
-// A position that the camera of the i-th layer sees at the middle of a pixel, in that camera's space. The pixel's
-// coordinates are whole numbers.
+// Returns the position at the centre of pixel (x, y) of the i-th layer, in the space of that layer's camera. x and y
+// are integers.
 FN Vec3 seen_position(int i, Real x, Real y, Real depth) {
   Real spread = C.orthographic[i] != 0 ? Real(1.0f) : depth;
   return Vec3(mad(x + 0.5f, Real(C.ray_scale_x[i]), Real(C.ray_offset_x[i])) * spread,
               mad(y + 0.5f, Real(C.ray_scale_y[i]), Real(C.ray_offset_y[i])) * spread, -depth);
 }
 
-// a s + b.
+// Returns a s + b.
 FN Vec3 scaled_on(Vec3 a, Real s, Vec3 b) { return Vec3(mad(a.x, s, b.x), mad(a.y, s, b.y), mad(a.z, s, b.z)); }
 
-// Sample points are looked up first, many in a row; what lies before any of them, in the pixels that run together, is
-// kept for a closer look.
-LIST_REAL(tap_x, kListLength)  // the pixel's coordinates, whole numbers
+// All sample points of a batch are looked up first. A tap that is in front of its sample point in any lane (one of the
+// pixels that run together) is kept in these lists and evaluated afterwards.
+LIST_REAL(tap_x, kListLength)  // pixel coordinates, integers
 LIST_REAL(tap_y, kListLength)
 LIST_REAL(tap_depth, kListLength)     // 0 where there is none
-LIST_REAL(sample_depth, kListLength)  // of the sample point, by the camera that sees the tap
+LIST_REAL(sample_depth, kListLength)  // depth of the sample point for the camera that sees the tap
 
-// What may send light to a pixel is noted down and looked at later still, wherever it was found: few of the pixels that
-// run together find something at the same sample point.
+// Possible emitters are recorded and evaluated later still, regardless of the sample that found them: at one sample
+// point few lanes find an emitter.
 CONST int kMaxFound = 2 * kListLength * kLanes;
 LIST_UINT(found_pixel, 2 * kListLength)   // column + 65536 x row
-LIST_UINT(found_by, 2 * kListLength)      // which of the pixels that run together + 256 x index in C.layer
-LIST_REAL(found_depth, 2 * kListLength)   // by the layer's own camera
-LIST_REAL(hidden_depth, 2 * kListLength)  // of the sample point that it hides
+LIST_UINT(found_by, 2 * kListLength)      // lane + 256 x index in C.layer
+LIST_REAL(found_depth, 2 * kListLength)   // for the layer's own camera
+LIST_REAL(hidden_depth, 2 * kListLength)  // of the sample point that it occludes
 
-SUMS(arrived)  // light at each of the pixels that run together
+SUMS(arrived)  // light of each lane's pixel
 
-// Adds what arrives from the first `found` that were noted, of the layers `first` to before C.view_end[first], which
-// one camera sees.
+// Adds the light of the first `found` recorded hits whose entries in C.layer are `first` to C.view_end[first] - 1, the
+// layers of one camera.
 FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int own_place) {
   int end = C.view_end[first];
   bool other = C.other[first] != 0;
@@ -208,7 +214,7 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
         Vec3 its_normal = normal_of(C.layer[i], place);
         if (other) its_normal = turned_back(i, its_normal);
         if (C.back[i] >= 0) {
-          // The other side's normal is the opposite one.
+          // The back has the opposite normal.
           Bool turned = dot(way, its_normal) >= 0.0f;
           its_normal = select(turned, -its_normal, its_normal);
           away = away || (here && turned);
@@ -216,7 +222,7 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
         facing = select(here, its_normal, facing);
       }
     }
-    // What faces away is not looked up: such pixels read themselves, which are at hand.
+    // Emitters that face away are not looked up: their lanes read their own pixel, which is in the cache.
     sends = sends && dot(way, facing) < 0.0f;
     place = select(sends, place, own_place);
     Vec3 sight = Vec3(Real(0.0f), Real(0.0f), Real(-1.0f));
@@ -244,17 +250,17 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
   }
 }
 
-// What lies before a sample point, at the middle of the pixel (x, y) of the i-th layer.
+// The surface in front of a sample point, at the centre of pixel (x, y) of the i-th layer.
 struct Hiding {
-  Bool before;  // it counts at all
+  Bool before;  // it counts as an occluder or an emitter
   Bool hides;
   Real weight;
 };
 
-// Of the pixel that looks.
+// The receiving pixel.
 struct Looking {
   Vec3 position, normal;
-  Real depth, limit;  // of its range, by the first camera
+  Real depth, limit;  // view depth and range limit for the first camera
   Real rounding, least_height, least_nearer;
 };
 
@@ -276,14 +282,14 @@ FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_de
   if (C.other[i] != 0) hides = hides && hideable && dot(way, way) <= Real(C.radius * C.radius);
   if (C.rises != 0) hides = hides && dot(way, from.normal) > from.least_height;
   if (kGathersLight) {
-    // Whether it faces the pixel, and what it sends, is looked up later.
+    // Whether it faces the pixel and what it emits is looked up later.
     before = before && dot(way, from.normal) > from.rounding;
     if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
   }
   return Hiding(before, hides, weight);
 }
 
-// Notes down what may send light; returns how much is noted.
+// Records a possible emitter in the lanes `where`. Returns the new number of records.
 FN int noted(int found, Bool where, int i, Real x, Real y, Real tap, Real point_depth) {
   append_found_pixel(found, where, (to_uint(to_int(y)) << 16) | to_uint(to_int(x)));
   append_found_by(found, where, to_uint(this_lane() + Int(i * 256)));
@@ -322,8 +328,8 @@ FN void gather(Int px, Int py) {
   if (kGathersLight) clear_arrived();
   Real last_column = Real(float(F.width - 1));
   Real last_line = Real(float(F.height - 1));
-  // Compared with a number it is one of a GPU's options (devices/vulkan/options.h): the loop over one layer is then
-  // none.
+  // The comparison with a number makes it one of a GPU's options (devices/vulkan/options.h): with one layer the loop
+  // disappears.
   int layers = C.layer_count == 1 ? 1 : C.layer_count;
   int at_once = kListLength / layers;
   for (int first = 0; first < C.samples; first += at_once) {
@@ -338,7 +344,7 @@ FN void gather(Int px, Int py) {
       if (C.even != 0) {
         length = Real(C.points[5 * k + 3]);
         if (k % 2 == 0) {
-          length = length * shorter;  // what would be shorter than r0 goes on at R
+          length = length * shorter;  // lengths below r0 wrap around to R
           length = select(length < Real(C.inner), length * Real(C.one_over_inner), length);
         } else {
           length = fract(length + noise.z);
@@ -346,10 +352,10 @@ FN void gather(Int px, Int py) {
       }
       Vec3 point = scaled_on(v, length, position);
       Bool known = surface && !surface;
-      // The first camera sees the sample point itself: it is in the open, whatever another camera has before it.
+      // The first camera sees the sample point itself: it is unoccluded, whatever another camera has in front of it.
       Bool open = known;
-      Bool found = known;  // the sample point is hidden already
-      // As the layer's camera sees it; the same for layers of one camera.
+      Bool found = known;  // the sample point is already occluded
+      // Coordinates for the layer's camera; equal for all layers of one camera.
       Real point_depth = depth;
       Bool inside = surface;
       Real x = depth;
@@ -378,7 +384,7 @@ FN void gather(Int px, Int py) {
         Bool before = tap > 0.0f && point_depth - tap > least_nearer;
         if (i == 0) open = inside && !before;
         if (kLanes == 1) {
-          // Nobody to wait for: it is looked at at once.
+          // With a single lane the tap is evaluated at once.
           Hiding by = hiding_of(from, i, x, y, tap, point_depth, !open);
           Bool hides = by.hides && !found;
           hidden = hidden + select(hides, by.weight * Real(C.points[5 * k + 4]), Real(0.0f));
@@ -388,11 +394,11 @@ FN void gather(Int px, Int py) {
           keep_tap_x(kept, x);
           keep_tap_y(kept, y);
           keep_tap_depth(kept, tap);
-          // Below 0 where what is found sends light, but does not hide.
+          // Negative: the tap may emit light but does not occlude.
           keep_sample_depth(kept, select(open, -point_depth, point_depth));
           kept_sample[kept] = k;
           kept_layer[kept] = i;
-          // No branch: whether any lies before it is hard to foresee.
+          // Branch-free: whether any lane has a surface in front of its sample is hard to predict.
           kept += some(before) ? 1 : 0;
         }
       }

@@ -1,5 +1,5 @@
-// For texts that gather light: what each pixel of each layer sends on, as pass `sent` wrote it, and where what is
-// gathered goes.
+// For kernels that gather light: reads what each pixel of each layer emits, as dispatch `sent` wrote it, and writes the
+// gathered light.
 #include "effects/hemisphere/hemisphere_packed.kernel.h"
 
 IN_LAYERS_REAL(hemisphere_facing)

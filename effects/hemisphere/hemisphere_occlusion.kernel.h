@@ -1,4 +1,4 @@
-// Occlusion alone: no light is read, and none is written.
+// Occlusion only: reads and writes no light.
 IN_LAYERS_REAL(depth)
 IN_VECTOR(normal)
 OUT_REAL(ao)

@@ -11,15 +11,16 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTaper = 12.0f;     // pixels of a free end that become narrower; grows
-constexpr float kEven = 6.0f;       // points to either side whose mean width counts; grows
-constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels, from which on they are crowded
-constexpr float kBeside = 4.5f;     // pixels beside a surer line, within which one fades; grows
-constexpr float kParallel = 0.85f;  // cosine from which on two ways are about the same
-constexpr float kMinShare = 0.05f;  // of its width, of a line that is seen
-constexpr float kShare = 0.6f;      // of the distance to the line beside it, that a line may cover
+constexpr float kTaper = 12.0f;     // length in pixels over which a free end becomes narrower; scales with the picture
+constexpr float kEven = 6.0f;       // points to either side over which widths are averaged; scales with the picture
+constexpr float kMaxCrowd = 75.0f;  // points within 16 x 16 pixels above which lines are crowded
+// Distance in pixels to a more reliable line, within which a line fades; scales with the picture
+constexpr float kBeside = 4.5f;
+constexpr float kParallel = 0.85f;  // cosine from which on two directions count as parallel
+constexpr float kMinShare = 0.05f;  // min fraction of the full width at which a line is visible
+constexpr float kShare = 0.6f;      // max fraction of the distance to the next line that a line may cover
 
-/// The share of its width that a line has at a point.
+/// Returns the relative width of a line at a point, 0 to 1.
 float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographic) {
   float weight = p.kind == kOutlineDepth ? 1.0f - c.inner * c.inner_px / (p.drop + c.inner_px) : 1.0f;
   if (c.inner > 0.0f) weight *= std::min(p.strength, 1.0f);
@@ -27,7 +28,7 @@ float weight_of(const ChainPoint& p, const OutlineConstants& c, bool orthographi
   return weight;
 }
 
-/// Makes a chain's width even along it, and tapers its free ends.
+/// Averages a chain's widths along it, and tapers its free ends.
 void even_out(const Chain& chain, const OutlineConstants& c, std::span<const std::uint8_t, 2> is_free,
               std::vector<float>& width) {
   const int count = int(width.size()), around = int(std::lround(std::max(kEven * c.scale, c.width_px)));
@@ -50,8 +51,8 @@ void even_out(const Chain& chain, const OutlineConstants& c, std::span<const std
   }
 }
 
-/// How sure a chain is, in the mean: ids more than depth discontinuities, these more than creases; of equals the longer
-/// one.
+/// Returns the mean confidence of a chain: ids are more reliable than depth discontinuities, these more than creases;
+/// of equals the longer chain is more reliable.
 float sureness(const Chain& chain) {
   float sum = 0.0f;
   for (const ChainPoint& p : chain.points)
@@ -60,18 +61,18 @@ float sureness(const Chain& chain) {
   return sum / count + 1e-3f * std::min(count, 500.0f);
 }
 
-/// Makes lines narrower where they have little room. Of two side by side each covers no more than a share of the
-/// distance between them, though at least half of its own width: what lies between keeps some of its colour. The less
-/// sure one fades the nearer it is, since it may be the other's double. Where lines are crowded all become thinner: a
-/// tone.
+/// Makes lines narrower where they have little room. Of two lines side by side each covers at most the fraction kShare
+/// of the distance between them, though at least half of its own width: some colour remains between them. The less
+/// reliable one fades the nearer it is, since it may be a duplicate of the other. Where lines are crowded all become
+/// thinner, to give a tone.
 void give_way(const Tracing& t, float scale, std::vector<std::vector<float>>& widths) {
   const PointGrid grid(t.chains, t.graph.width(), t.graph.height());
-  const float beside = kBeside * std::max(scale, 1.0f);  // no less than the pixels' grid has room for
+  const float beside = kBeside * std::max(scale, 1.0f);  // at least the room that the pixel grid needs
   std::vector<float> sure(t.chains.size());
   tbb::parallel_for(std::size_t(0), sure.size(), [&](std::size_t c) { sure[c] = sureness(t.chains[c]); });
   tbb::parallel_for(std::size_t(0), t.chains.size(), [&](std::size_t c) {
     const Chain& chain = t.chains[c];
-    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next one has about as much room
+    for (std::size_t k = 0; k < chain.points.size(); k += 2) {  // the next point has about as much room
       const ChainPoint& p = chain.points[k];
       const float width = widths[c][k], reach = std::max(width / kShare, beside);
       const auto way = way_at(chain, int(k));
@@ -80,7 +81,7 @@ void give_way(const Tracing& t, float scale, std::vector<std::vector<float>>& wi
         if (e.chain == int(c) && float(std::abs(e.point - int(k))) < 2.0f * reach) return;
         if (std::abs(way[0] * e.dx + way[1] * e.dy) < kParallel) return;
         const float across = std::abs((e.x - p.x) * way[1] - (e.y - p.y) * way[0]);
-        if (across * across < 0.5f * d2) return;  // before or behind it on its way
+        if (across * across < 0.5f * d2) return;  // ahead of it or behind it on the same line
         nearest = std::min(nearest, across);
         if (sure[e.chain] > sure[c]) nearest_surer = std::min(nearest_surer, across);
       });
@@ -92,7 +93,7 @@ void give_way(const Tracing& t, float scale, std::vector<std::vector<float>>& wi
   });
 }
 
-/// The kind of most of a chain's points.
+/// Returns the most frequent kind of a chain's points.
 LineKind kind_of(const Chain& chain) {
   std::array<int, 4> count{};
   for (const ChainPoint& p : chain.points) ++count[p.kind];

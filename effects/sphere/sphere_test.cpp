@@ -1,4 +1,4 @@
-// `sphere` against the paper's listing, ported literally in double, and against pictures with a known answer.
+// Compares `sphere` with a literal port of the paper's listing in double, and with pictures of known occlusion.
 #include "effects/sphere/sphere.h"
 
 #include <gtest/gtest.h>
@@ -19,10 +19,10 @@ using test::Settings;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Each sample counts by itself: 1 - ao is the share of samples that occlude.
+// Each sample counts by itself: 1 - ao is the fraction of samples that occlude.
 const Settings kPlainShare = {{"reflect", "none"}, {"threshold", "0"}, {"map", "linear"}};
 
-// What is right, as `variants` has it.
+// The corrected settings, as in `variants`.
 const Settings kOurs = {{"shape", "hemisphere"}, {"sample_z", "on"}, {"depth", "linear"}, {"range", "smooth"},
                         {"range_factor", "1"},   {"map", "linear"},  {"threshold", "0"},  {"border", "skip"}};
 
@@ -41,7 +41,7 @@ std::vector<glm::dvec3> points(const GBuffer& g, const Settings& settings) {
   return all;
 }
 
-/// A picture whose surface is given at each pixel's place, u to the right and v upwards, -1 to 1.
+/// A picture with a surface given per position, u to the right and v upwards, -1 to 1.
 struct Surface {
   double depth;
   glm::dvec3 normal;
@@ -58,7 +58,7 @@ GBuffer picture(int width, int height, const std::function<Surface(double u, dou
   return g;
 }
 
-/// Waves with a raised block and a hole, and normals that roughly belong to them.
+/// Waves with a raised block and a hole, and roughly matching normals.
 GBuffer waves(int width, int height) {
   return picture(width, height, [](double u, double v) -> Surface {
     if (u > 0.1 && u < 0.4 && v > 0.0 && v < 0.5) return {4.0 + 0.1 * u, {0, 0, 1}};
@@ -68,7 +68,7 @@ GBuffer waves(int width, int height) {
   });
 }
 
-/// A plane through (0, 0, -5), tilted from facing the camera; behind its horizon is nothing.
+/// A plane through (0, 0, -5), tilted from facing the camera; background behind its horizon.
 GBuffer plane(int width, int height, double tilt_deg, double azimuth_deg, bool orthographic) {
   const double tilt = tilt_deg * 3.14159265358979 / 180.0, azimuth = azimuth_deg * 3.14159265358979 / 180.0;
   const glm::dvec3 n(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth), std::cos(tilt));
@@ -93,7 +93,7 @@ unsigned bits(unsigned v) {
   return v ^ (v >> 16);
 }
 
-/// The tile of random vectors, unit length.
+/// Returns the tile of random vectors, unit length.
 glm::dvec3 random_vector(int x, int y) {
   const unsigned seed = bits(unsigned(x) ^ bits(unsigned(y) + 0x9e3779b9u));
   const auto real = [](unsigned v) { return double(v >> 8) * 0x1p-23 - 1.0; };
@@ -121,7 +121,7 @@ struct Listing {
     return glm::normalize(glm::dvec3(image.plane("normal.x").at(x, y), image.plane("normal.y").at(x, y),
                                      image.plane("normal.z").at(x, y)));
   }
-  /// main() at a pixel of a square picture.
+  /// Returns main() at a pixel of a square picture.
   double color(int x, int y) const {
     const double s = (x + 0.5) / g.info.width, t = 1.0 - (y + 0.5) / g.info.height;
     const double radius = 16.0 / 512;
@@ -152,7 +152,7 @@ void expect_listing(const Settings& settings, bool random, bool limited) {
         dark += expected < 1.0;
         ++compared;
       }
-    // Samples on a pixel's border, or at the pixel's own depth, fall to either side.
+    // Samples on a pixel's border, or at the pixel's own depth, may round either way.
     EXPECT_LE(off, compared / 500);
     EXPECT_GT(dark, 300);
   });
@@ -194,7 +194,8 @@ TEST(Sphere, PointsOfTheSphereComeInOppositePairs) {
 // ---- planes
 // ------------------------------------------------------------------------------------------
 
-/// Share of the surface's pixels that are not `expected`, away from the picture's border, where samples are clamped.
+/// Returns the fraction of the surface's pixels that are not `expected`, except within `margin` of the picture's
+/// border, where samples are clamped.
 double share_off(const GBuffer& g, const Plane& ao, int margin, double expected) {
   const Plane& depth = g.layers[0].plane("depth");
   long off = 0, compared = 0;
@@ -209,8 +210,8 @@ double share_off(const GBuffer& g, const Plane& ao, int margin, double expected)
 }
 
 TEST(Sphere, HalfOfTheSphereLiesBehindAPlaneAndTheThresholdPassesOverIt) {
-  // Of two opposite samples one is nearer: 4 of 8. Window depth, and the order of depths, are those of a plane however
-  // it tilts. Where neither is nearer, along a line of equal depth, a pair counts for less.
+  // Of two opposite samples one is nearer: 4 of 8. This is true for window depth and any tilt of the plane. Where
+  // neither is nearer, along a line of equal depth, a pair counts for less.
   for (const bool orthographic : {false, true})
     for (const double tilt : {20.0, 45.0, 65.0}) {
       const GBuffer g = plane(160, 120, tilt, 33.0, orthographic);
@@ -268,10 +269,10 @@ TEST(Sphere, HemisphereLeavesPlanesOpenAtEveryTilt) {
       }
 }
 
-// ---- each switch, on a step of one unit seen without perspective
+// ---- each parameter, on a step of one unit in an orthographic view
 // ------------------------------------------------------------------------------------------
 
-constexpr int kStepWidth = 64, kStepHeight = 48, kStep = 32;  // columns from kStep on lie behind
+constexpr int kStepWidth = 64, kStepHeight = 48, kStep = 32;  // columns from kStep on are behind
 constexpr double kNearSide = 4.0, kFarSide = 5.0;
 constexpr double kRadiusPx = 8.0, kRadius = 0.8;  // a pixel is 0.1 units
 
@@ -284,12 +285,13 @@ GBuffer step(int first_far_column = kStep) {
   return g;
 }
 
-/// The share of sample points for which something holds.
+/// Returns the fraction of sample points that satisfy a condition.
 double share(const std::vector<glm::dvec3>& all, const std::function<bool(glm::dvec3)>& holds) {
   return double(std::count_if(all.begin(), all.end(), holds)) / double(all.size());
 }
 
-/// Checks row 20 of the step, columns away from the picture's border, against 1 - expected(x, share).
+/// Compares row 20 of the step, in columns away from the picture's border, with 1 - expected(x, fraction of nearer
+/// samples).
 void expect_step(const Settings& more, const std::function<double(int x, double nearer)>& expected) {
   const GBuffer g = step();
   const Settings settings =
@@ -321,7 +323,7 @@ TEST(Sphere, RangeLimitInLinearDepth) {
   const auto with = [](const char* range, const char* factor) {
     return Settings{{"depth", "linear"}, {"range", range}, {"range_factor", factor}};
   };
-  // The occluder is 1 unit nearer, the radius 0.8.
+  // The occluder is 1 nearer, the radius is 0.8.
   expect_step(with("hard", "1.2"), [](int, double) { return 0.0; });
   expect_step(with("hard", "1.3"), [](int, double nearer) { return nearer; });
   expect_step(with("smooth", "1.3"), [](int, double nearer) { return nearer; });
@@ -337,7 +339,7 @@ TEST(Sphere, RangeLimitAndPlanesInWindowDepth) {
   // Window depth Z = 10/8 (1 - 2/z) differs by 0.125, and so does the radius, 8 of 64 pixels.
   expect_step(with("0.98"), [](int, double) { return 0.0; });
   expect_step(with("1.02"), [](int, double nearer) { return nearer; });
-  // Before the near plane and behind the far plane all depths are one.
+  // In front of the near plane and behind the far plane all depths are equal.
   expect_step({{"near", "6"}, {"far", "10"}}, [](int, double) { return 0.0; });
   expect_step({{"near", "1"}, {"far", "3.5"}}, [](int, double) { return 0.0; });
   expect_step({{"near", "20"}, {"far", "10"}}, [](int, double) { return 0.0; });
@@ -420,7 +422,7 @@ TEST(Sphere, ReachIsARadiusInTheScene) {
     return test::difference(px, ao(g, joined(kPlainShare, {{"radius", "3"}, {"reach", reach}})), 0.0).share_over;
   };
   EXPECT_LT(same("0.8"), 1e-3);
-  EXPECT_LT(same("16%"), 1e-3);  // of the scene's radius, 5
+  EXPECT_LT(same("16%"), 1e-3);  // 16% of the scene's radius, 5
   EXPECT_GT(same("0.4"), 0.05);
 
   const Effect& effect = *find_effect("sphere");
@@ -441,7 +443,7 @@ TEST(Sphere, SharesOfTheWidthLeaveOutTheGuardBand) {
 // ---- our settings, in double, with perspective
 // ------------------------------------------------------------------------------------------
 
-/// The sample's place in the picture by projecting it, its depth and the tap's height over the surface literally.
+/// Returns `ao` with the sample's position found by projection, and its depth and the tap's height computed literally.
 double ours_in_double(const GBuffer& g, const std::vector<glm::dvec3>& all, int x, int y, double radius) {
   const Image& image = g.layers[0];
   const Camera& camera = g.info.camera;
@@ -489,7 +491,7 @@ TEST(Sphere, OurSettingsMatchProjectionInDouble) {
         ++compared;
       }
     EXPECT_LE(off, compared / 200);
-    EXPECT_LT(sum / compared, 0.9);  // there is something to see
+    EXPECT_LT(sum / compared, 0.9);  // occlusion is visible
   });
 }
 
@@ -510,7 +512,7 @@ TEST(Sphere, ResolutionDoesNotMatter) {
     EXPECT_NEAR(sum / 192.0, 0.0, 0.01);
     EXPECT_LT(difference / 192.0, 0.02);
     EXPECT_LT(test::difference(small, Plane(128, 96, 1.0f), 0.0).mean, 0.9);
-    EXPECT_GT(test::difference(small, Plane(128, 96, 1.0f), 0.0).mean, 0.02);  // there is something to see
+    EXPECT_GT(test::difference(small, Plane(128, 96, 1.0f), 0.0).mean, 0.02);  // occlusion is visible
   }
 }
 

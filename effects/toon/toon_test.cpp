@@ -1,4 +1,5 @@
-// `toon` against listing 2 of [Lajzer and Nottingham] in double, and against spheres and faces whose bands are known.
+// Compares `toon` with listing 2 of [Lajzer and Nottingham] in double, and tests spheres and faces with known tone
+// steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +29,7 @@ void set_normal(GBuffer& g, int x, int y, glm::dvec3 normal) {
   for (int c = 0; c < 3; ++c) g.layers[0].plane(kNormal[c]).at(x, y) = float(normal[c]);
 }
 
-/// A white face, every pixel the same, in an orthographic view.
+/// A white face, equal in every pixel, in an orthographic view.
 GBuffer face(int width, int height, glm::vec3 normal, float depth = 5.0f) {
   GBuffer g = test::empty_gbuffer(width, height);
   g.info.camera = orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, 3.0f, float(width) / float(height));
@@ -45,7 +46,7 @@ constexpr int kSphereSize = 256;
 constexpr double kSphereRadius = 110.0;  // pixels
 const glm::dvec3 kSphereLight = glm::normalize(glm::dvec3(0.5, 0.4, 0.6));
 
-/// Normal of the sphere at a place in the picture, in pixels; zero outside.
+/// Returns the normal of the sphere at a position in the picture, in pixels; zero outside.
 glm::dvec3 sphere_normal(double x, double y) {
   const double u = (x - 0.5 * kSphereSize) / kSphereRadius, v = (0.5 * kSphereSize - y) / kSphereRadius;
   const double squared = u * u + v * v;
@@ -94,15 +95,15 @@ GBuffer bumps(bool perspective, unsigned seed) {
   return g;
 }
 
-// ---- rung 1: listing 2
+// ---- listing 2
 // -----------------------------------------------------------------------------------------------
 
 struct Listing {
-  double intensity;  // before it is cut
+  double intensity;  // before quantization
   double cut;        // floor(4 i) / 4
 };
 
-/// Listing 2, its words in double.
+/// Listing 2, ported literally in double.
 Listing listing_2(glm::dvec3 n, glm::dvec3 l, double ao, double specular_exp) {
   const glm::dvec3 nn = glm::normalize(n), nl = glm::normalize(l);
   const glm::dvec3 nh = glm::normalize(nl + glm::dvec3(0.0, 0.0, 1.0));
@@ -119,7 +120,7 @@ TEST(Toon, PaperModeIsListing2) {
   for (const Light& light : lights)
     for (const bool perspective : {true, false}) {
       GBuffer g = bumps(perspective, ++seed);
-      g.info.lights = {light, {.direction = {0, 0, 1}}};  // the paper has one light: the second does not shine
+      g.info.lights = {light, {.direction = {0, 0, 1}}};  // the paper has one light: the second is ignored
       Image& image = g.layers[0];
       image.plane("specular") = Plane(131, 97, 0.3f);
       for (int y = 0; y < 97; ++y)
@@ -182,7 +183,7 @@ TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
   });
 }
 
-// ---- rung 2: bands
+// ---- tone steps
 // ---------------------------------------------------------------------------------------------------
 
 TEST(Toon, SphereHasAsManyBandsAsAsked) {
@@ -191,7 +192,7 @@ TEST(Toon, SphereHasAsManyBandsAsAsked) {
     for (const int bands : {2, 3, 4, 8}) {
       const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", bands)}});
       test::on_every_target("toon", g, settings, [&](const Image& out) {
-        // Values are compared at a resolution that tells edges' values from bands'.
+        // Values are compared at a resolution that distinguishes values at edges from those of tone steps.
         std::map<long, long> histogram;
         long pixels = 0;
         for (int y = 0; y < kSphereSize; ++y)
@@ -215,7 +216,7 @@ TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
       for (int y = 0; y < kSphereSize; ++y)
         for (int x = 0; x < kSphereSize; ++x) {
           const double r = std::hypot(x + 0.5 - 0.5 * kSphereSize, y + 0.5 - 0.5 * kSphereSize);
-          if (r > 0.95 * kSphereRadius) continue;  // the limb: a band is narrower than a pixel
+          if (r > 0.95 * kSphereRadius) continue;  // the limb: a tone step is narrower than a pixel
           const auto scaled = [&](double px, double py) {
             return bands * std::max(0.0, glm::dot(sphere_normal(px, py), kSphereLight));
           };
@@ -223,9 +224,9 @@ TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
           const double edge = std::min(std::max(std::round(t), 1.0), bands - 1.0);
           const double slope =
               std::hypot(scaled(x + 1.0, y + 0.5) - scaled(x, y + 0.5), scaled(x + 0.5, y + 1.0) - scaled(x + 0.5, y));
-          const double away = slope > 0.0 ? (t - edge) / slope : 1e9;  // pixels from the edge
+          const double away = slope > 0.0 ? (t - edge) / slope : 1e9;  // distance from the edge, pixels
           const double band = out.plane("lit.g").at(x, y) * (bands - 1.0);
-          const double share = band - (edge - 1.0);  // of the pixel that lies beyond the edge
+          const double share = band - (edge - 1.0);  // fraction of the pixel beyond the edge
           if (std::fabs(away) > 1.0) {
             worst_whole = std::max(worst_whole, std::fabs(band - std::min(std::floor(t), bands - 1.0)));
           } else if (share > 1e-4 && share < 1.0 - 1e-4) {
@@ -234,7 +235,7 @@ TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
             ++between;
           }
         }
-      EXPECT_LE(worst_whole, 1e-5) << bands;  // beyond a pixel there is one band alone
+      EXPECT_LE(worst_whole, 1e-5) << bands;  // more than a pixel from an edge there is one tone step only
       EXPECT_GT(between, 150 * (bands - 1));
       EXPECT_LE(std::fabs(sum) / double(between), 0.1);
       EXPECT_GT(farthest, 0.3);
@@ -242,7 +243,7 @@ TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
   }
 }
 
-/// A face of so many pixels' height with a spot of another band on it.
+/// A spot of another tone step on a face.
 struct Spot {
   int x, y, width, height;
   float ao;
@@ -260,7 +261,7 @@ GBuffer face_with(int height, const std::vector<Spot>& spots) {
   return g;
 }
 
-/// How many pixels of a spot differ from the face.
+/// Returns the number of a spot's pixels that differ from the face.
 long left_of(const Spot& s, const Plane& lit) {
   long left = 0;
   for (int y = s.y; y < s.y + s.height; ++y)
@@ -269,7 +270,7 @@ long left_of(const Spot& s, const Plane& lit) {
 }
 
 TEST(Toon, SpecksOfABandAreOfTheBandAround) {
-  // Five pixels at 2160 of the picture's height, two at 1024, none at 200; darker and lighter ones.
+  // Max speck sizes: five pixels at a picture height of 2160, two at 1024, none at 200. Specks are darker and lighter.
   for (const auto& [height, most] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
     for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 2}, {2, 2}, {3, 2}, {5, 5}, {5, 6}, {6, 1}, {6, 6}, {1, 30}})
       for (const float ao : {0.1f, 0.4f, 0.9f}) {
@@ -282,7 +283,7 @@ TEST(Toon, SpecksOfABandAreOfTheBandAround) {
       }
 }
 
-// Wherever edges of bands, the border or other spots are, a spot is there or not as a whole.
+// Next to edges of tone steps, the border or other spots, a spot disappears as a whole or not at all.
 TEST(Toon, SpecksGoAsAWhole) {
   for (const int size : {2, 5})
     for (const int away : {0, 1, 2, 4, 6}) {
@@ -308,8 +309,8 @@ TEST(Toon, SpecksOfAnotherSurfaceStay) {
                         [&](const Image& out) { EXPECT_EQ(left_of(spot, out.plane("lit.g")), 9); });
 }
 
-// A bump that crosses the edge of a band in a few pixels leaves nothing, the antialiased ones around included; soft
-// edges are no specks.
+// A bump that crosses the edge of a tone step in a few pixels is removed, including the antialiased pixels around it.
+// Soft edges are not specks.
 TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
   GBuffer g = face_with(2160, {});
   Plane& ao = g.layers[0].plane("ao");
@@ -328,7 +329,7 @@ TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
   });
 }
 
-/// A plane seen at a grazing angle whose normals say nothing of its light: that is everywhere the same, times `ao`.
+/// A plane at a grazing angle in ambient light only: the intensity depends on `ao`, not on normals.
 GBuffer lit_from_all_around(const test::TiltedPlane& plane) {
   GBuffer g = test::seen(plane);
   g.info.lights.clear();
@@ -336,10 +337,10 @@ GBuffer lit_from_all_around(const test::TiltedPlane& plane) {
   return g;
 }
 
-// Four bands of light that is as much as `ao`, from black to white.
+// Four tone steps of light proportional to `ao`, from black to white.
 const Settings kBandsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
                              {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
-/// The occlusion with which light lies so many bands above black.
+/// Returns the `ao` at which light is `band` tone steps above black.
 float ao_of_band(double band) { return float(0.5 * band); }
 
 TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
@@ -347,7 +348,7 @@ TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
   const test::TiltedPlane few_rows{.width = 32, .height = 8, .error_deg = 2.0, .roll_rad = 0.0, .depth_ratio = 0.6};
   test::at_grazing_angles(few_rows, [](const test::TiltedPlane& plane) {
     GBuffer g = lit_from_all_around(plane);
-    // A tenth of a band per row; the edge lies a fifth of the fourth row above its middle.
+    // A tenth of a step per row; the edge is a fifth of a row above the centre of the fourth row.
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_band(1.02 + 0.1 * (y - 3));
     test::on_every_target("toon", g, kBandsOfAo, [&](const Image& out) {
@@ -357,8 +358,8 @@ TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
 }
 
 TEST(Toon, BandsOfGrazingPlanesEndAtSteps) {
-  // Up to the step light rises by a fiftieth of a band per column, and then at once: the edge that lies in the last
-  // column before it is as narrow as those before.
+  // Up to the depth step, light rises by 1/50 of a tone step per column, and then suddenly: the edge in the last column
+  // before it is as narrow as the others.
   const test::TiltedPlane step{.width = 256, .height = 256, .step_px = 20.0};
   test::at_grazing_angles(step, [](const test::TiltedPlane& plane) {
     GBuffer g = lit_from_all_around(plane);
@@ -377,7 +378,7 @@ TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesButAtSteps) {
         .width = 32, .height = 32, .step_px = whole ? 0.0 : 20.0, .error_deg = whole ? 2.0 : 0.0, .roll_rad = 0.0};
     test::at_grazing_angles(base, [&](const test::TiltedPlane& plane) {
       GBuffer g = lit_from_all_around(plane);
-      // The light comes from where the plane faces.
+      // The light comes from the direction that the plane faces.
       const double angle = plane.angle_deg * std::numbers::pi / 180.0;
       g.info.lights = {{.direction = glm::vec3(0.0, std::sin(angle), std::cos(angle)), .color = glm::vec3(0.7f)}};
       Plane& shadow = g.layers[0].add("shadow") = Plane(32, 32, 0.0f);
@@ -395,7 +396,7 @@ TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesButAtSteps) {
 }
 
 TEST(Toon, SoftnessWidensEdges) {
-  // Intensity rises by 1/8 of a band per pixel; with edges as wide as bands the ramp is straight.
+  // Intensity rises by 1/8 of a tone step per pixel; with edges as wide as steps the ramp is straight.
   constexpr int kWidth = 40;
   GBuffer g = face(kWidth, 3, {0, 0, 1});
   for (int x = 0; x < kWidth; ++x)
@@ -417,7 +418,7 @@ TEST(Toon, SoftnessWidensEdges) {
 }
 
 TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
-  // Columns of two surfaces: one in front of the other; two faces that meet; a wire a pixel wide before a wall.
+  // Columns of two surfaces: one in front of the other; two faces that meet; a wire a pixel wide in front of a wall.
   constexpr int kWidth = 24;
   const glm::vec3 lit(0, 0, 1), dim = glm::normalize(glm::vec3(1.0f, 0.0f, 0.4f));
   for (const int kind : {0, 1, 2}) {
@@ -431,7 +432,7 @@ TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
         g.layers[0].plane("shadow").at(x, y) = kind == 2 ? 1.0f : 0.0f;
         for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]).at(x, y) = 0.5f;
       }
-    // White in the brightest band; grey in the shadow's, or, the wire, at 2.07 of four bands.
+    // White in the brightest step; grey in the shadow's or, for the wire, at 2.07 of four steps.
     const double other = kind == 2 ? 0.5 * 2.0 / 3.0 : 0.0;
     test::on_every_target("toon", g, {{"shadow_r", "0"}}, [&](const Image& out) {
       for (int x = 0; x < kWidth; ++x) {
@@ -443,7 +444,7 @@ TEST(Toon, NothingSmearsOverSilhouettesAndCreases) {
 }
 
 TEST(Toon, FacesAreNotSpeckled) {
-  // Normals as interpolation leaves them: their last bits vary.
+  // Interpolated normals: their last bits vary.
   const auto spread = [](glm::dvec3 normal, const Settings& settings) {
     GBuffer g = face(64, 64, {0, 0, 1});
     for (int y = 0; y < 64; ++y)
@@ -466,7 +467,7 @@ TEST(Toon, FacesAreNotSpeckled) {
     EXPECT_EQ(spread({0, 0, 1}, {{"bands", bands}}), 0.0) << bands;   // turned to the light
     EXPECT_EQ(spread({0, 0, -1}, {{"bands", bands}}), 0.0) << bands;  // turned away
   }
-  // Light that falls on an edge exactly: one colour, between both bands'.
+  // Light exactly at an edge: one colour, between those of both steps.
   const Settings on_edge = joined(kNoAmbient, {{"bands", "2"}, {"shadow_r", "0"}});
   EXPECT_LE(spread({std::sqrt(0.75), 0, 0.5}, on_edge), 0.03);
 }
@@ -494,7 +495,7 @@ TEST(Toon, ShadowFallsIntoTheDarkBand) {
                               }
                             }
                           });
-  // Without shadow, half of it, and in the paper's mode, where edges are hard.
+  // Without shadow, with half of it, and in mode paper, where edges are hard.
   test::on_every_target("toon", g, {{"shadow", "0"}},
                         [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(24, 4), 1.0f); });
   test::on_every_target("toon", g, {{"shadow", "0.5"}},
@@ -520,7 +521,7 @@ TEST(Toon, HighlightsAreRoundAndNotDarkened) {
         for (int y = 0; y < kSphereSize; ++y)
           for (int x = 0; x < kSphereSize; ++x) {
             const double cosine = glm::dot(sphere_normal(x + 0.5, y + 0.5), halfway);
-            // Half of its strength: e (1 - cos) = ln 2, in e over the square of the size.
+            // Half of its strength: e (1 - cos) = ln 2, with e divided by the square of the size.
             const double inside = 1.0 - 40.0 / (size * size) * (1.0 - cosine) / std::log(2.0);
             const double lit = out.plane("lit.r").at(x, y);
             if (inside > 0.15) {
@@ -543,7 +544,7 @@ TEST(Toon, HighlightsAreRoundAndNotDarkened) {
 }
 
 TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
-  // Bevels that turn by so much from row to row, each column a little farther up than the last.
+  // Bevels that turn by turn_deg from row to row; each column is shifted up a little from the last.
   constexpr int kWidth = 64, kHeight = 24;
   for (const double turn_deg : {12.0, 20.0, 30.0})
     for (const double shininess : {40.0, 200.0}) {
@@ -570,7 +571,7 @@ TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
 }
 
 TEST(Toon, HighlightsReachUpToCreases) {
-  // Two faces, one wholly in the highlight, the other turned away from it.
+  // Two faces: one is entirely in the highlight, the other faces away from it.
   GBuffer g = face(32, 8, {0, 0, 1});
   for (int c = 0; c < 3; ++c) g.layers[0].plane(kAlbedo[c]) = Plane(32, 8, 0.0f);
   g.layers[0].add("specular") = Plane(32, 8, 1.0f);
@@ -616,7 +617,7 @@ TEST(Toon, RampEndsInItsColours) {
           EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), towards || bands == 1 ? bright[c] : dark[c], 1e-6) << bands;
       });
   }
-  // The middle of three bands lies in their middle.
+  // The middle one of three steps has the mean colour.
   test::on_every_target("toon", face(3, 2, {float(std::sqrt(0.75)), 0, 0.5f}), joined(colors, {{"bands", "3"}}),
                         [&](const Image& out) {
                           for (int c = 0; c < 3; ++c)
@@ -654,7 +655,7 @@ TEST(Toon, RigsReplaceLightsAndShadow) {
     });
 }
 
-// ---- what is missing or wrong
+// ---- missing or invalid planes
 // ----------------------------------------------------------------------------------------
 
 TEST(Toon, WithoutLightsOnlyAmbientIsLeft) {
@@ -666,7 +667,7 @@ TEST(Toon, WithoutLightsOnlyAmbientIsLeft) {
                         [](const Image& out) { EXPECT_EQ(out.plane("lit.r").at(1, 1), 0.25f); });
   g.info.lights = {{.direction = {0, 0, 1}, .color = glm::vec3(0.0f)}, {.direction = {0, 0, 1}}};
   test::on_every_target("toon", g, {}, [](const Image& out) {
-    EXPECT_NEAR(out.plane("toon_intensity").at(1, 1), 1.3f, 1e-6);  // a black key light is a key light still
+    EXPECT_NEAR(out.plane("toon_intensity").at(1, 1), 1.3f, 1e-6);  // a black key light is still a key light
   });
 }
 

@@ -21,26 +21,25 @@ void run_tuned_unsharp(const KernelFrame&, const Tile&);  // unsharp.tuned.cpp
 
 namespace {
 
-// The automatic far plane leaves the farthest geometry at 90 % of the depth range, the paper's largest threshold away
-// from the end; the near plane keeps the listing's ratio of 2 to 15.
+// With the default far plane the farthest geometry is at 90 % of the depth range, at a distance from the end of the
+// paper's largest threshold; the default near plane keeps the listing's ratio of 2 to 15.
 constexpr float kFarShare = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
-// A Gaussian window reaches two standard deviations to either side.
+// A Gaussian window extends two standard deviations to either side.
 constexpr float kSigmasPerKernel = 4.0f;
 
 const std::vector<Parameter> kTable = {
     length_row("kernel", &UnsharpParams::kernel,
                {.initial_percent = 4, .min = 1, .max = kUnsharpLargestKernel, .unit = "px"},
-               "side of the window that is averaged, in pixels or as a share of the picture's height"),
+               "side of the window that is averaged, in pixels or in percent of the picture's height"),
     real_row("threshold", &UnsharpParams::threshold, {.initial = 0.02, .max = 1, .zero_means = "none"},
              "samples whose linearised depth differs by this much or more do not count"),
-    choice_row(
-        "border", &UnsharpParams::border, 0, {"skip", "zero", "clamp", "repeat"},
-        "what a sample outside the picture is: skipped, window depth 0, the nearest pixel, or the picture again"),
+    choice_row("border", &UnsharpParams::border, 0, {"skip", "zero", "clamp", "repeat"},
+               "sample outside the picture: skipped, window depth 0, the nearest pixel, or the picture repeated"),
     real_row("strength", &UnsharpParams::strength, {.initial = 20, .max = 1000},
              "factor from a difference of linearised depth to a difference of brightness"),
     choice_row("linearization", &UnsharpParams::linearization, 0, {"linear", "listing", "extent"},
-               "linearised depth: z/F, 2z/(z+F) as the paper's listing has it, or (z-N)/(F-N)"),
+               "linearised depth: z/F, 2z/(z+F) as in the paper's listing, or (z-N)/(F-N)"),
     real_row("near", &UnsharpParams::near_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
              "distance N of the near plane"),
     real_row("far", &UnsharpParams::far_depth, {.max = 1e12, .unit = "scene units", .zero_means = "automatic"},
@@ -75,7 +74,7 @@ void fill_constants(const UnsharpParams& params, const PictureInfo& info, Unshar
   if (!(far_depth > 0.0f)) far_depth = extent ? info.depth_max : info.depth_max / kFarShare;
   float near_depth = params.near_depth;
   if (!(near_depth > 0.0f)) near_depth = extent ? info.depth_min : far_depth * kNearToFar;
-  // Kernels are total: a near plane at or behind the far plane leaves a sliver between them.
+  // Kernels must not fail: a near plane at or behind the far plane is moved slightly in front of it.
   far_depth = std::max(far_depth, 1e-30f);
   near_depth = std::clamp(near_depth, 0.0f, far_depth * 0.999f);
   c.near_depth = near_depth;
@@ -91,7 +90,7 @@ void fill_constants(const UnsharpParams& params, const PictureInfo& info, Unshar
   for (int i = 0; i < kUnsharpWeights; ++i) c.weights[i] = std::exp(-0.5f * float(i) * float(i) / (sigma * sigma));
 }
 
-/// The window that reaches one radius to each side at the middle of the scene's depth.
+/// Sets the window that extends one radius to each side at the middle of the scene's depth.
 void set_radius(float radius, const PictureInfo& info, ParameterBytes& bytes) {
   const double depth =
       info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
@@ -111,7 +110,7 @@ bool has_blocks(const void* constants) {
   return c.gaussian == 0 && few_outside && c.last_column - c.first_column + 1 >= kUnsharpLeastBlocks;
 }
 
-/// On a GPU a box is summed by other ways, whose cost hardly grows with it.
+/// Alternatives for a box window on a GPU, whose cost hardly grows with the window.
 const std::vector<GpuWay> kGpuWays = {
     {.fits = has_no_threshold,
      .steps = {{.name = "across",

@@ -1,6 +1,7 @@
-// `unsharp` with a threshold, on a GPU, last step: the window in blocks of 16, 8 and 4 samples to a side that each know
-// their least, greatest and sum. A block wholly inside the threshold counts at once, one wholly outside is skipped, the
-// rest is opened. Oracle: unsharp.kernel.h, whose formulas it takes; sums of whole steps are exact in any order.
+// `unsharp` with a threshold, on a GPU, last step: the window in blocks of 16, 8 and 4 samples a side, with the min,
+// max and sum of each. A block entirely within the threshold is added at once, one entirely outside is skipped, any
+// other is subdivided. The reference is unsharp.kernel.h, whose formulas it uses; sums of integer steps are exact in
+// any order.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"
@@ -22,12 +23,12 @@ IN_REAL(unsharp_least16)
 IN_REAL(unsharp_greatest16)
 PLANE(UintPlane, unsharp_sum16, 0)
 
-// Of the samples that count; `low` may be large.
+// Of the samples that count; sum_low may be large.
 uint sum_high = 0u, sum_low = 0u, number = 0u;
 float centre;
 
-// A block all of whose samples count: its least sample as often as it has samples, and what the others are more. That
-// fits a word also where the sum does not.
+// Adds a block all of whose samples count: its min times its number of samples, and the remainder, which fits into a
+// word even where the sum does not.
 void add_whole(uint sum, float least, uint samples) {
   uint lowest = uint(int(least));
   uint more = sum - lowest * samples;
@@ -43,7 +44,7 @@ bool none_counts(float least, float greatest) {
   return greatest < 0.0f || centre - greatest >= C.threshold || least - centre >= C.threshold;
 }
 
-// Rectangles of samples, by blocks of one size that fill them; right and bottom are the first outside.
+// These add rectangles of samples that blocks of one size fill; right and bottom are exclusive.
 void add_samples(int left, int top, int right, int bottom) {
   for (int y = top; y < bottom; ++y)
     for (int x = left; x < right; ++x) {
@@ -95,8 +96,7 @@ void blocks_pixel(int px, int py) {
     return;
   }
   centre = near_unsharp_depth(0, 0);
-  // The part of the window that lies in the picture: whole blocks of 16, right and below of them whole ones of 8, and
-  // so on.
+  // The part of the window inside the picture: whole blocks of 16, to the right and below whole blocks of 8, and so on.
   int left = max(px + C.first_column, 0), right = min(px + C.last_column + 1, F.width);
   int top = max(py + C.first_row, 0), bottom = min(py + C.last_row + 1, F.height);
   int width = right - left, height = bottom - top;

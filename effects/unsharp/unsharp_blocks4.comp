@@ -1,5 +1,6 @@
-// `unsharp` with a threshold, on a GPU, first step: least, greatest and sum of the 4 x 4 samples right and down of
-// each. Blocks that reach past the picture hold anything; nobody reads them. Then comes unsharp_blocks8.comp.
+// `unsharp` with a threshold, on a GPU, first step: min, max and sum of the 4 x 4 samples right and down of each
+// sample. Blocks that extend past the picture have undefined values and are never read. The next step is
+// unsharp_blocks8.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

@@ -1,5 +1,5 @@
-// `unsharp` with a threshold, on a GPU: least, greatest and sum of 8 x 8 samples, from those of 4 x 4 that
-// unsharp_blocks4.comp left. Then comes unsharp_blocks16.comp.
+// `unsharp` with a threshold, on a GPU: min, max and sum of 8 x 8 samples, from the 4 x 4 ones of unsharp_blocks4.comp.
+// The next step is unsharp_blocks16.comp.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "kernel/glsl.h"

@@ -1,4 +1,4 @@
-// `upsample` and reduced frames: positions, surfaces kept apart, and half resolution against full.
+// Tests `upsample` and reduced frames: positions, separation of surfaces, and half resolution against full.
 #include "effects/upsample/upsample.h"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ glm::dvec3 position_of(const PictureInfo& info, const Camera& camera, int x, int
   return {(camera.left + (x + 0.5) * across) * spread, (camera.top - (y + 0.5) * down) * spread, -depth};
 }
 
-/// A picture without planes but depth, whose camera looks off centre.
+/// Returns a picture with only a depth plane, whose camera looks off centre.
 GBuffer off_centre(int width, int height, bool orthographic, int guard) {
   GBuffer g = test::empty_gbuffer(width, height);
   const float aspect = float(width) / float(height);
@@ -55,7 +55,7 @@ TEST(Reduced, PixelsKeepTheirPlaces) {
         for (const Size size : {Size{1, 1}, {3, 2}, {191, 347}, {64, 64}}) {
           SCOPED_TRACE(fmt::format("{}x{}, guard {}, factor {}", size.width, size.height, guard, factor));
           GBuffer g = off_centre(size.width, size.height, orthographic, guard);
-          // A second layer that another camera sees.
+          // A second layer, from another camera.
           g.info.more_layers = {{.kind = LayerKind::kOther, .camera = g.info.camera}};
           g.info.more_layers[0].camera.left -= 0.25f;
           g.layers.push_back(g.layers[0]);
@@ -119,7 +119,7 @@ TEST(Reduced, PlacedPlanesLieInTheCorner) {
   EXPECT_NE(missing.error().message.find("'ao'"), std::string::npos);
 }
 
-/// A G-buffer with normals and with `reduced_ao` and `reduced_indirect`, to be filled.
+/// Returns a G-buffer with normals and with `reduced_ao` and `reduced_indirect`, to be filled.
 GBuffer to_upsample(int width, int height) {
   GBuffer g = test::empty_gbuffer(width, height);
   for (const char* name :
@@ -176,7 +176,7 @@ TEST(Upsample, KeepsThePixelsThatWereComputedAndWhatIsConstant) {
 }
 
 TEST(Upsample, NothingCrossesASilhouette) {
-  // Left of a slanted edge something near, of other occlusion and light than what is behind it, or background.
+  // Left of a slanted edge a near surface, with other occlusion and light than the surface or background behind it.
   for (const int factor : {2, 4})
     for (const float behind : {5.2f, 9.0f, kInfinity})
       for (const bool turned : {false, true}) {  // a crease of 90 degrees that points at the camera
@@ -204,10 +204,10 @@ TEST(Upsample, NothingCrossesASilhouette) {
               image.plane(reduced_plane(name)).at(x / factor, y / factor) = left_of(x, y) ? 0.25f : 0.75f;
         test::on_every_target("upsample", g, by(factor), [&](const Image& out) {
           for (const char* name : kMade)
-            // Beyond the last computed row and column there is nothing to tell them apart by.
+            // Beyond the last computed row and column nothing distinguishes the sides.
             for (int y = 0; y <= 64 - factor; ++y)
               for (int x = 0; x <= 80 - factor; ++x) {
-                // One of the four nearest pixels lies on this one's side.
+                // At least one of the four nearest pixels must be on this pixel's side.
                 bool has_own = false;
                 for (const int i : {0, factor})
                   for (const int j : {0, factor})
@@ -222,7 +222,7 @@ TEST(Upsample, NothingCrossesASilhouette) {
 TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
   GBuffer g = to_upsample(16, 16);
   Image& image = g.layers[0];
-  // A wire between computed pixels: to its left depth 5, to its right depth 9.
+  // A wire between computed pixels: depth 5 to its left, depth 9 to its right.
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 16; ++x) {
       image.plane("depth").at(x, y) = x == 5 ? 8.0f : x < 5 ? 5.0f : 9.0f;
@@ -231,7 +231,7 @@ TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
   test::on_every_target("upsample", g, by(2, false), [&](const Image& out) {
     for (int y = 0; y < 14; ++y) {
       EXPECT_EQ(out.plane("ao").at(4, y), 0.25f);
-      // Three times as near as the other side, which counts by the fourth power.
+      // The wire is three times as near to this side as to the other; weights fall with the fourth power.
       EXPECT_NEAR(out.plane("ao").at(5, y), 0.75, 0.5 / 81.0);
       EXPECT_EQ(out.plane("ao").at(6, y), 0.75f);
     }
@@ -239,7 +239,7 @@ TEST(Upsample, WhatNoPixelFitsTakesFromTheNearestInDepth) {
 }
 
 TEST(Upsample, LeavesOcclusionThatNoPixelShows) {
-  // A wire between computed pixels again, and a slit in its middle that shows background.
+  // The same wire, with a slit in its middle that shows background.
   GBuffer g = to_upsample(16, 16);
   Image& image = g.layers[0];
   for (int y = 0; y < 16; ++y)
@@ -341,7 +341,7 @@ TEST(Upsample, BackgroundTakesNothingFromSurfaces) {
   EXPECT_GT(found, 100);
 }
 
-/// `ao` that a look's recipe makes of a scene's picture.
+/// Draws the `ao` of a scene's picture by the recipe of a look.
 struct Drawing {
   std::unique_ptr<Device> device = make_cpu_device();
   Scene scene;
@@ -410,8 +410,8 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
         const Plane small = drawing.ao(size, orthographic, guard, every, "sphere", kHemisphere, &depth);
         const Deviation e = error_of(small, full, depth);
         EXPECT_LT(std::fabs(e.bias), every == 2 ? 0.003 : 0.005);
-        // The tank is a heap of thin things, which leave little for a filter to join: at 191 x 347 its noise alone, of
-        // two pictures with 64 samples, is 0.021. With 256 samples, half of that:
+        // The tank is a heap of thin parts, of which few pixels fit: at 191 x 347 the noise alone of two pictures with
+        // 64 samples is 0.021. With 256 samples it is half of that:
         const bool noisy = size.width == 191 && std::string_view(name).starts_with("scene:tank");
         if (every == 2) {
           EXPECT_LT(e.rmse, noisy ? 0.0237 : 0.02);
@@ -424,14 +424,14 @@ TEST(Upsample, HalfResolutionIsCloseToFull) {
           EXPECT_LT(error_of(fine_half, fine, depth).rmse, 0.02);
         }
         if (size.width > 100) {
-          EXPECT_GT(e.rmse, 1e-3);  // it did run at another resolution
+          EXPECT_GT(e.rmse, 1e-3);  // it was computed at another resolution
         }
       }
   }
 }
 
 TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
-  // At reduced resolution planes are taken along where a round reads them; the memory of an earlier run holds none.
+  // At reduced resolution, planes are copied where a round reads them; the memory of an earlier run has none of them.
   const Scene scene = *make_builtin_scene("scene:atrium?detail=4000");
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
@@ -451,7 +451,7 @@ TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
     return device->download(frame, {"indirect.g"})->planes[0];
   };
   const Plane once = light(1), twice = light(2);
-  // The second round sends what the albedo leaves of the first's light.
+  // The second round reflects the light of the first, times the albedo.
   Image dark = *device->download(frame, {"albedo.r", "albedo.g", "albedo.b"});
   for (Plane& plane : dark.planes) plane = Plane(size.width, size.height, 0.0f);
   ASSERT_TRUE(device->add(dark, frame));
@@ -465,7 +465,7 @@ TEST(Upsample, EveryTechniqueKeepsItsStrength) {
   for (const Effect* effect : effects()) {
     if (effect->kind != EffectKind::kOcclusion) continue;
     SCOPED_TRACE(effect->name);
-    // The mask by a window that is as many whole pixels at half resolution.
+    // The unsharp mask has a window that is an integer number of pixels at half resolution too.
     std::vector<std::string> settings = {"unsharp.kernel=42", "unsharp.linearization=extent",
                                          "unsharp.background=ignore"};
     settings.insert(settings.end(), kHemisphere.begin(), kHemisphere.end());
