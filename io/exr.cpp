@@ -1,14 +1,17 @@
-// OpenEXR images through the OpenEXR 3.1 library, float or half. Rests on "Technical Introduction to OpenEXR" (channel
-// and layer names, windows, parts) and on ImfStandardAttributes.h (what the camera attributes mean).
+// OpenEXR images through the OpenEXR 3.1 library, float or half. Based on "Technical Introduction to OpenEXR" (channel
+// and layer names, windows, parts) and on ImfStandardAttributes.h (meaning of the camera attributes).
 //
-// Names. Plane <-> channel: color.r <-> R (g, b, a alike), depth <-> depth.Z and layer1.depth <-> layer1.depth.Z,
-// normal.x <-> normal.X (endings r, g, b, a, x, y, z alike); other names are the same in the file. In a file of several
-// parts the channels of the first part and names with a dot are taken as they are, the others behind their part's name:
-// Z of the part Depth is Depth.z. Windows. An image is as large as the display window. Where the data window does not
-// reach, planes are 0 and depth is +infinity; what lies outside the display window is dropped. Values. Integer channels
-// become floats, exact up to 2^24. Deep and subsampled channels are refused.
+// Names. Plane <-> channel: color.r <-> R (the same for g, b, a), depth <-> depth.Z and layer1.depth <->
+// layer1.depth.Z, normal.x <-> normal.X (the same for endings r, g, b, a, x, y, z); other names are unchanged. In a
+// file of several parts the channels of the first part and names with a dot are unchanged; other names follow the name
+// of their part: Z of the part Depth is Depth.z.
 //
-// Compression is chosen for speed at a usual size. Processor time of one core of an AMD EPYC (Zen 4), OpenEXR 3.1.5,
+// Windows. An image has the size of the display window. Outside the data window, planes are 0 and depth is +infinity;
+// pixels outside the display window are dropped.
+//
+// Values. Integer channels become floats, exact up to 2^24. Deep and subsampled channels are rejected.
+//
+// Compression is chosen for speed at a typical size. Processor time of one core of an AMD EPYC (Zen 4), OpenEXR 3.1.5,
 // 1024 x 1024, 12 planes (shaded colour, depth, normal, albedo, noisy occlusion, id), median of 5:
 //                  float                            half
 //   ZIP, level 1   write 394 ms,  read 214 ms,  15.6 MB     193 ms,   88 ms,   6.2 MB    <- used
@@ -18,10 +21,10 @@
 //   RLE            write 136 ms,  read 185 ms,  37.5 MB      96 ms,   66 ms,  12.3 MB
 //   none           write  40 ms,  read 120 ms,  50.3 MB      53 ms,   37 ms,  29.4 MB
 //
-// Threads. The library's own are one pool of the whole process, whose size is its host's business; with none in it, as
-// it comes, the number that a file is opened with changes nothing. Blocks are therefore compressed here, by oneTBB's
-// threads, each as a file in memory of that block alone, and their bytes, which are the same as in a whole file, are
-// put one after the other; rows are read through a file for each thread.
+// Threads. The library's threads are one pool of the process, and its size is up to the host; in the default pool
+// without threads, the thread number given for a file has no effect. Blocks are therefore compressed here, by oneTBB's
+// threads, each as a file in memory of that block alone; its bytes, which are the same as in a complete file, are
+// concatenated. Rows are read through one file object per thread.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -55,7 +58,7 @@ namespace {
 
 constexpr Imf::Compression kCompression = Imf::ZIP_COMPRESSION;
 constexpr int kZipLevel = 1;
-constexpr int kBlockRows = 16;  // of ZIP
+constexpr int kBlockRows = 16;  // rows per block of ZIP
 constexpr int kReadThreads = 2;
 constexpr bool kNoRepair = false;  // an unfinished file is an error, not a picture with holes
 
@@ -63,16 +66,16 @@ constexpr std::string_view kColor = "color.";
 constexpr std::string_view kDepth = "depth", kDepthEnding = ".Z";
 constexpr std::string_view kSmallLetters = "rgbaxyz", kCapitals = "RGBAXYZ";
 
-/// As many as asked for, 0 being all, but no more than the machine has.
+/// Returns the requested number of threads, 0 being all, but at most the number of the machine.
 int thread_count(int wish) {
   const int most = tbb::info::default_concurrency();
   return wish > 0 ? std::min(wish, most) : most;
 }
 
-/// The letter after the last dot where that is all there is, or 0.
+/// Returns the last letter if a dot precedes it, else 0.
 char last_letter(std::string_view name) { return name.size() > 2 && name[name.size() - 2] == '.' ? name.back() : '\0'; }
 
-/// What follows the last dot.
+/// Returns the text after the last dot.
 std::string_view last_word(std::string_view name) { return name.substr(name.rfind('.') + 1); }
 
 std::string channel_of(std::string_view plane) {
@@ -98,13 +101,13 @@ std::string plane_of(std::string_view channel) {
   return plane;
 }
 
-/// Planes that half would spoil: ids above 2048 are no longer told apart, depth gets steps.
+/// Returns whether half is too coarse for a plane: ids above 2048 become ambiguous, depth becomes stepped.
 bool needs_float(std::string_view plane) {
   const std::string_view word = last_word(plane);
   return word == "depth" || word == "id" || word.ends_with("_id");
 }
 
-/// A text from a file, fit for a terminal.
+/// Replaces control characters, so that a text from a file is safe for a terminal.
 std::string printable(std::string_view text) {
   std::string out(text);
   for (char& c : out)
@@ -112,14 +115,14 @@ std::string printable(std::string_view text) {
   return out;
 }
 
-/// What the library says without its first sentence, which repeats the file's name.
+/// Returns the library's message without its first sentence, which repeats the file's name.
 std::string cause(const std::exception& exception) {
   const std::string text = exception.what();
   const std::size_t end = text.find("\". ");
   return printable(end == std::string::npos ? text : text.substr(end + 3));
 }
 
-/// A file in memory.
+/// An output file in memory.
 class Stream : public Imf::OStream {
  public:
   Stream() : Imf::OStream("image") {}
@@ -155,18 +158,18 @@ void add_camera(Imf::Header& header, const Camera& camera) {
   Imf::addWorldToCamera(header, imath(matrices.camera_from_world));
   Imf::addWorldToNDC(header, imath(matrices.ndc_from_world));
   if (camera.projection != Projection::kPerspective) return;
-  // OpenEXR's screen window lies at distance 1, as ours does.
+  // OpenEXR's screen window is at distance 1, as in Camera.
   header.screenWindowWidth() = camera.right - camera.left;
   header.screenWindowCenter() = Imath::V2f((camera.left + camera.right) / 2, (camera.bottom + camera.top) / 2);
 }
 
-/// Some rows of an image: row `row` of `image` is the file's row `first`.
+/// Rows of an image: row `row` of `image` is the file's row `first`.
 struct Rows {
   const Image* image;
   int row, first, count;
 };
 
-/// The bytes of a file of these rows alone, as these channels, of which the first `before` are header and table.
+/// Returns the bytes of a file with only these rows, as these channels. The first `before` bytes are header and table.
 std::string file_of(const Rows& rows, const std::vector<std::string>& channels, Imf::Header header,
                     std::size_t& before) {
   header.dataWindow().min.y = rows.first;
@@ -190,7 +193,8 @@ std::string file_of(const Rows& rows, const std::vector<std::string>& channels, 
     pixels.insert(channels[p], Imf::Slice::Make(type, start, origin, plane.width, rows.count, step, stride));
   }
   Stream stream;
-  constexpr std::size_t kUsualRatio = 2;  // of floats; memory that is not used costs nothing
+  // Typical compression ratio of floats; reserved memory that is not used costs nothing.
+  constexpr std::size_t kUsualRatio = 2;
   stream.bytes.reserve(channels.size() * std::size_t(rows.image->width) * rows.count * sizeof(float) / kUsualRatio);
   {
     Imf::OutputFile output(stream, header, 0);
@@ -201,7 +205,7 @@ std::string file_of(const Rows& rows, const std::vector<std::string>& channels, 
   return std::move(stream.bytes);
 }
 
-/// Takes an image's rows from its top down and writes the file, whose blocks so many threads compress.
+/// Takes an image's rows from top to bottom and writes the file; `threads` threads compress its blocks.
 class BlockWriter {
  public:
   BlockWriter(std::FILE* out, const Imf::Header& header, const std::vector<std::string>& channels, int threads)
@@ -225,7 +229,7 @@ class BlockWriter {
         row += whole;
         continue;
       }
-      // Part of a block: it waits for the rest.
+      // An incomplete block waits for the remaining rows.
       const int count = std::min(left, std::min(kBlockRows - in_block, height_ - next_));
       if (in_block == 0) part_ = Image(width_, kBlockRows);
       for (std::size_t p = 0; p < channels_.size(); ++p) {
@@ -239,7 +243,7 @@ class BlockWriter {
     }
   }
 
-  /// After all rows.
+  /// Writes the table of offsets. Call it after all rows.
   void finish() {
     if (::fseeko(out_, off_t(table_at_), SEEK_SET) != 0) throw std::runtime_error(std::strerror(errno));
     std::string table;
@@ -254,14 +258,14 @@ class BlockWriter {
     at_ += count;
   }
 
-  /// Whole blocks, and the image's last one.
+  /// Compresses and appends complete blocks, or the image's last one.
   void compress(const Rows& rows) {
     struct Part {
       std::string file;
       std::size_t before = 0;
     };
-    // The library makes room anew for each file: a few blocks share one.
-    constexpr int kParts = 8, kMaxBlocks = 8;  // parts of each thread
+    // The library allocates buffers for each file: several blocks share one.
+    constexpr int kParts = 8, kMaxBlocks = 8;  // kParts: per thread
     const int blocks = (rows.count + kBlockRows - 1) / kBlockRows;
     const int together = kBlockRows * std::clamp(blocks / (kParts * arena_.max_concurrency()), 1, kMaxBlocks);
     int begun = 0;
@@ -282,7 +286,7 @@ class BlockWriter {
     arena_.execute([&] { tbb::parallel_pipeline(2 * std::size_t(arena_.max_concurrency()), next & file & append); });
   }
 
-  /// Blocks as they lie in a file: row, size and that many bytes.
+  /// Appends blocks in the file's form: row, size and that many bytes.
   void add(std::string_view blocks) {
     constexpr std::size_t kSizeAt = 4, kBytesAt = 8;
     for (std::size_t at = 0; at + kBytesAt <= blocks.size();) {
@@ -300,9 +304,9 @@ class BlockWriter {
   const std::vector<std::string>& channels_;
   tbb::task_arena arena_;
   int width_ = 0, height_ = 0;
-  int next_ = 0;          // row
-  Image part_;            // of a block
-  std::uint64_t at_ = 0;  // in the file
+  int next_ = 0;          // next row
+  Image part_;            // an incomplete block
+  std::uint64_t at_ = 0;  // position in the file
   std::size_t table_at_ = 0;
   std::vector<std::uint64_t> offsets_;
 };

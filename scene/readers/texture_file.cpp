@@ -1,4 +1,4 @@
-// Reads textures through stb_image, and nothing else of it leaves this file.
+// Reads textures and panoramas through stb_image, which is used only in this file.
 #include "scene/readers/texture_file.h"
 
 #include <array>
@@ -19,10 +19,10 @@
 namespace umbrage {
 namespace {
 
-/// A gigabyte of RGBA: the header of a broken file may ask for any size.
+/// A gigabyte of RGBA: the header of a damaged file may have any size.
 constexpr std::int64_t kMaxPixels = std::int64_t(1) << 28;
 
-/// What the header says that the image is.
+/// The size in an image's header.
 struct ImageHeader {
   int width = 0, height = 0;
 };
