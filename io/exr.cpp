@@ -324,7 +324,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   std::vector<std::string> channels;
   for (const std::string& name : image.names) {
     const std::string channel = channel_of(name);
-    if (channel.empty() || channel.size() > 255)  // the format's longest name
+    if (channel.empty() || channel.size() > 255)  // the format's limit for names
       return file_error("'{}' cannot be written: '{}' is no channel name, which has 1 to 255 bytes", file.string(),
                         name);
     if (header.channels().findChannel(channel))
@@ -349,7 +349,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   });
 }
 
-/// Whether a channel is depth: one of that name, or Z without X beside it.
+/// Returns whether a channel is depth: its name is depth, or Z without an X beside it.
 bool is_depth(std::string_view channel, const Imf::ChannelList& channels) {
   if (last_word(channel) == kDepth) return true;
   if (last_word(channel) != "Z") return false;
@@ -358,7 +358,7 @@ bool is_depth(std::string_view channel, const Imf::ChannelList& channels) {
   return !channels.findChannel(beside);
 }
 
-/// `plane`, which covers `data`, moved to where it lies in `display`.
+/// Returns `plane`, which covers `data`, moved to its position in `display`.
 Plane placed(const Plane& plane, const Imath::Box2i& data, const Imath::Box2i& display, float outside) {
   Plane out(display.max.x - display.min.x + 1, display.max.y - display.min.y + 1, outside);
   const int x0 = std::max(data.min.x, display.min.x), x1 = std::min(data.max.x, display.max.x);
@@ -373,10 +373,10 @@ Result<void> check_window(const fs::path& file, const Imath::Box2i& window) {
   return check_size(file, std::int64_t(window.max.x) - window.min.x + 1, std::int64_t(window.max.y) - window.min.y + 1);
 }
 
-/// Reads a part's rows by several threads, each through a file of its own.
+/// Reads a part's rows with several threads, each through its own file object.
 void read_rows(const fs::path& file, int index, const Imath::Box2i& data, const Imf::FrameBuffer& pixels,
                Imf::MultiPartInputFile& input) {
-  constexpr int kMaxBlock = 256;  // rows, of DWAB; a block that two threads want is decompressed by both
+  constexpr int kMaxBlock = 256;  // rows per block of DWAB; a block needed by two threads is decompressed twice
   const auto read_from = [&](Imf::MultiPartInputFile& from, int first, int last) {
     Imf::InputPart reader(from, index);
     reader.setFrameBuffer(pixels);
@@ -404,7 +404,7 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
     return file_error("'{}' has {} data in its part '{}': only flat images can be read, so flatten it first",
                       file.string(), printable(header.type()), printable(part));
   const Imath::Box2i& data = header.dataWindow();
-  const Imath::Box2i& display = input.header(0).displayWindow();  // all parts share it
+  const Imath::Box2i& display = input.header(0).displayWindow();  // common to all parts
   if (Result<void> sane = check_window(file, data); !sane) return sane;
   const int width = data.max.x - data.min.x + 1, height = data.max.y - data.min.y + 1;
   Imf::FrameBuffer pixels;
@@ -422,7 +422,8 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   for (auto& [channel, plane] : planes) {
     const std::string full = index > 0 ? part + "." + channel : channel;
     std::string name = plane_of(channel.find('.') == std::string::npos ? full : channel);
-    // Where a file has both forms of a name, as N.X and N.x, or two parts the same name, all are kept apart.
+    // If a file has both forms of a name, such as N.X and N.x, or two parts with the same name, all of them are kept
+    // under different names.
     if ((name != channel && header.channels().findChannel(name)) || image.find(printable(name))) name = full;
     name = printable(name);
     if (image.find(name))
@@ -434,7 +435,7 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   return {};
 }
 
-/// Reads up to a zero byte; false where the file ends before or the text is no name.
+/// Reads a name up to a zero byte. Returns false if the file ends before, or if the name is too long.
 bool read_name(std::FILE* stream, std::string& name) {
   constexpr int kMaxLength = 256;
   name.clear();
@@ -447,7 +448,7 @@ bool read_name(std::FILE* stream, std::string& name) {
   return false;
 }
 
-/// The next numbers of four bytes; false where the file ends before.
+/// Reads the next 4-byte numbers. Returns false if the file ends before.
 bool read_numbers(std::FILE* stream, std::span<std::int64_t> numbers) {
   for (std::int64_t& number : numbers) {
     unsigned char bytes[4];
@@ -458,7 +459,7 @@ bool read_numbers(std::FILE* stream, std::span<std::int64_t> numbers) {
   return true;
 }
 
-/// Bytes of a value of that type; 0 where they are not always as many.
+/// Returns the size of a value of that type in bytes; 0 if it varies.
 std::int64_t size_of(std::string_view type) {
   static constexpr std::pair<std::string_view, std::int64_t> kSizes[] = {{"box2f", 16},
                                                                          {"box2i", 16},
@@ -489,8 +490,9 @@ std::int64_t size_of(std::string_view type) {
   return 0;
 }
 
-/// Whether a value, at which the stream stands, takes the bytes that the header claims. The library trusts the claim of
-/// some types and for others reads what it needs, after which it would see other attributes than check_headers.
+/// Returns whether the value at the stream's position has the size that the header claims. The library relies on the
+/// claim for some types and reads what it needs for others; with a wrong claim it would see other attributes than
+/// check_headers.
 bool takes(std::FILE* stream, std::string_view type, std::int64_t claimed) {
   const std::int64_t end = std::ftell(stream) + claimed;
   if (type == "preview") {
@@ -511,7 +513,7 @@ bool takes(std::FILE* stream, std::string_view type, std::int64_t claimed) {
   return size == 0 || size == claimed;
 }
 
-/// Whether the value is a window or the size of tiles for which the library would make huge tables.
+/// Returns whether the value is a window or a tile size for which the library would allocate huge tables.
 bool is_huge(std::FILE* stream, std::string_view name, std::string_view type) {
   std::array<std::int64_t, 4> numbers{};
   if (type == "box2i" && (name == "dataWindow" || name == "displayWindow"))
@@ -521,16 +523,16 @@ bool is_huge(std::FILE* stream, std::string_view name, std::string_view type) {
   return std::uint32_t(numbers[0]) > kMaxSide || std::uint32_t(numbers[1]) > kMaxSide;
 }
 
-/// Walks the headers before the library sees them, which makes room for what a damaged one claims before it looks: up
-/// to 2 GB for an attribute, and tables for windows of any size. Errors: kFile.
+/// Checks the headers before the library reads them, since it allocates what a damaged header claims without a check:
+/// up to 2 GB for an attribute, and tables for windows of any size. Errors: kFile.
 Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t size) {
-  constexpr int kFlags = 5, kHeaders = 8;  // where they stand
+  constexpr int kFlags = 5, kHeaders = 8;  // byte offsets
   constexpr int kSeveralParts = 0x10;      // in the second byte of the version
   const Error damaged = file_error("'{}' cannot be read as EXR: its header is cut short or damaged", file.string());
   std::fseek(stream, kFlags, SEEK_SET);
   const int flags = std::fgetc(stream);
   std::fseek(stream, kHeaders, SEEK_SET);
-  // A header is attributes and an empty name; several headers end with an empty one.
+  // A header is a list of attributes and an empty name; several headers end with another empty name.
   std::string name, type;
   bool first = true;
   while (true) {
@@ -553,8 +555,8 @@ Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t
   }
 }
 
-/// How often smaller a compression can make pixels at best: deflate 1032 times, and DWA and PIZ what run lengths have
-/// shortened 64 times before. A shorter file cannot hold what a damaged header promises.
+/// Returns the maximum compression ratio: 1032 for deflate, times 64 for the preceding run-length step of DWA and PIZ.
+/// A shorter file cannot contain the pixels that a damaged header claims.
 std::int64_t best_ratio(Imf::Compression compression) {
   constexpr std::int64_t kDeflate = 1032, kRuns = 64;
   const bool runs_first = compression == Imf::PIZ_COMPRESSION || compression == Imf::DWAA_COMPRESSION ||
@@ -592,7 +594,7 @@ Result<Image> read(const fs::path& file) {
     if (values > kMaxValues)
       return file_error("'{}' has {} values in {} x {} pixels: at most {} can be read", file.string(), values,
                         image.width, image.height, kMaxValues);
-    // A crop may be a small part of its frame, but a frame of gigabytes with next to nothing in it is a damaged header.
+    // A crop may be a small part of its frame, but a frame of gigabytes with almost no data is a damaged header.
     constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxTimes = 64;
     if (values > kMaxEmpty + kMaxTimes * stored)
       return file_error("'{}' says that its frame is {} x {} pixels, of which it holds too few", file.string(),
@@ -602,7 +604,7 @@ Result<Image> read(const fs::path& file) {
     if (image.planes.empty()) return file_error("'{}' has no channels", file.string());
     return image;
   } catch (const std::bad_alloc&) {
-    throw;  // read_image has a sentence for that
+    throw;  // read_image returns an error for it
   } catch (const std::exception& exception) {
     return file_error("'{}' cannot be read as EXR: {}", file.string(), cause(exception));
   }
