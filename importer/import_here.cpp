@@ -54,10 +54,10 @@ std::string reason_of(std::string reason) {
     const char *theirs, *ours;
   };
   static constexpr Known kKnown[] = {
-      {"No suitable reader", "its content is of another kind, or cut short"},
-      {"No scene", "it holds no scene to draw"},
+      {"No suitable reader", "its content is of another format, or cut short"},
+      {"No scene", "it contains no scene"},
       {"storage representation", "it is neither a text nor a binary STL file"},
-      {"Cannot parse string", "a number is expected where there is none"},
+      {"Cannot parse string", "a number is missing"},
   };
   for (const Known& known : kKnown) {
     if (reason.find(known.theirs) != std::string::npos) reason = known.ours;
@@ -115,8 +115,8 @@ std::optional<Error> check_dae(const fs::path& file) {
       const std::size_t begin = text.find('>', at);
       const std::size_t wrong = text.find_first_not_of("0123456789- \t\r\n>", begin);
       if (begin == std::string::npos || (wrong != std::string::npos && text[wrong] == '<')) continue;
-      return file_error("'{}' cannot be read as DAE (a list of indices, <{}>, holds something else)", file.string(),
-                        tag);
+      return file_error("'{}' cannot be read as DAE (the index list <{}> contains something other than integers)",
+                        file.string(), tag);
     }
   }
   const auto tag_at = [&](std::size_t at) { return std::string_view(text).substr(at, text.find('>', at) - at); };
@@ -135,7 +135,7 @@ std::optional<Error> check_dae(const fs::path& file) {
     const bool fits =
         count <= *numbers && stride <= *numbers && offset <= *numbers && count * stride + offset <= *numbers;
     if (!fits) {
-      return file_error("'{}' cannot be read as DAE (an <accessor> asks for more than the {} numbers of its array)",
+      return file_error("'{}' cannot be read as DAE (an <accessor> refers past the {} numbers of its array)",
                         file.string(), *numbers);
     }
   }
@@ -337,7 +337,7 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
   }
   for (const std::string& name : clear)
     scene.warnings.push_back(
-        fmt::format("surfaces of the material '{}' are more clear than opaque and are left out", name));
+        fmt::format("surfaces of the material '{}' are mostly transparent and are not drawn", name));
 }
 
 /// Returns world up as the format or the file defines it. Assimp converts DAE itself, but not FBX.
@@ -404,20 +404,20 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
     scene.scene_index = rules.gltf.scene;
     if (!settings.scene_index)
       scene.warnings.push_back(
-          fmt::format("the file holds {} scenes, and the one that it names, or else the first, is drawn; "
-                      "`scene_index` chooses another",
+          fmt::format("the file has {} scenes; its default scene, or else the first, is drawn; "
+                      "`scene_index` selects another",
                       rules.gltf.scenes.size()));
     scene.scene_names = std::move(rules.gltf.scenes);
   }
   if (rules.gltf.lights > 0)
-    scene.warnings.push_back(
-        fmt::format("the file's {} are not used; looks bring their own", rules.gltf.lights == 1 ? "light" : "lights"));
+    scene.warnings.push_back(fmt::format("the file's {} not used; looks have their own",
+                                         rules.gltf.lights == 1 ? "light is" : "lights are"));
   if (log.dropped_faces) {
-    scene.warnings.push_back("some triangles have corners that are not among the vertices, and are left out");
+    scene.warnings.push_back("some triangles have vertex indices out of range and are left out");
   }
   if (!missing_libraries.empty()) {
     scene.warnings.push_back(fmt::format(
-        "the material library '{}' is not there; surfaces are shown in a neutral colour", missing_libraries.front()));
+        "the material library '{}' does not exist; surfaces are shown in a neutral colour", missing_libraries.front()));
   }
   return scene;
 }

@@ -118,7 +118,7 @@ struct TextureShelf {
   std::map<std::string, int> index_of;  // by the name in the file; kNoTexture if reading failed
 
   Result<Texture> embedded(const aiTexture& texture, const std::string& name) {
-    if (!texture.pcData) return file_error("the embedded texture '{}' holds no pixels", name);
+    if (!texture.pcData) return file_error("the embedded texture '{}' has no pixels", name);
     if (texture.mHeight == 0) {
       return decode_texture({reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth},
                             "the embedded texture " + name);
@@ -140,7 +140,7 @@ struct TextureShelf {
       return embedded(*texture, name);
     }
     const std::optional<fs::path> path = find_texture(folder, name);
-    if (!path) return file_error("the texture '{}' is not there", name);
+    if (!path) return file_error("the texture '{}' does not exist", name);
     allow_for(*path);
     return read_texture(*path);
   }

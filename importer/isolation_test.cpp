@@ -54,8 +54,8 @@ TEST_F(IsolatedImport, SurvivesWhatItsReaderDoes) {
   expect_error("abort.obj", "its reader crashed on it (Aborted)");
   expect_error("throw.obj", "its reader crashed on it (Aborted)");
   expect_error("exit.obj", "its reader crashed on it");
-  expect_error("killed.obj", "more memory than there is");
-  expect_error("liar.obj", "of another version");
+  expect_error("killed.obj", "more memory than is available");
+  expect_error("liar.obj", "another version");
 }
 
 TEST_F(IsolatedImport, StopsAReaderWithoutEnd) {
@@ -65,7 +65,7 @@ TEST_F(IsolatedImport, StopsAReaderWithoutEnd) {
 
 TEST_F(IsolatedImport, RefusesMemoryToAHungryReader) {
   if (!memory_can_be_limited()) GTEST_SKIP() << "a sanitizer has reserved all memory there is";
-  expect_error("hunger.obj", "needs more memory than there is");
+  expect_error("hunger.obj", "needs more memory than is available");
 }
 
 TEST_F(IsolatedImport, IsASentenceOfTheProgram) {

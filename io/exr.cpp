@@ -325,8 +325,8 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
   for (const std::string& name : image.names) {
     const std::string channel = channel_of(name);
     if (channel.empty() || channel.size() > 255)  // the format's limit for names
-      return file_error("'{}' cannot be written: '{}' is no channel name, which has 1 to 255 bytes", file.string(),
-                        name);
+      return file_error("'{}' cannot be written: '{}' is not a channel name; it must have 1 to 255 bytes",
+                        file.string(), name);
     if (header.channels().findChannel(channel))
       return file_error("'{}' cannot be written: '{}' and another plane would both be the channel '{}'", file.string(),
                         name, channel);
@@ -412,8 +412,8 @@ Result<void> read_part(const fs::path& file, Imf::MultiPartInputFile& input, int
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     const Imf::Channel& channel = it.channel();
     if (channel.xSampling != 1 || channel.ySampling != 1)
-      return file_error("'{}' has the channel '{}' at {} x {} subsampling: every pixel needs its value", file.string(),
-                        printable(it.name()), channel.xSampling, channel.ySampling);
+      return file_error("'{}' has the channel '{}' at {} x {} subsampling: subsampled channels cannot be read",
+                        file.string(), printable(it.name()), channel.xSampling, channel.ySampling);
     Plane& plane = planes.emplace(it.name(), Plane(width, height)).first->second;
     pixels.insert(it.name(),
                   Imf::Slice::Make(Imf::FLOAT, plane.data(), data, sizeof(float), plane.stride * sizeof(float)));
@@ -548,8 +548,8 @@ Result<void> check_headers(const fs::path& file, std::FILE* stream, std::int64_t
     std::fseek(stream, value, SEEK_SET);
     if (is_huge(stream, name, type))
       return file_error(
-          "'{}' says that its windows or tiles are larger than {} pixels a side, which is the most that "
-          "can be read",
+          "'{}' has windows or tiles in its header that are larger than {} pixels a side, the maximum that can "
+          "be read",
           file.string(), kMaxSide);
     if (std::fseek(stream, value + long(bytes), SEEK_SET) != 0) return damaged;
   }
@@ -597,7 +597,7 @@ Result<Image> read(const fs::path& file) {
     // A crop may be a small part of its frame, but a frame of gigabytes with almost no data is a damaged header.
     constexpr std::int64_t kMaxEmpty = std::int64_t(1) << 27, kMaxTimes = 64;
     if (values > kMaxEmpty + kMaxTimes * stored)
-      return file_error("'{}' says that its frame is {} x {} pixels, of which it holds too few", file.string(),
+      return file_error("'{}' has a frame of {} x {} pixels in its header, but data for too few of them", file.string(),
                         image.width, image.height);
     for (int part = 0; part < input.parts(); ++part)
       if (Result<void> done = read_part(file, input, part, image); !done) return done.error();

@@ -89,10 +89,10 @@ Result<const ImageFormat*> format_of(const fs::path& file) {
     dotted.push_back("." + endings.back());
   }
   if (ending.empty())
-    return usage_error("'{}' has no ending that names an image format: it should be {}", file.string(), listed(dotted));
+    return usage_error("'{}' has no ending of an image format; it should be {}", file.string(), listed(dotted));
   const std::string nearest = suggestion(ending, endings);
   const bool near = nearest.find("did you mean") != std::string::npos;
-  return usage_error("'{}' ends in '.{}', which is no image format here: it should be {}{}", file.string(), ending,
+  return usage_error("'{}' ends in '.{}', which is not a known image format; it should be {}{}", file.string(), ending,
                      listed(dotted), near ? nearest : "");
 }
 
@@ -109,7 +109,7 @@ Result<void> check_writable(const fs::path& file) {
   }
   const bool exists = fs::exists(file, ignored);
   if (exists && !allowed(file, W_OK))
-    return file_error("'{}' cannot be written: the file is there and write-protected", file.string());
+    return file_error("'{}' cannot be written: the file exists and is write-protected", file.string());
   if ((!exists || fs::is_regular_file(file, ignored)) && !allowed(folder, W_OK | X_OK))
     return file_error("'{}' cannot be written: {} on folder '{}'", file.string(), std::strerror(errno),
                       folder.string());
@@ -118,7 +118,7 @@ Result<void> check_writable(const fs::path& file) {
 
 Result<void> check_size(const fs::path& file, std::int64_t width, std::int64_t height) {
   if (width >= 1 && height >= 1 && width <= kMaxSide && height <= kMaxSide && width * height <= kMaxPixels) return {};
-  return file_error("'{}' says that it is {} x {} pixels: 1 to {} a side and at most {} in all can be read",
+  return file_error("'{}' has {} x {} pixels in its header: 1 to {} a side and at most {} in total can be read",
                     file.string(), width, height, kMaxSide, kMaxPixels);
 }
 
@@ -134,7 +134,7 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
   std::string names;
   for (const std::string& name : image.names) names += (names.empty() ? "" : ", ") + name;
   return file_error(
-      "'{}' cannot be written: a picture needs the planes color.r, color.g and color.b, or one plane alone, and this "
+      "'{}' cannot be written: a picture needs the planes color.r, color.g and color.b, or a single plane, and this "
       "image has {}; an .exr file takes any planes",
       file.string(), names.empty() ? "none" : names);
 }
@@ -310,7 +310,7 @@ Result<Image> read_image(const fs::path& file) {
     return file_error("'{}' {}: its content should be that of {}", file.string(),
                       size == 0 ? "is empty" : "is no image that can be read", listed(endings));
   } catch (const std::bad_alloc&) {
-    return file_error("'{}' cannot be read: its pixels need more memory than there is", file.string());
+    return file_error("'{}' cannot be read: its pixels need more memory than is available", file.string());
   }
 }
 

@@ -179,7 +179,7 @@ TEST_F(ImageFile, ExrHeadersPromiseNoMoreThanTheFileHolds) {
   std::string frame = sound;
   for (const std::size_t side : {0u, 4u})
     for (std::size_t i = 0; i < 2; ++i) frame[at + side + i] = side == 4 && i == 1 ? '\x0f' : '\xff';
-  expect_refused(frame, "its frame is 65536 x 4096 pixels, of which it holds too few");
+  expect_refused(frame, "a frame of 65536 x 4096 pixels in its header, but data for too few");
 }
 
 TEST_F(ImageFile, ExrHeadersOfHugeWindowsAreRefusedBeforeTheLibrarySeesThem) {
@@ -553,7 +553,7 @@ TEST_F(PfmFile, RefusesBadHeaders) {
   expect_error(try_it("Pf\n70000 1\n-1\n"), {"70000 x 1"});
   expect_error(try_it("Pf\n65536 65536\n-1\n"), {"65536 x 65536"});
   expect_error(try_it("PF\n5000 5000\n-1\n"), {"cut short", "300000000 bytes", "has 64"});
-  expect_error(try_it("Pf\nfour 4\n-1\n"), {"'four 4'", "whole numbers"});
+  expect_error(try_it("Pf\nfour 4\n-1\n"), {"'four 4'", "two integers"});
   expect_error(try_it("Pf\n4.5 4\n-1\n"), {"'4.5 4'"});
   expect_error(try_it("Pf\nnan 1e400\n-1\n"), {"'nan 1e400'"});
   expect_error(try_it("Pf\n4 4\n0\n"), {"scale '0'"});

@@ -80,7 +80,7 @@ bool start(Writer& writer, std::FILE* stream, int width, int height, int channel
   writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_error, on_warning);
   if (writer.png) writer.info = png_create_info_struct(writer.png);
   if (!writer.info) {
-    std::snprintf(writer.complaint.text, sizeof writer.complaint.text, "libpng does not start");
+    std::snprintf(writer.complaint.text, sizeof writer.complaint.text, "libpng cannot be started");
     return false;
   }
   png_structp png = writer.png;
@@ -162,7 +162,7 @@ bool start(Reader& reader, std::FILE* stream) {
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.complaint, on_error, on_warning);
   if (reader.png) reader.info = png_create_info_struct(reader.png);
   if (!reader.info) {
-    std::snprintf(reader.complaint.text, sizeof reader.complaint.text, "libpng does not start");
+    std::snprintf(reader.complaint.text, sizeof reader.complaint.text, "libpng cannot be started");
     return false;
   }
   if (setjmp(png_jmpbuf(reader.png))) return false;

@@ -79,11 +79,12 @@ Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
 Error ended_early(const fs::path& file, const Ended& ended) {
   const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM)
-    return file_error("'{}' is broken, or too much for its reader, which was stopped after {:.0f} s", file.string(),
+    return file_error("'{}' is damaged or too complex; its reader was stopped after {:.0f} s", file.string(),
                       ended.seconds);
   if (signal == SIGKILL)
-    return file_error("'{}' is broken, or needs more memory than there is: the system ended its reader", file.string());
-  return file_error("'{}' is broken; its reader crashed on it{}", file.string(),
+    return file_error("'{}' is damaged or needs more memory than is available; the system ended its reader",
+                      file.string());
+  return file_error("'{}' is damaged; its reader crashed on it{}", file.string(),
                     signal ? fmt::format(" ({})", ::strsignal(signal)) : "");
 }
 
@@ -137,7 +138,7 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   const fs::path program = import_program();
   if (program.empty())
     return file_error(
-        "'{}' cannot be read, since the program {} is not there; install it, or name it in UMBRAGE_IMPORT",
+        "'{}' cannot be read, since the program {} is missing; install it, or set UMBRAGE_IMPORT to its path",
         file.string(), kProgram);
   Descriptor result = moved_up(::memfd_create("umbrage-scene", MFD_CLOEXEC));
   int ends[2] = {-1, -1};
@@ -170,7 +171,7 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   const Ended ended = wait_for(child, started);
   if (received) return std::move(*received);
   if (got == 1)
-    return file_error("'{}' cannot be read: '{}' is of another version than this program", file.string(),
+    return file_error("'{}' cannot be read: '{}' has another version than this program", file.string(),
                       program.string());
   return ended_early(file, ended);
 }

@@ -71,7 +71,8 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
   }
   const auto& formats = import_formats();
   if (std::find(formats.begin(), formats.end(), format) == formats.end()) {
-    return file_error("'{}' is no model that can be read; files that end in {} can", file.string(), list_of_formats());
+    return file_error("'{}' is not a supported model file; it should end in one of {}", file.string(),
+                      list_of_formats());
   }
   if (status.type() != fs::file_type::regular) return file_error("'{}' is not a regular file", file.string());
   if (fs::file_size(file, error) == 0 && !error) return file_error("'{}' is empty", file.string());
@@ -82,7 +83,7 @@ std::optional<Error> check_model_file(const fs::path& file, const std::string& f
 }
 
 Error too_large_to_read(const fs::path& file) {
-  return file_error("'{}' needs more memory than there is, or is broken", file.string());
+  return file_error("'{}' needs more memory than is available, or is damaged", file.string());
 }
 
 Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, const ImportSettings& settings,
@@ -98,8 +99,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   std::size_t astray = 0;
   for (const Mesh& mesh : scene.meshes) astray += triangles_astray(mesh);
   if (astray > 0) {
-    scene.warnings.push_back(fmt::format(
-        "{} of {} triangles have corners that are not among the vertices, and are left out", astray, triangles));
+    scene.warnings.push_back(
+        fmt::format("{} of {} triangles have vertex indices out of range and are left out", astray, triangles));
   }
   const std::size_t dropped = finish_scene(scene, settings.crease_angle_deg, settings.points, poll);
   if (poll && poll->ended()) return interrupted();

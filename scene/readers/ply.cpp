@@ -152,7 +152,7 @@ Result<Header> read_header(std::string_view& text, const std::string& file) {
     std::string shown(line.substr(0, kMaxShown));
     std::replace_if(
         shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    const Error wrong = file_error("'{}' has the PLY header line '{}', which cannot be understood", file, shown);
+    const Error wrong = file_error("'{}' has the PLY header line '{}', which is not valid", file, shown);
     if (words[0] == "comment") {
       if (words.size() > 2 && words[1] == "TextureFile") header.texture = line.substr(words[2].data() - line.data());
     } else if (words[0] == "format") {
@@ -363,8 +363,8 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
     const std::size_t row = std::max<std::size_t>(1, element.properties.size());
     if (element.count > body.left() / row + 1) {
       return file_error(
-          "'{}' is cut short, or its header is wrong: '{}' has {} entries there, for which the {} bytes "
-          "that follow are too few",
+          "'{}' is cut short, or its header is wrong: the element '{}' has {} entries, too many for the "
+          "{} bytes that follow",
           file, element.name, element.count, body.left());
     }
     if (element.name == "vertex") {
@@ -380,7 +380,7 @@ Result<Scene> read_ply(const fs::path& path, std::string& texture_name, Poll* po
     }
     if (poll && poll->ended()) return interrupted();
     if (body.ended) {
-      return file_error("'{}' is cut short, or holds something other than a number, in its list of '{}'", file,
+      return file_error("'{}' is cut short, or has something other than a number, in its list of '{}'", file,
                         element.name);
     }
   }

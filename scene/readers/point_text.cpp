@@ -103,7 +103,7 @@ Result<Scene> read_xyz(const fs::path& path, Poll* poll) {
     return true;
   });
   if (poll && poll->ended()) return interrupted();
-  if (wrong > 0) return file_error("'{}' has no three numbers in line {}", file, wrong);
+  if (wrong > 0) return file_error("'{}' has fewer than three numbers in line {}", file, wrong);
 
   Mesh mesh;
   std::size_t columns = kMaxColumns;
@@ -160,7 +160,7 @@ Result<Scene> read_obj_points(const fs::path& path, std::string_view text) {
     if (row.count >= 6) mesh.colors.push_back(triple(row, 3));
     return true;
   });
-  if (wrong > 0) return file_error("'{}' has no three numbers in line {}", path.string(), wrong);
+  if (wrong > 0) return file_error("'{}' has fewer than three numbers in line {}", path.string(), wrong);
   if (normals.size() == mesh.positions.size()) mesh.normals = std::move(normals);
   if (mesh.colors.size() != mesh.positions.size()) mesh.colors.clear();
   for (glm::vec3& color : mesh.colors) color = linear_color(color);

@@ -72,13 +72,13 @@ std::string read_header(Source& source, Header& header) {
       line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
       float factor = 0.0f;
       std::from_chars(line.data(), line.data() + line.size(), factor);
-      if (!(factor > 0.0f) || !std::isfinite(factor)) return "its exposure is no number above 0";
+      if (!(factor > 0.0f) || !std::isfinite(factor)) return "its exposure is not a number above 0";
       header.exposure *= factor;
       if (!(header.exposure >= std::numeric_limits<float>::min()) || !std::isfinite(header.exposure))
-        return "its exposures together are no number that floats hold";
+        return "the product of its exposures is out of range";
     }
   }
-  if (!parse_size(source.line(), header)) return "its size cannot be made out";
+  if (!parse_size(source.line(), header)) return "its size is missing or not valid";
   return "";
 }
 
@@ -134,17 +134,17 @@ Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std:
   Source source{bytes};
   Header header;
   if (const std::string wrong = read_header(source, header); !wrong.empty())
-    return file_error("'{}' is no Radiance picture that can be read: {}", name, wrong);
+    return file_error("'{}' cannot be read as a Radiance picture: {}", name, wrong);
   const int width = header.width, height = header.height;
   constexpr int kMaxWidth = 1 << 16;  // limits the memory of a row, which is allocated before any pixel is read
   if (std::int64_t(width) * height > most_pixels || width > kMaxWidth)
-    return file_error("'{}' says that it has {} x {} pixels, more than such an image can have here ({})", name, width,
-                      height, most_pixels);
+    return file_error("'{}' has {} x {} pixels in its header; at most {} can be read", name, width, height,
+                      most_pixels);
   std::vector<std::uint8_t> row(std::size_t(width) * kChannels);
   Panorama out{name, width, height, {}};
   for (int y = 0; y < height; ++y) {
     const bool sound = read_row(source, width, row);
-    if (source.ended) return file_error("'{}' is cut short: row {} of {} is not whole", name, y + 1, height);
+    if (source.ended) return file_error("'{}' is cut short: row {} of {} is incomplete", name, y + 1, height);
     if (!sound) return file_error("'{}' is damaged in row {} of {}", name, y + 1, height);
     // After the first row, so that a header alone cannot cause a large allocation.
     if (y == 0) out.rgb.reserve(std::size_t(width) * std::size_t(height) * 3);
