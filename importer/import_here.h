@@ -5,7 +5,8 @@
 namespace umbrage {
 
 /// Does the work of import_scene without a separate process: a crash of a reader is a crash of the caller. With
-/// `process_ends` the reader's memory is not freed. Points are left to complete_import. Errors: as import_scene.
+/// `process_ends` the reader's memory is not freed, and a scene with points is returned before complete_import, which
+/// the caller runs. Errors: as import_scene.
 Result<Scene> import_here(const std::filesystem::path& file, const ImportSettings& settings, bool process_ends = false);
 
 }  // namespace umbrage

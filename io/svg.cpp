@@ -52,9 +52,9 @@ std::string hex_of(const std::array<float, 3>& color) {
 double rounded(float v) { return std::round(double(v) * 100.0) / 100.0 + 0.0; }
 
 /// A point of a line, or an intermediate point of a segment.
-struct Knot {  ///< true for a point of the line, where it may turn
+struct Knot {
   LinePoint at;
-  bool corner;  ///< the line may turn here
+  bool corner;  ///< true for a point of the line, where it may turn
 };
 
 /// Returns the line's points and at least one intermediate point per segment, more where the width changes.

@@ -1,5 +1,4 @@
-// Lines of a picture as an SVG file [Scalable Vector Graphics 1.1]: paths without fill, with strokes as wide as the
-// lines.
+// Lines of a picture as an SVG 1.1 file: paths without fill, with strokes as wide as the lines.
 #pragma once
 #include <array>
 #include <filesystem>

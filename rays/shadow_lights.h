@@ -49,8 +49,8 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
 
 inline constexpr int kDiscPoints = 256;  // number of rays to a light after which their end points repeat
 
-/// Points on the unit disc for the rays of a packet, indexed by ray and pixel. Together they form a digital (0,
-/// 2)-sequence [Sobol 1967], mapped to the disc [Shirley and Chiu 1997]: the 16 points of each ray are evenly
+/// Points on the unit disc for the rays of a packet, indexed by ray and pixel. Together they form a digital
+/// (0, 2)-sequence [Sobol 1967], mapped to the disc [Shirley and Chiu 1997]: the 16 points of each ray are evenly
 /// distributed, those of several rays more finely, and any four consecutive points of a pixel lie in four different
 /// quadrants.
 using DiscPoints = std::array<std::array<glm::vec2, kPacket>, kDiscPoints>;

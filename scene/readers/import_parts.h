@@ -12,7 +12,7 @@ std::string import_format(const std::filesystem::path& file);
 /// Checks what can be checked before a file is parsed: existence, type, supported extension, size, permission.
 std::optional<Error> check_model_file(const std::filesystem::path& file, const std::string& format);
 
-/// Returns the error for a file that needs more memory than its limit.
+/// Returns the error for a file that needs more memory than is available.
 Error too_large_to_read(const std::filesystem::path& file);
 
 /// Completes a scene after a reader of any format: name, up, normals, removal of unusable triangles, bounds. Errors:
