@@ -1,11 +1,12 @@
-// Import in this process: a file becomes a Scene, by the readers of scene/ and by Assimp.
+// Import in the current process: reads a file into a Scene with the readers of scene/ and with Assimp.
 #pragma once
 #include "scene/readers/import.h"
 
 namespace umbrage {
 
-/// What import_scene does, without a process between: a reader's crash is the program's. Where the process is about to
-/// end, the reader's memory is left to the system, and points are left to complete_import. Errors: as of import_scene.
+/// Does the work of import_scene without a separate process: a crash of a reader is a crash of the caller. With
+/// `process_ends` the reader's memory is not freed, and a scene with points is returned before complete_import, which
+/// the caller runs. Errors: as import_scene.
 Result<Scene> import_here(const std::filesystem::path& file, const ImportSettings& settings, bool process_ends = false);
 
 }  // namespace umbrage

@@ -1,4 +1,4 @@
-// umbrage-import: reads a model, or an image of what is around it, for the program that starts it.
+// umbrage-import: reads a model or a panorama for the host that starts it.
 #include "importer/import_here.h"
 #include "importer/serve.h"
 #include "scene/readers/texture_file.h"

@@ -17,22 +17,22 @@ namespace umbrage {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kGrid = 32;                // rays per side of the picture
-constexpr float kReachesEnough = 0.15f;  // mean cosine with which the usual light falls on what is seen
-constexpr float kNoWayIn = 0.02f;        // the same of the sun
-constexpr float kLikeUsual = 0.2f;       // how much better a sun may be that stands where the usual light would
-// Brighter than the usual light, which is all that there is: here much of what is seen lies in shadow.
+constexpr int kGrid = 32;                // grid of rays, per side of the picture
+constexpr float kReachesEnough = 0.15f;  // mean cosine of the default light on the visible surfaces that suffices
+constexpr float kNoWayIn = 0.02f;        // mean cosine of the best sun below which sunlight cannot enter
+constexpr float kLikeUsual = 0.2f;       // bonus of a sun in the direction of the default light
+// Brighter than the default light, since many visible surfaces are in shadow and there is only this light.
 constexpr glm::vec3 kSun(1.5f, 1.38f, 1.18f), kLamp(1.1f, 1.0f, 0.85f);
-// Light that falls aslant shapes what it meets: as much better as it stands nearer to this height.
+// Oblique light shows shapes better: a sun at this height scores best; the loss per degree of deviation.
 constexpr float kBestHeightDeg = 50.0f, kWorseByDeg = 0.01f;
-constexpr float kSunDeg = 0.53f;      // what the sun's disc spans
-constexpr float kLampHeight = 0.85f;  // of the way from the eye to the ceiling
-constexpr float kLampRadius = 0.05f;  // of the median distance of what is seen
+constexpr float kSunDeg = 0.53f;      // width of the sun's disc
+constexpr float kLampHeight = 0.85f;  // fraction of the way from the camera to the ceiling
+constexpr float kLampRadius = 0.05f;  // fraction of the median distance of the visible surfaces
 
 struct Seen {
   Surface surface;
-  glm::vec3 start;  // of rays that leave it, unit space
-  float distance;   // from the eye, scene units
+  glm::vec3 start;  // origin of rays that leave it, unit space
+  float distance;   // from the camera, scene units
 };
 
 std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& info) {
@@ -53,7 +53,7 @@ std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& in
   return seen;
 }
 
-/// Mean cosine with which parallel light falls on what is seen, 0 where it does not arrive.
+/// Returns the mean cosine of parallel light on the visible surfaces, 0 where it is blocked.
 float mean_light(const TracedScene& traced, const std::vector<Seen>& seen, glm::vec3 direction) {
   float sum = 0.0f;
   for (std::size_t first = 0; first < seen.size(); first += kPacket) {

@@ -1,4 +1,4 @@
-// What a Scene can say of itself.
+// Functions of Scene: bounds, counts, size text, lighting.
 #include "scene/scene.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Import in a process of its own, so that a reader that crashes, never ends or eats memory takes nothing along.
+// Import in a separate process, so that a reader that crashes, hangs or exhausts memory does not affect the host.
 #pragma once
 #include "core/progress.h"
 #include "scene/environment.h"
@@ -6,26 +6,27 @@
 
 namespace umbrage {
 
-/// The file descriptors that the program umbrage-import is given: where the scene goes, and a pipe into which it puts
-/// one byte when the scene is there. When it ends without, it has crashed.
+/// File descriptors of the program umbrage-import: the file that receives the scene, and a pipe that receives one byte
+/// when the scene is complete. If the process ends without writing that byte, it has crashed.
 inline constexpr int kImportResult = 3, kImportDone = 4;
 
-/// Runs umbrage-import on a file. For several threads at once, in any program: nothing is forked but by posix_spawn, no
-/// signal handler is touched. Errors: kFile; those of the reader, one sentence where it crashed or was stopped, and one
-/// where the program umbrage-import is not there; kInterrupted, after which umbrage-import has ended.
+/// Runs umbrage-import on a file. Safe to call from several threads and in any host: processes are started only by
+/// posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's own, one sentence if it crashed or was
+/// stopped, one if the program umbrage-import is missing; kInterrupted, after umbrage-import has ended.
 Result<Scene> import_apart(const std::filesystem::path& file, const ImportSettings& settings, Poll* poll = nullptr);
 
-/// What umbrage-import is told where the file's own scene is wanted.
+/// Command-line value for ImportSettings::scene_index that is not set.
 inline constexpr int kNoSceneIndex = -1;
 
-/// The word after which umbrage-import is named a file that read_panorama is to read.
+/// Command-line option of umbrage-import: the next argument is a file for read_panorama.
 inline constexpr const char* kReadPanorama = "--panorama";
 
-/// The same for read_panorama of scene/readers/texture_file.h: the decoders are not ours.
+/// Runs read_panorama (scene/readers/texture_file.h) in a separate process, since the decoders are third-party code.
+/// Errors: as import_apart.
 Result<Panorama> read_panorama_apart(const std::filesystem::path& file, Poll* poll = nullptr);
 
-/// Where umbrage-import is: as the environment's UMBRAGE_IMPORT says, else beside the program or library that holds
-/// this function or in its ../libexec/umbrage, else where it was to be installed. Empty where it is in none of these.
+/// Returns the path of umbrage-import: the environment variable UMBRAGE_IMPORT, else beside the program or library that
+/// contains this function or in its ../libexec/umbrage, else the installation path. Empty if none exists.
 std::filesystem::path import_program();
 
 }  // namespace umbrage
