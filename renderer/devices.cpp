@@ -11,7 +11,7 @@
 namespace umbrage {
 namespace {
 
-/// Who captures for a Vulkan device, and how: UMBRAGE_VULKAN_CAPTURE; else the device decides.
+/// Returns how a Vulkan device captures, from UMBRAGE_VULKAN_CAPTURE; by default the device decides.
 Result<VulkanCapture> vulkan_capture() {
   const char* wish = std::getenv("UMBRAGE_VULKAN_CAPTURE");
   if (!wish || *wish == '\0') return VulkanCapture::kAuto;

@@ -24,7 +24,7 @@ const Panorama& panorama_of(const Hdri& hdri) {
   return *hdri.panorama;
 }
 
-/// Whether a reader of io/ knows the file by how it begins. Errors: kFile where it cannot be opened.
+/// Returns whether a reader of io/ recognises the first bytes of the file. Errors: kFile if it cannot be opened.
 Result<bool> is_own_format(const std::filesystem::path& file) {
   std::int64_t size = 0;
   const auto stream = open_to_read(file, size);
@@ -102,7 +102,7 @@ Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   lighting.lights = light.lights;
   for (Light& each : lighting.lights) {
     each.direction = glm::normalize(axes * each.direction);
-    // A disc that reaches below the horizon would leave the ground dark from its edge on.
+    // A disc that extends below the horizon would darken the ground from its edge on.
     const float height = std::asin(std::clamp(glm::dot(each.direction, glm::normalize(up)), -1.0f, 1.0f));
     if (height > 0.0f) each.angle_deg = std::min(each.angle_deg, 2.0f * glm::degrees(height));
     each.color *= hdri.intensity;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kAnyAngle = 36000.0;
 constexpr double kMaxDistance = 1e15;  // scene units
-constexpr double kMaxIndex = 1e9;      // of cameras and scenes, which are counted once the file is read
+constexpr double kMaxIndex = 1e9;      // max index of cameras and scenes; the true limit is known once the file is read
 constexpr unsigned kScenes = kRender | kCompare | kTune, kDevices = kScenes | kBench | kFigures;
 
 template <auto member>
@@ -45,7 +45,7 @@ std::vector<std::string_view> quality_names() {
 
 std::vector<std::string_view> technique_names() { return occlusion_names(handed_in()); }
 
-// In the order in which help shows them.
+// In the order of the help.
 const std::vector<Option> kOptions = {
     {.field = "crease_angle_deg",
      .option = "crease-angle",
@@ -450,8 +450,8 @@ const std::vector<Option> kOptions = {
     {.field = "model", .option = "MODEL", .group = "", .help = "", .where = in<&Request::model>, .commands = 0},
 };
 
-/// Where a quotation '...' that begins there ends, behind its mark; the same place where none begins. Apostrophes, as
-/// in "the picture's" or "the models' sizes", begin none.
+/// Returns the end of the quotation '...' that begins at `at`, after its closing mark; `at` if none begins there.
+/// Apostrophes, as in "the picture's" or "the models' sizes", do not begin one.
 std::size_t end_of_quotation(std::string_view message, std::size_t at) {
   const auto is_letter = [&](std::size_t k) { return k < message.size() && std::isalnum((unsigned char)message[k]); };
   if (message[at] != '\'' || (at > 0 && message[at - 1] != ' ' && message[at - 1] != '(')) return at;

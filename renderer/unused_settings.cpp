@@ -14,8 +14,8 @@ bool contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Whether the picture has the effect. Upsampling belongs to all: what is computed at full resolution now may be
-/// computed at half of it with another quality.
+/// Returns whether the picture uses the effect. `upsample` always counts as used: another quality may compute occlusion
+/// at reduced resolution.
 bool runs(const Recipe& recipe, std::string_view effect) {
   return effect == recipe.occlusion || effect == "upsample" || contains(recipe.look->effects, effect);
 }
@@ -39,7 +39,7 @@ void add_of_effects(const Request& request, const Recipe& recipe, const std::fun
   }
 }
 
-/// Of a look, where the request names effects in its place.
+/// Reports settings of looks, for a request that names effects in place of a look.
 void add_of_looks(const Request& request, std::vector<std::string>& sentences) {
   const Request initial;
   const std::pair<const char*, bool> all[] = {{"look", request.look != initial.look},
