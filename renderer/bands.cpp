@@ -79,7 +79,7 @@ class BandDrawer {
         const Rows band{begin, std::min(begin + rows_, height_)};
         const auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
         if (!done) return done.error();
-        if (begin > 0 && finished != *done) fail_check("bands of one picture wait for different things");
+        if (begin > 0 && finished != *done) fail_check("strips of one picture wait for different dispatches");
         finished = *done;
         progress_.show(double(band.end) / height_);
       }
@@ -120,7 +120,8 @@ class BandDrawer {
       const auto done = try_band(camera, band, planes, finish);
       if (!done) return done.error();
       if (done->finished || done->missing_rows == 0) return done->finished;
-      if (margin > height_) fail_check(fmt::format("a band of a picture {} pixels high wants more margin", height_));
+      if (margin > height_)
+        fail_check(fmt::format("a strip of a picture {} pixels high needs too large a margin", height_));
       margin += done->missing_rows;
     }
   }
@@ -246,7 +247,7 @@ Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double 
   if (!device.draws_bands() || traced) {
     if (fits) return plan;
     return usage_error(
-        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in bands, but not {}",
+        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in strips, but not {}",
         layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, layers == 1 ? "is" : "are",
         kMaxPixels,
         traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));

@@ -40,7 +40,7 @@ Result<std::unique_ptr<Device>> make_device(const std::string& name, int threads
     const auto [stop, failed] = std::from_chars(name.data() + prefix.size(), end, index);
     if (failed == std::errc() && stop == end && index >= 0)
       return make_vulkan_device({.index = index, .capture = *capture}, cpu());
-    return usage_error("there is no device '{}': a number follows vulkan:, such as vulkan:0", name);
+    return usage_error("there is no device '{}': vulkan: takes a number, such as vulkan:0", name);
   }
   constexpr std::string_view kNames[] = {"cpu", "vulkan", "auto"};
   return usage_error("there is no device '{}'{}", name, suggestion(name, kNames));

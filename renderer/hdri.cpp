@@ -29,7 +29,7 @@ Result<bool> is_own_format(const std::filesystem::path& file) {
   std::int64_t size = 0;
   const auto stream = open_to_read(file, size);
   if (!stream) return stream.error();
-  if (size == 0) return file_error("'{}' is empty, which is no image", file.string());
+  if (size == 0) return file_error("'{}' is empty: it is not an image", file.string());
   char start[8] = {};
   const std::size_t got = std::fread(start, 1, sizeof start, stream->get());
   for (const ImageFormat& format : image_formats())
@@ -81,11 +81,11 @@ Result<std::vector<std::string>> read_hdri(Hdri& hdri, const ProgressMonitor& mo
   if (!read) return read.error();
   if (const std::size_t changed = clean_panorama(*read); changed > 0)
     warnings.push_back(fmt::format(
-        "'{}': {} of its pixels are not finite or below 0 somewhere, which becomes 0, or 65504 where it is infinite",
+        "'{}': {} of its pixels have values that are not finite or below 0: they become 0, or 65504 if infinite",
         hdri.file, changed));
   if (read->width != 2 * read->height)
     warnings.push_back(
-        fmt::format("'{}' is {} x {} pixels; an image of all directions is twice as wide as it is high, and "
+        fmt::format("'{}' is {} x {} pixels; an environment image is twice as wide as it is high: "
                     "this one is stretched to that",
                     hdri.file, read->width, read->height));
   Panorama panorama = reduced_panorama(*read, kMaxPanoramaWidth, kMaxPanoramaHeight);

@@ -47,7 +47,7 @@ Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std
 
 Result<ParameterBytes> line_parameters(const Recipe& recipe) {
   const std::string who =
-      recipe.own_look ? "the effects asked for draw" : fmt::format("the look '{}' draws", recipe.look->name);
+      recipe.own_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
   return line_parameters(who, recipe.look->effects, recipe.settings);
 }
 

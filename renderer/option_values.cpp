@@ -9,7 +9,7 @@
 namespace umbrage {
 namespace {
 
-constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a share such as 5%";
+constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a percentage such as 5%";
 constexpr float kMaxPosition = 1e15f;  // as for models: Embree cannot trace rays beyond
 
 /// Parses `count` numbers separated by commas.
@@ -259,7 +259,7 @@ Result<void> check_request(const Request& request, long most_pixels) {
   for (const Option& option : options())
     if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
   if (long(request.width) * request.height > most_pixels)
-    return usage_error("a picture cannot have {} x {} pixels: {} together are the most", request.width, request.height,
+    return usage_error("a picture cannot have {} x {} pixels: the max is {} in total", request.width, request.height,
                        most_pixels);
   return check_together(request);
 }

@@ -164,7 +164,7 @@ Result<void> take_passes(const Request& request, Recipe& recipe) {
     if (std::count(words.begin(), words.end(), word) > 1) return usage_error("`passes` names '{}' twice", word);
   }
   if (words.size() > 1 && std::find(words.begin(), words.end(), kAll) != words.end())
-    return usage_error("`passes` all stands alone: it names every pass");
+    return usage_error("`passes` all must be the only name: it selects every pass");
   return {};
 }
 
@@ -173,12 +173,12 @@ namespace {
 /// Returns the error for a pass that a capture lacks.
 Error not_captured(const std::string& word, std::span<const std::string> captured) {
   if (of_first_layer(word) == "emission")
-    return usage_error(
-        "there is no pass '{}' in this picture, where no material sends out light: leave it out of `passes`", word);
+    return usage_error("there is no pass '{}' in this picture: no material emits light; leave it out of `passes`",
+                       word);
   std::vector<std::string> shadows;
   for (const std::string& plane : captured)
     if (plane.starts_with("shadow")) shadows.push_back(layer_plane(layer_of_plane(word), plane));
-  return usage_error("there is no pass '{}' in this picture, whose lights cast fewer shadows: `passes` takes {}", word,
+  return usage_error("there is no pass '{}' in this picture: its lights cast fewer shadows; `passes` takes {}", word,
                      fmt::join(shadows, ", "));
 }
 

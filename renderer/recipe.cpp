@@ -90,7 +90,8 @@ Result<void> find_names(const Request& request, Recipe& recipe) {
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   if (request.ground == "on" && !recipe.look->ground)
-    return usage_error("`ground` on is for looks that show the shade alone, such as studio, not '{}'", request.look);
+    return usage_error("`ground` on is for looks that show the ground only by its shadow, such as studio, not '{}'",
+                       request.look);
   if (request.quality.empty() || find_quality(request.quality)) return {};
   std::vector<std::string_view> names;
   for (const Quality& each : qualities()) names.push_back(each.name);

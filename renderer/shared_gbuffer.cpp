@@ -56,10 +56,11 @@ class ViewDepth {
 Result<void> check(const Request& request, const Lens& lens) {
   if (auto fine = check_lens(lens); !fine) return fine;
   if (!(lens.right > lens.left && lens.top > lens.bottom))
-    return usage_error("the camera's window cannot be {} to {} and {} to {}: right lies beyond left, top above bottom",
+    return usage_error("the camera's window cannot be {} to {} and {} to {}: right must exceed left, top bottom",
                        lens.left, lens.right, lens.bottom, lens.top);
   if (lens.scene_radius < 0.0f)
-    return usage_error("`scene_radius` cannot be {}: it is above 0, or 0 to be found", lens.scene_radius);
+    return usage_error("`scene_radius` cannot be {}: it takes a number above 0, or 0 to derive it from the depth",
+                       lens.scene_radius);
   for (const float v : request.gbuffer.view_from_normal)
     if (!std::isfinite(v)) return usage_error("`view_from_normal` holds a number that is not finite");
   return {};
@@ -84,7 +85,8 @@ Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, c
         return is_id(named.name) && of_first_layer(other.name) == of_first_layer(named.name) &&
                is_whole(other.image.type) != is_whole(image.type);
       }))
-    return usage_error("the image '{}' and that of another layer cannot be of integers and of floats", named.name);
+    return usage_error("the image '{}' has integers in one layer and floats in another: all layers take the same",
+                       named.name);
   if (std::count_if(images.begin(), images.end(), [&](const NamedImage& other) { return other.name == named.name; }) >
       1)
     return usage_error("there are two images '{}'", named.name);

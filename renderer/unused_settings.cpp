@@ -47,7 +47,7 @@ void add_of_looks(const Request& request, std::vector<std::string>& sentences) {
                                               {"occlusion", request.occlusion != initial.occlusion},
                                               {"occlusion_scale", request.occlusion_scale != initial.occlusion_scale}};
   for (const auto& [field, is_set] : all)
-    if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` stand in place of the look", field));
+    if (is_set) sentences.push_back(fmt::format("`{}` does nothing: `effects` replace the look", field));
 }
 
 void add_of_images(const Request& request, const Recipe& recipe, std::vector<std::string>& sentences) {
@@ -69,7 +69,7 @@ void add_of_images(const Request& request, const Recipe& recipe, std::vector<std
   if (hdri.skybox || (shines && hdri.ambient)) return;
   sentences.push_back(hdri.ambient
                           ? fmt::format("`hdri_file` does nothing: the look {} brings its own light", recipe.look->name)
-                          : "`hdri_file` does nothing: it is to be neither light nor background");
+                          : "`hdri_file` does nothing: it is used neither as light nor as background");
 }
 
 }  // namespace
