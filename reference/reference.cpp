@@ -56,7 +56,7 @@ Result<Image> trace_reference(const TracedScene& scene, const PictureInfo& info,
   const auto& params = as<ReferenceParams>(bytes);
   const auto radius = radius_in_scene("reference.radius", params.radius, info);
   if (!radius) return radius.error();
-  // Occlusion and light each cost about as many rays as they have kinds; progress is told as one.
+  // Occlusion and light each trace about as many rays as they have kinds of planes; both report one progress.
   const bool light = params.light != kReferenceOcclusion, bounce = params.light == kReferenceBounce;
   const double occlusion_share = light ? bounce ? 0.2 : 0.5 : 1.0;
   TraceControl first = control, second = control;
