@@ -181,7 +181,7 @@ class BandDrawer {
   int metered_missing_ = 0;  // rows missing in the current strip
   PictureInfo info_;
   int height_ = 0;
-  std::size_t sweep_ = 0;     // of the frame
+  std::size_t sweep_ = 0;     // of the sample
   std::vector<int> margins_;  // of the strips of each sweep; the same for all samples
   std::optional<KeptPlanes> kept_;
   int kept_rows_ = 0;
@@ -234,7 +234,7 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
 Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double memory) {
   constexpr double kBytes = sizeof(float);
   constexpr double kFixed = 150e6;              // the program and a scene
-  constexpr double kMargin = 64.0;              // rows above and below a band
+  constexpr double kMargin = 64.0;              // rows above and below a strip
   constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip: fewer are mostly margin, more save no memory
   const int layers = *layer_count(recipe.capture);
   const PlaneCount count = count_planes(recipe, layers);
