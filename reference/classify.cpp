@@ -1,11 +1,11 @@
-// classify(): silhouettes, thin things and open surfaces from depth and normals.
+// classify(): silhouettes, thin objects and open surfaces from depth and normals.
 //
-// All rests on one question: is there a jump in depth between two neighbouring pixels? Each has a tangent plane. On one
-// smooth surface, however steep, either point lies on the other's plane. In a corner each lies in front of the other's
-// plane, on a convex edge each behind it: the planes meet between the pixels. Only where the nearer point lies in front
-// of the farther one's plane, and the farther one behind the nearer one's, is there a gap that neither plane explains.
-// At the rim of a round thing the last pixel's plane may be so steep that it explains anything; there the pixel before
-// it is asked too.
+// The basis is a test for a depth discontinuity between two neighbouring pixels. Each pixel has a tangent plane. On one
+// smooth surface, however steep, each point lies on the other's plane. At a concave crease each lies in front of the
+// other's plane, at a convex one each lies behind it: the planes meet between the pixels. Only where the nearer point
+// lies in front of the farther one's plane, and the farther point behind the nearer one's, is there a gap that neither
+// plane explains. At the silhouette of a round object the last pixel's plane may be so steep that it explains any gap;
+// there the pixel before it is tested, too.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -21,33 +21,33 @@
 namespace umbrage {
 namespace {
 
-// A point lies off a plane by more than this many sizes of a pixel (kernel/surface.kernel.h) for each pixel between the
-// two points. 1 is what a round thing explains: where it turns edge-on within n pixels of the picture, it falls behind
-// its tangent plane by n of them.
+// Tolerance of a point's distance from a plane, in pixel sizes (kernel/surface.kernel.h) per pixel between the two
+// points. 1 allows for a round object: where it turns edge-on within n pixels of the picture, it falls behind its
+// tangent plane by n pixel sizes.
 constexpr float kTolerancePx = 1.0f;
 
-// Silhouettes reach 2 pixels to either side of a jump in a picture 1024 high: the width over which a screen-space
-// technique mixes both sides when it filters or lacks a neighbour.
+// Silhouettes extend 2 pixels to either side of a discontinuity in a picture 1024 pixels high: the width over which a
+// screen-space technique mixes both sides when it filters or lacks a neighbour.
 constexpr double kSilhouetteShare = 2.0 / 1024.0;
 constexpr int kSilhouetteLeast = 1;
 
-// Thin is what a tenth of a usual radius (a tenth of the height) spans: samples step over it or take it for a wall.
+// Thin is a tenth of a usual radius (a tenth of the height): samples step over it or take it for a wall.
 constexpr double kThinShare = 0.01;
 constexpr int kThinLeast = 2;
 
-// The frame's border: as far as the inner half of a usual radius reaches, where samples lie that count most.
+// The picture's border: as wide as the inner half of a usual radius, where the samples with the largest weight lie.
 constexpr double kBorderShare = 0.04;
 constexpr int kBorderLeast = 1;
 
 int share_of(int size, double share, int least) { return std::max(least, int(std::lround(size * share))); }
 
-/// What a pixel shows: a point of a surface in view space.
+/// The visible surface point of a pixel, view space.
 struct Surfel {
   bool covered = false;
   scalar::Vec3 point{}, normal{};
 };
 
-/// Reads the surfels of one row.
+/// Computes the surfels of one row.
 class SurfelRows {
  public:
   explicit SurfelRows(const GBuffer& gbuffer) : depth_(gbuffer.layers[0].plane("depth")) {
@@ -67,13 +67,14 @@ class SurfelRows {
     for (int x = 0; x < depth_.width; ++x) out[x] = at(x, y);
   }
 
-  /// Whether a point, the next pixel's, lies off a surfel's plane towards the viewer, and no wrong normal explains it.
+  /// Returns whether the next pixel's point is in front of the surfel's plane by more than an error of the normal
+  /// explains.
   bool lies_before(const Surfel& surfel, const Surfel& point) const {
     return surface_.plane_distance(surfel.point, surfel.normal, point.point, kTolerancePx) > 1.0f;
   }
 
-  /// Whether a point, so many pixels away, lies off it away from the viewer, as the normal says: a rim's plane, steep
-  /// as it is, would be wrong by enough to explain anything.
+  /// Returns whether a point `pixels` pixels away is behind the surfel's plane. The normal is taken as exact: with an
+  /// allowance for its error, the steep plane at a silhouette would explain any gap.
   bool lies_behind(const Surfel& surfel, const Surfel& point, int pixels) const {
     return surface_.plane_distance_px(surfel.point, surfel.normal, point.point) < -kTolerancePx * float(pixels);
   }
@@ -94,10 +95,10 @@ class SurfelRows {
   std::array<const Plane*, 3> normal_{};
 };
 
-/// Between a pixel and its neighbour: the jump's direction, or none.
+/// The direction of a depth discontinuity from a pixel to its neighbour, or none.
 enum class Jump : std::int8_t { kNone, kDown, kUp };  // kDown: the neighbour is farther
 
-/// The middle two of four surfels in a line.
+/// Returns the discontinuity between the middle two of four surfels in a line.
 Jump jump_between(const SurfelRows& rows, const Surfel& before, const Surfel& pixel, const Surfel& neighbour,
                   const Surfel& beyond) {
   if (!pixel.covered && !neighbour.covered) return Jump::kNone;
@@ -112,18 +113,18 @@ Jump jump_between(const SurfelRows& rows, const Surfel& before, const Surfel& pi
   return down ? Jump::kDown : Jump::kUp;
 }
 
-/// The neighbours that each pixel is compared with; the others are theirs.
+/// The neighbours with which each pixel is compared; the opposite ones compare with it.
 struct Step {
   int x, y;
 };
 constexpr std::array<Step, 4> kSteps = {{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
-constexpr int kStraightSteps = 2;  // those along the axes come first
-constexpr int kMargin = 2;         // how far a step's line of four surfels reaches beyond the frame
+constexpr int kStraightSteps = 2;  // the steps along the axes come first
+constexpr int kMargin = 2;         // reach of a step's line of four surfels beyond the picture
 
-/// The jumps between each pixel and its neighbours.
+/// The discontinuities between each pixel and its neighbours.
 struct JumpMap {
   int width, height;
-  std::array<std::vector<Jump>, kSteps.size()> jumps;  ///< kNone beyond the frame
+  std::array<std::vector<Jump>, kSteps.size()> jumps;  ///< kNone beyond the picture
 
   bool inside(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
   Jump at(int step, int x, int y) const { return jumps[step][std::size_t(y) * width + x]; }
@@ -132,9 +133,9 @@ struct JumpMap {
 JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
   JumpMap map{width, height, {}};
   for (auto& jumps : map.jumps) jumps.assign(std::size_t(width) * height, Jump::kNone);
-  constexpr int kGrain = 32;  // rows of one task: enough to outweigh the rows that it reads above and below
+  constexpr int kGrain = 32;  // rows per task: enough to outweigh the extra rows read above and below
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
-    // Rows y - 1 to y + 2, of which row r is kept at r mod 4.
+    // Rows y - 1 to y + 2; row r is stored at index r mod 4.
     std::array<std::vector<Surfel>, 4> kept;
     const auto row = [&](int r) -> std::vector<Surfel>& { return kept[(r + 4) % 4]; };
     const auto read = [&](int r) {
@@ -158,7 +159,7 @@ JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
   return map;
 }
 
-/// Marks the pixels that are at most `reach` from a jump along the axes; 1 is beside it.
+/// Marks pixels at most `reach` pixels along the axes from a discontinuity; 1: only the pixels beside it.
 std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
   const int width = map.width, height = map.height;
   const std::size_t size = std::size_t(width) * height;
@@ -186,7 +187,7 @@ std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
   return marked;
 }
 
-/// Marks runs of at most `most` pixels along the step that begin with a jump up and end with a jump down.
+/// Marks runs of at most `most` pixels along the step that begin with a kUp and end with a kDown.
 void mark_runs(const JumpMap& map, int step, int most, std::vector<char>& marked) {
   const auto [dx, dy] = kSteps[step];
   for (int y0 = 0; y0 < map.height; ++y0)

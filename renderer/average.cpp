@@ -1,4 +1,4 @@
-// Averaged frames: what of them is averaged, and the lines that lie over the average.
+// Averaged pictures: which planes are averaged, and the lines drawn over the average.
 #include <algorithm>
 
 #include "effects/effects.h"
@@ -46,7 +46,7 @@ Result<Image> finished_color(Device& device, const PictureSum& total, const Plan
   auto mean = device.upload(mean_picture(total, info));
   if (!mean) return mean.error();
   if (auto done = device.add(lines, *mean); !done) return done.error();
-  as<OutputParams>(output).exposure = 0.0f;  // each frame had them
+  as<OutputParams>(output).exposure = 0.0f;  // already applied to each sample
   as<OutputParams>(output).shoulder = 1.0f;
   as<OutputParams>(output).sky = 0;
   if (auto done = device.run(*find_effect("output"), output, *mean); !done) return done.error();
@@ -55,7 +55,7 @@ Result<Image> finished_color(Device& device, const PictureSum& total, const Plan
 
 namespace {
 
-/// Planes as a frame with a guard band has them: as much around, of what is at the rim.
+/// Extends planes by a guard band of `band` pixels, repeating the border pixels.
 Image with_band(const Image& inner, int band) {
   Image whole(inner.width + 2 * band, inner.height + 2 * band);
   for (std::size_t k = 0; k < inner.names.size(); ++k) {

@@ -14,7 +14,7 @@
 namespace umbrage {
 namespace {
 
-/// What is done of all sweeps over all bands.
+/// Progress over all sweeps over all strips.
 class BandProgress {
  public:
   BandProgress(const ProgressMonitor& monitor, int frames) : monitor_(monitor), frames_(frames) {}
@@ -22,13 +22,13 @@ class BandProgress {
   ProgressMonitor of_step() {
     return [this](double) { return tell(); };
   }
-  /// This share of a sweep is done.
+  /// Sets the finished fraction of a sweep.
   void show(double share) { share_ = share; }
   void sweep_done() {
     ++sweep_;
     share_ = 0.0;
   }
-  /// The frame that follows takes as many sweeps as this one, or one less if that was for the metering.
+  /// Ends a sample. The next one needs as many sweeps as this one, or one less if one was for metering.
   void frame_done(bool metered) {
     usual_ = std::max(sweep_ - (metered ? 1 : 0), 1);
     ++frame_;
@@ -50,7 +50,7 @@ class BandProgress {
   double share_ = 0.0, told_ = 0.0;
 };
 
-/// Draws the bands of one frame of a picture.
+/// Draws the strips of one sample of a picture.
 class BandDrawer {
  public:
   BandDrawer(Device& device, Plan& plan, int rows, BandProgress& progress, StageTimes& times)
@@ -62,11 +62,11 @@ class BandDrawer {
     run_.meter = [this](Device& of, const Frame& frame) { return meter(of, frame); };
   }
 
-  /// What is finished of a band, its inner rows, the first of them `first`.
+  /// Receives the inner rows of a finished strip; `first` is the index of the first row.
   using Finish = std::function<Result<void>(const Frame& frame, const Image& rows, int first)>;
 
-  /// Draws all bands, as often as it takes; `planes` of what is finished go to `finish`. Gives the frame's lines where
-  /// they are asked for.
+  /// Draws all strips in as many sweeps as needed and passes `planes` of the finished rows to `finish`. Returns the
+  /// lines of the sample if `lines` is set.
   Result<Lines> draw_frame(const Camera& camera, const std::vector<std::string>& planes, bool lines,
                            const Finish& finish) {
     const auto wholes = std::make_shared<WholePlanes>();
@@ -79,7 +79,7 @@ class BandDrawer {
         const Rows band{begin, std::min(begin + rows_, height_)};
         const auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
         if (!done) return done.error();
-        if (begin > 0 && finished != *done) fail_check("bands of one picture wait for different things");
+        if (begin > 0 && finished != *done) fail_check("strips of one picture wait for different dispatches");
         finished = *done;
         progress_.show(double(band.end) / height_);
       }
@@ -95,7 +95,7 @@ class BandDrawer {
   }
 
  private:
-  /// From the planes that the bands have gathered for the host step.
+  /// Traces the lines from the planes that the strips have gathered for the host step.
   Lines lines_of(WholePlanes& wholes) const {
     Image planes(info_.width, info_.height);
     for (const std::string_view name : edge_planes()) {
@@ -107,7 +107,8 @@ class BandDrawer {
     return traced_lines(info_, planes, params, device_.threads());
   }
 
-  /// Draws a band, with more margin as long as that lacks. Whether it is finished; else it waits for others.
+  /// Draws a strip, with an increasing margin until it suffices. Returns whether the strip is finished; if not, it
+  /// waits for other strips.
   Result<bool> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
                          const Finish& finish) {
     int& margin = margins_[sweep_];
@@ -119,12 +120,13 @@ class BandDrawer {
       const auto done = try_band(camera, band, planes, finish);
       if (!done) return done.error();
       if (done->finished || done->missing_rows == 0) return done->finished;
-      if (margin > height_) fail_check(fmt::format("a band of a picture {} pixels high wants more margin", height_));
+      if (margin > height_)
+        fail_check(fmt::format("a strip of a picture {} pixels high needs too large a margin", height_));
       margin += done->missing_rows;
     }
   }
 
-  /// Planes of bands of other sizes serve no more.
+  /// Drops pooled planes of strips of another size, which cannot be reused.
   void keep_planes_of(const Rows& rows) {
     if (kept_ && kept_rows_ == rows.count()) return;
     kept_.reset();
@@ -155,7 +157,7 @@ class BandDrawer {
     return Progression();
   }
 
-  /// Metering sees all bands before any of them is finished.
+  /// Meters a strip. Metering reads all strips before any of them is finished.
   Result<std::optional<float>> meter(Device& device, const Frame& frame) {
     metered_missing_ = device.missing_rows(frame, kMeteredPlanes);
     if (metered_missing_ > 0) return std::optional<float>();
@@ -176,30 +178,30 @@ class BandDrawer {
   Metering seen_;
   float usual_ = 0.0f;       // stops
   bool metering_ = false;    // in this sweep
-  int metered_missing_ = 0;  // rows, of the band that is drawn
+  int metered_missing_ = 0;  // rows missing in the current strip
   PictureInfo info_;
   int height_ = 0;
-  std::size_t sweep_ = 0;     // of the frame
-  std::vector<int> margins_;  // of the bands of each sweep: the same in all frames
+  std::size_t sweep_ = 0;     // of the sample
+  std::vector<int> margins_;  // of the strips of each sweep; the same for all samples
   std::optional<KeptPlanes> kept_;
   int kept_rows_ = 0;
-  int first_ = 0;  // the band's first inner row
+  int first_ = 0;  // first inner row of the strip
 };
 
-/// Numbers of planes, in sizes of the whole picture.
+/// Numbers of planes, in planes of the whole picture.
 struct PlaneCount {
-  double held = 0.0;  ///< by a frame
-  double far = 0.0;   ///< of these, what passes read anywhere, and what they make on the host
+  double held = 0.0;  ///< held by a frame
+  double far = 0.0;   ///< those of them that dispatches read at arbitrary distance, or that are made on the host
   double averaged = 0.0;
 };
 
-/// What drawing takes, about: what a pass does not need any more is kept all the same.
+/// Estimates the planes needed for drawing. Planes that later dispatches no longer read are counted, too.
 PlaneCount count_planes(const Recipe& recipe, int layers) {
-  constexpr int kCaptured = 17;       // of each layer: with a second shadow, and emission
-  constexpr double kBesides = 7.0;    // planes of one value, and what is handed out
-  constexpr double kOfAverage = 6.0;  // the picture that is finished, and what that is made of
+  constexpr int kCaptured = 17;       // per layer: with a second shadow, and emission
+  constexpr double kBesides = 7.0;    // uniform planes, and output
+  constexpr double kOfAverage = 6.0;  // the finished picture and its inputs
   const double reduced = 1.0 / double(recipe.occlusion_every * recipe.occlusion_every);
-  constexpr double kOfHostStep = 3.0;  // what it works on: of lines edges, chains and where they lie
+  constexpr double kOfHostStep = 3.0;  // working set, for lines: edges, chains and their positions
   double of_host_steps = 0.0;
   std::set<std::string> full, small, far_full, far_small;
   for (const Effect* effect : steps_of(look_run(recipe))) {
@@ -232,8 +234,8 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
 Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double memory) {
   constexpr double kBytes = sizeof(float);
   constexpr double kFixed = 150e6;              // the program and a scene
-  constexpr double kMargin = 64.0;              // rows above and below a band
-  constexpr int kMinRows = 64, kMaxRows = 512;  // of a band: of fewer most would be margin, more spare nothing
+  constexpr double kMargin = 64.0;              // rows above and below a strip
+  constexpr int kMinRows = 64, kMaxRows = 512;  // rows of a strip: fewer are mostly margin, more save no memory
   const int layers = *layer_count(recipe.capture);
   const PlaneCount count = count_planes(recipe, layers);
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
@@ -245,7 +247,7 @@ Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double 
   if (!device.draws_bands() || traced) {
     if (fits) return plan;
     return usage_error(
-        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in bands, but not {}",
+        "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in strips, but not {}",
         layers == 1 ? "one layer" : fmt::format("{} layers", layers), width, height, layers == 1 ? "is" : "are",
         kMaxPixels,
         traced ? "with `occlusion` reference" : fmt::format("on the device {}: try `device` cpu", device.name()));
@@ -260,14 +262,14 @@ Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double 
 
 namespace {
 
-/// These planes of some rows.
+/// Returns these planes of some rows.
 Image chosen(const Image& rows, const std::vector<std::string>& names) {
   Image own(rows.width, rows.height);
   for (const std::string& name : names) own.add(name) = rows.plane(name);
   return own;
 }
 
-/// What is handed out of rows of frame 0 and of the sum of the other frames.
+/// Returns the finished rows from the rows of sample 0 and the sum of the other samples.
 Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& total, const PictureInfo& info,
                             const Image& rows, int first, const std::vector<std::string>& planes) {
   PictureSum sum = rows_of(total, first, rows.height);
@@ -298,7 +300,7 @@ Result<Lines> draw_bands(Device& device, const Plan& planned, int rows, const st
   BandProgress progress(monitor, plan.recipe.frames);
   BandDrawer drawer(device, plan, rows, progress, times);
   PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
-  std::vector<std::string> wanted = planes;  // of the frame that stays
+  std::vector<std::string> wanted = planes;  // planes of sample 0
   if (plan.averages())
     for (const auto& more : {averaged_planes(plan), line_planes(plan)})
       for (const std::string& name : more)

@@ -1,4 +1,4 @@
-// Pictures in bands: the same to the bit as drawn whole, whatever the look, the technique and the size of the bands.
+// Pictures in strips: bitwise identical to those drawn whole, for all looks, techniques and strip sizes.
 #include "renderer/bands.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace umbrage {
 namespace {
 
-/// The planes of a picture, drawn whole or in bands of so many rows.
+/// Draws planes of a picture, whole (`rows` = 0) or in strips of `rows` rows.
 Image drawn(const Request& settings, int rows, const std::vector<std::string>& planes, int threads = 0,
             const char* model = "scene:room?detail=3000", bool alone = false) {
   static std::map<std::string, Scene> scenes;  // one takes a second to make
@@ -142,7 +142,7 @@ TEST(Bands, AnySizeOfPicturesAndBands) {
   }
 }
 
-// In high pictures lines are followed farther, and specks may be wider.
+// In high pictures lines are followed farther, and wider specks are removed.
 TEST(Bands, HighPictures) { expect_bands_same(of_look("cartoon", 32, 1300), {400}); }
 
 TEST(Bands, GuardBandsAndFurtherViews) {
@@ -153,7 +153,7 @@ TEST(Bands, GuardBandsAndFurtherViews) {
   expect_bands_same(settings, {16, 64});
 }
 
-// Lines are those of the whole picture, of the frame that stays.
+// Lines are those of the whole picture, traced once, in sample 0.
 TEST(Bands, LinesOverAveragedFrames) {
   Request settings = of_look("cartoon", 181, 203);
   settings.settings = {"outline.width=3", "outline.r=0.5"};
@@ -169,7 +169,7 @@ TEST(Bands, LinesOverAveragedFrames) {
   }
 }
 
-// Of passes alone as well, those of lines among them, which are of one frame.
+// Includes passes of lines, which are those of sample 0.
 TEST(Bands, PassesAlone) {
   for (const auto& [look, passes] : {std::pair<std::string_view, std::vector<std::string>>{"cartoon", {"outline"}},
                                      {"cartoon", {"outline", "ao"}},
@@ -213,7 +213,7 @@ TEST(Bands, ArePlannedWhereMemoryIsShort) {
   EXPECT_GT(plan->rows, 0);
   EXPECT_EQ(plan->rows % 4, 0);
   EXPECT_LT(plan->bytes, 8e9);
-  // Much memory does not make a picture one that can be drawn whole.
+  // The limit on pictures drawn whole does not depend on memory.
   EXPECT_GT(planned(1e12)->rows, 0);
   settings.passes = {"depth", "ao"};
   EXPECT_TRUE(make_recipe(settings, kMaxBandPixels));

@@ -13,13 +13,13 @@
 namespace umbrage {
 namespace {
 
-/// The host step that traces lines and draws them.
+/// Returns the dispatch of `outline` that runs on the host: it traces and draws the lines.
 const Pass& tracing_pass() {
   const auto& passes = find_effect("outline")->passes;
   return *std::find_if(passes.begin(), passes.end(), [](const Pass& pass) { return pass.host != nullptr; });
 }
 
-/// Whether a part of the line may be seen in a picture of that size.
+/// Returns whether a part of the line may be visible in a picture of that size.
 bool is_inside(const Line& line, int width, int height) {
   if (line.points.empty()) return false;
   float left = line.points[0].x, right = left, top = line.points[0].y, bottom = top;
@@ -47,7 +47,7 @@ Result<ParameterBytes> line_parameters(std::string_view who, std::span<const std
 
 Result<ParameterBytes> line_parameters(const Recipe& recipe) {
   const std::string who =
-      recipe.own_look ? "the effects asked for draw" : fmt::format("the look '{}' draws", recipe.look->name);
+      recipe.own_look ? "the requested effects draw" : fmt::format("the look '{}' draws", recipe.look->name);
   return line_parameters(who, recipe.look->effects, recipe.settings);
 }
 
@@ -73,7 +73,7 @@ Lines traced_lines(const PictureInfo& info, const Image& planes, const Parameter
 
 Result<Lines> traced_lines(Device& device, const Frame& frame, const ParameterBytes& outline_params) {
   Frame whole = frame;
-  whole.info.guard = 0;  // so that the guard band is handed out too
+  whole.info.guard = 0;  // download returns the guard band, too
   const auto planes = device.download(whole, {edge_planes().begin(), edge_planes().end()});
   if (!planes) return planes.error();
   return traced_lines(frame.info, *planes, outline_params, device.threads());

@@ -1,4 +1,4 @@
-// Values of options: from text, and checked.
+// Parses and checks the values of options.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -9,10 +9,10 @@
 namespace umbrage {
 namespace {
 
-constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a share such as 5%";
-constexpr float kMaxPosition = 1e15f;  // as for models: rays beyond leave what Embree takes
+constexpr std::string_view kLengthTaken = "a length above 0 in scene units, or a percentage such as 5%";
+constexpr float kMaxPosition = 1e15f;  // as for models: Embree cannot trace rays beyond
 
-/// So many numbers, separated by commas.
+/// Parses `count` numbers separated by commas.
 std::optional<std::vector<float>> parse_numbers(std::string_view text, std::size_t count) {
   std::vector<float> v(count);
   std::size_t start = 0;
@@ -32,12 +32,12 @@ std::optional<Vector3> parse_three(std::string_view text) {
   return v ? std::optional(Vector3{(*v)[0], (*v)[1], (*v)[2]}) : std::nullopt;
 }
 
-/// Of a field that is a list of numbers.
+/// Returns the length of a field that is a list of numbers.
 std::size_t count_of(OptionForm form) { return form == OptionForm::kRotation ? 9 : 4; }
 
 bool is_zero(const Vector3& v) { return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f; }
 
-/// Whether a vector is what such an option takes.
+/// Returns whether a vector is a valid value for this form.
 bool is_within(OptionForm form, const Vector3& v) {
   const auto all = [&](auto fits) { return std::all_of(v.begin(), v.end(), fits); };
   if (form == OptionForm::kColor) return all([](float x) { return x >= 0.0f && x <= 1.0f; });
@@ -51,7 +51,7 @@ std::string joined(const std::vector<std::string_view>& words) {
   return text;
 }
 
-/// What an option takes, in words.
+/// Returns a description of the valid values.
 std::string taken(const Option& o) {
   if (!o.choices.empty()) return joined(o.choices);
   switch (o.form) {
@@ -84,7 +84,7 @@ Result<void> check_choice(const Option& o, std::string_view text) {
   return o.choices.empty() || known ? Result<void>() : wrong(o, text);
 }
 
-/// The value of an option in a request, checked. Errors: kUsage.
+/// Checks the value of an option in a request. Errors: kUsage.
 class CheckValue {
  public:
   CheckValue(const Option& option, Request& request) : o_(option), request_(request) {}
@@ -198,7 +198,7 @@ class SetValue {
   Request& request_;
 };
 
-/// What two options say of the same thing. Errors: kUsage.
+/// Checks options that contradict each other. Errors: kUsage.
 Result<void> check_together(const Request& r) {
   const CameraSettings& camera = r.camera;
   if (camera.index && (camera.position || camera.focal_point || camera.direction))
@@ -254,12 +254,12 @@ Result<void> check_option(const Option& option, Request& request) {
 }
 
 Result<void> check_request(const Request& request, long most_pixels) {
-  // Fields are found in requests that may be written, and only read here.
+  // Field accessors need a mutable request; it is only read here.
   auto& fields = const_cast<Request&>(request);
   for (const Option& option : options())
     if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
   if (long(request.width) * request.height > most_pixels)
-    return usage_error("a picture cannot have {} x {} pixels: {} together are the most", request.width, request.height,
+    return usage_error("a picture cannot have {} x {} pixels: the max is {} in total", request.width, request.height,
                        most_pixels);
   return check_together(request);
 }

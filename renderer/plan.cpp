@@ -21,13 +21,13 @@
 namespace umbrage {
 namespace {
 
-/// Whether the camera stands inside the scene.
+/// Returns whether the camera is inside the scene's bounding box.
 bool stands_inside(const Camera& camera, const Scene& scene) {
   const glm::vec3 eye = camera.eye();
   return glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
 }
 
-/// How high above the horizon the lowest light stands, of those above it; nothing where there is none.
+/// Returns the elevation of the lowest light above the horizon; empty if there is none.
 std::optional<float> lowest_light_deg(const Scene& scene) {
   std::optional<float> lowest;
   for (const Light& light : scene.lights) {
@@ -38,9 +38,9 @@ std::optional<float> lowest_light_deg(const Scene& scene) {
   return lowest;
 }
 
-/// Gives lights to a scene that has none.
+/// Adds lights for a scene that has none.
 Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& monitor, Plan& plan) {
-  // In a court or a hall little of the sky is seen, and what is seen lies in light that others send on.
+  // In a courtyard or a hall little of the sky is visible; what is visible is lit by indirect light.
   constexpr glm::vec3 kAmbientInside(0.46f, 0.50f, 0.56f);
   const Recipe& recipe = plan.recipe;
   Lighting& lighting = plan.lighting();
@@ -68,8 +68,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
   return {};
 }
 
-/// In a court or a hall little of an image's light arrives: there a look that was to be exposed for the light, unless
-/// the request says so, is exposed by the picture.
+/// In a courtyard or a hall little of an environment image's light arrives: a look with light metering uses picture
+/// metering there, unless the request sets `metering`.
 void meter_inside(const Scene& scene, Plan& plan) {
   if (!plan.recipe.hdri.lights() || !stands_inside(plan.camera, scene)) return;
   for (const Setting& said : plan.recipe.said)
@@ -78,7 +78,7 @@ void meter_inside(const Scene& scene, Plan& plan) {
   if (output.metering == kMeteringLight) output.metering = kMeteringPicture;
 }
 
-/// The key light's disc or ball, as wide as that many degrees of what the scene's middle sees.
+/// Sets the angular diameter of the key light, a disc or a sphere, as seen from the centre of the scene.
 void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
   if (lighting.lights.empty()) return;
   Light& key = lighting.lights[0];
@@ -86,7 +86,7 @@ void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
   key.radius = glm::distance(key.position, scene.center()) * std::tan(glm::radians(0.5f * angle_deg));
 }
 
-/// Makes lengths that are shares of the scene, or may be larger than it, scene units. Errors: kUsage.
+/// Converts relative lengths to scene units and checks that lengths fit the scene. Errors: kUsage.
 Result<void> measure_lengths(const Scene& scene, Plan& plan) {
   Recipe& recipe = plan.recipe;
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
@@ -101,20 +101,20 @@ Result<void> measure_lengths(const Scene& scene, Plan& plan) {
   return radius ? Result<void>() : radius.error();
 }
 
-/// Looks that do not show how bright lights are show a sky as if white lay in it.
+/// Returns the gain of the background. Looks that ignore the brightness of lights show the sky relative to white.
 float sky_gain(const Plan& plan) {
   const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting().usual_light;
   return shows_light(plan.recipe) || !(usual > 0.0f) ? intensity : intensity / usual;
 }
 
-/// The technique's parameter of noise, or null.
+/// Returns the noise parameter of the technique, or null.
 const Parameter* noise_of(const Recipe& recipe) {
   const Effect* technique = find_named<Effect>(every_effect(), recipe.occlusion);
   return technique && !technique->noise.empty() ? find_parameter(*technique, technique->noise) : nullptr;
 }
 
-/// Sets the parameters of lines aside that are drawn once, over the average; each frame goes without. Those of the
-/// paper's rule are in each.
+/// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
+/// outline.mode=paper are drawn in each sample.
 void keep_lines(Plan& plan) {
   const auto steps = steps_of(look_run(plan.recipe));
   if (!find_named<Effect>(steps, "outline")) return;
@@ -132,7 +132,7 @@ bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
   if (recipe.ground == Ground::kOn) return true;
   const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
   const glm::vec3 eye = camera.eye();
-  // From below a ground would hide the model.
+  // A ground would hide a model that is seen from below.
   const glm::vec3 looks_along = -glm::vec3(glm::transpose(camera.view_from_world)[2]);
   const glm::vec3 lowest = scene.center() - glm::normalize(scene.up) * scene.radius();
   const bool below = camera.projection == Projection::kOrthographic
@@ -170,7 +170,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   if (auto fine = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !fine) return fine.error();
   plan.output = params_of(settings, "output");
   if (!plan.averages()) return plan;
-  // Light with alpha, so that edges mix with the background as light does, or for the eye.
+  // Samples hold linear light with alpha, so that edges blend with the background as light (or as square roots of it).
   auto& output = as<OutputParams>(params_of(settings, "output"));
   output.transfer = kTransferNone;
   if (!recipe.hdri.shown()) output.transparent = 1;

@@ -16,7 +16,7 @@
 namespace umbrage {
 namespace {
 
-/// The quality that the request or else the look names, or null.
+/// Returns the quality that the request, or else the look, names; or null.
 const Quality* quality_of(const Request& request, const Look& look) {
   return find_quality(request.quality.empty() ? look.quality : std::string_view(request.quality));
 }
@@ -25,7 +25,7 @@ bool is_lit_by_image(const Request& request) { return !request.hdri_file.empty()
 
 glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
 
-/// Whether the look's own technique gathers light that surfaces send each other.
+/// Returns whether the look's own technique computes indirect light.
 bool gathers_light(const Look& look, const EffectSettings& settings) {
   const Effect* technique = find_effect(look.occlusion);
   if (!technique) return false;
@@ -36,8 +36,8 @@ bool gathers_light(const Look& look, const EffectSettings& settings) {
   });
 }
 
-/// What an image around the scene changes in a look: one that it lights takes its light as it is, and is exposed for
-/// it.
+/// Applies the changes that an environment image makes to a look: a look that is lit by it and depends on the
+/// brightness of lights uses its light unchanged, with an exposure to match.
 void use_image(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
@@ -47,7 +47,7 @@ void use_image(const Request& request, Recipe& recipe) {
   if (output.metering == kMeteringNone) apply_presets(look.name, look.image_exposed_presets, recipe.settings);
 }
 
-/// Applies "effect.parameter=value" of a request. Errors: kUsage.
+/// Applies "effect.parameter=value" assignments of a request. Errors: kUsage.
 Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe& recipe) {
   for (const std::string& assignment : assignments) {
     const auto setting = parse_setting(assignment, handed_in());
@@ -63,7 +63,7 @@ Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe&
   return {};
 }
 
-/// Applies what the request sets by options and by assignments. Errors: kUsage.
+/// Applies options and assignments of a request to the settings. Errors: kUsage.
 Result<void> apply_request(const Request& request, Recipe& recipe) {
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (request.background) {
@@ -73,13 +73,13 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
   }
   if (request.transparent) output.transparent = 1;
   if (auto done = apply_settings(request.settings, recipe); !done) return done;
-  // The shade on an unseen ground that is written with alpha is mixed by who shows it, in the file's values.
+  // A transparent picture is composited later by its viewer, in display values: blend the ground's shadow likewise.
   if (output.transparent && output.transfer == kTransferSrgb)
     as<GroundParams>(params_of(recipe.settings, "ground")).blend = kGroundBlendDisplay;
   return {};
 }
 
-/// The look and the technique. Errors: kUsage.
+/// Resolves the look and the technique. Errors: kUsage.
 Result<void> find_names(const Request& request, Recipe& recipe) {
   const auto look = require_named("look", looks(), request.look);
   if (!look) return look.error();
@@ -90,16 +90,17 @@ Result<void> find_names(const Request& request, Recipe& recipe) {
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
   if (request.ground == "on" && !recipe.look->ground)
-    return usage_error("`ground` on is for looks that show the shade alone, such as studio, not '{}'", request.look);
+    return usage_error("`ground` on is for looks that show the ground only by its shadow, such as studio, not '{}'",
+                       request.look);
   if (request.quality.empty() || find_quality(request.quality)) return {};
   std::vector<std::string_view> names;
   for (const Quality& each : qualities()) names.push_back(each.name);
   return usage_error("`quality` cannot be '{}'{}", request.quality, suggestion(request.quality, names));
 }
 
-/// At which resolution occlusion is computed. Errors: kUsage.
+/// Sets the downsampling factor of occlusion. Errors: kUsage.
 Result<void> choose_scale(const Request& request, const Quality* quality, Recipe& recipe) {
-  const bool traced = !find_effect(recipe.occlusion);  // or none at all
+  const bool traced = !find_effect(recipe.occlusion);  // or there is no technique
   recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
   if (traced) recipe.occlusion_every = 1;
   if (request.occlusion_scale.empty()) return {};
@@ -112,7 +113,7 @@ Result<void> choose_scale(const Request& request, const Quality* quality, Recipe
   return {};
 }
 
-/// The effects of these names as a look. Errors: kUsage.
+/// Makes a look of the effects of these names. Errors: kUsage.
 Result<Look> look_of(const std::vector<std::string>& names) {
   Look look{.name = "effects"};
   for (const std::string& name : names) {
@@ -123,7 +124,7 @@ Result<Look> look_of(const std::vector<std::string>& names) {
   return look;
 }
 
-/// A recipe of effects alone: nothing of a look. Errors: kUsage.
+/// Makes a recipe of effects only, without the presets of a look. Errors: kUsage.
 Result<Recipe> recipe_of_effects(const Request& request) {
   if (auto fine = check_request(request, kMaxPixels); !fine) return fine.error();
   if (const auto known = require_named("look", looks(), request.look); !known) return known.error();
@@ -224,7 +225,7 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
   const long width = request.width + 2L * guard, height = request.height + 2L * guard;
   const Quality* quality = quality_of(request, look);
   int shadow_rays = quality ? quality->shadow_rays : look.shadow_rays;
-  // Lights that are given a size show it.
+  // A light of nonzero size needs shadow rays for its penumbra.
   if ((is_lit_by_image(request) && !look.lit_by.empty()) || request.light_size_deg.value_or(0.0f) > 0.0f)
     shadow_rays = std::max(shadow_rays, 1);
   CaptureSettings settings{.width = request.width,
@@ -235,7 +236,7 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
                            .extra_views = request.extra_views.value_or(look.extra_views),
                            .guard = guard,
                            .shadow_rays = shadow_rays};
-  // A quality wants no more layers than there is room for.
+  // A quality does not request more layers than are possible.
   while (!request.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
@@ -269,7 +270,7 @@ Result<Recipe> make_recipe(const Request& request, long most_pixels) {
   if (quality)
     apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_frames : quality->settings, recipe.settings);
   use_image(request, recipe);
-  // A look whose own technique gathers light gets it from the reference too, unless the request says otherwise.
+  // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
   if (recipe.occlusion == reference_effect().name && gathers_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
   if (auto done = apply_request(request, recipe); !done) return done.error();
@@ -283,8 +284,8 @@ Result<Recipe> make_recipe(const Request& request, long most_pixels) {
 Result<Recipe> make_shading_recipe(const Request& request) {
   if (!request.effects.empty()) return recipe_of_effects(request);
   Request picture = request;
-  picture.anti_aliasing = 1;  // the camera that would be moved is another's
-  picture.passes.clear();     // found among the planes that shading makes
+  picture.anti_aliasing = 1;  // the G-buffer has a fixed camera
+  picture.passes.clear();     // checked later against the planes of the shaded frame
   auto recipe = make_recipe(picture);
   if (!recipe) return recipe;
   if (!find_effect(recipe->occlusion) && recipe->occlusion != kNoOcclusion)
