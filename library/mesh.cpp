@@ -1,4 +1,4 @@
-// Meshes from memory: their buffers, materials, textures and places.
+// Meshes from memory: buffers, materials, textures and instances.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace umbrage {
 namespace {
 
-/// A caller's buffer as an image of one row for each element.
+/// A buffer of the caller. `stride`: bytes from one element to the next.
 struct Buffer {
   const std::byte* data = nullptr;
   PixelType type = PixelType::kFloat32;
@@ -38,7 +38,7 @@ Result<void> expect(const Buffer& buffer, const std::string& name, std::initiali
   return {};
 }
 
-/// Copies floats, `channels` of each element, to vectors of as many.
+/// Copies floats to vectors, one vector for each element.
 template <class Vector>
 void copy_floats(const Buffer& buffer, std::size_t count, std::vector<Vector>& to) {
   to.resize(count);
@@ -149,7 +149,7 @@ Result<Texture> texture_of(const std::string& name, const UmbImage& from) {
   return texture;
 }
 
-/// Changes a mesh of a scene; `change` gets the mesh.
+/// Runs `change` on a mesh of a scene.
 template <class Change>
 UmbError change_mesh(UmbScene scene, int mesh, const char* call, const Change& change) {
   return call_on<SceneObject>(scene, call, Use::kChanges, [&](SceneObject& object) -> Result<void> {

@@ -1,4 +1,4 @@
-// Pictures and strokes become files.
+// Writing of images and strokes to files.
 #include <bit>
 
 #include "io/image_file.h"
@@ -12,7 +12,7 @@
 namespace umbrage {
 namespace {
 
-/// A pass's channels by name, or by number where nobody knows the name.
+/// Returns the channel suffixes of a pass; for an unknown pass they are chosen by the number of channels.
 std::vector<std::string> channels_to_write(const std::string& pass, int channels) {
   auto names = channels_of(pass);
   if (int(names.size()) == channels) return names;
@@ -61,7 +61,7 @@ Result<void> add_image(const std::string& name, const SharedImage& from, Image& 
 
 Result<void> write_images(const std::string& file, std::span<const std::pair<std::string, SharedImage>> images,
                           WriteSettings settings) {
-  Request ignored;  // `bits` has no field in it
+  Request ignored;  // set_option checks the value; `bits` has no field in it
   if (auto fine = set_option(option_of("bits"), fmt::format("{}", settings.bits), ignored); !fine) return fine;
   const auto format = format_of(file);
   if (!format) return Error{ErrorKind::kUsage, format.error().message};
