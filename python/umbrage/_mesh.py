@@ -1,5 +1,5 @@
-"""Meshes and clouds of points: arguments of Scene.add_mesh become what the library takes, checked whole before a scene is
-changed."""
+"""Meshes and point clouds: converts the arguments of Scene.add_mesh to those of the library. All of them are checked
+before a scene is changed."""
 from __future__ import annotations
 
 import ctypes
@@ -20,7 +20,7 @@ _MATERIAL = ("albedo", "emission", "specular", "shininess", "alpha_cutoff")
 
 @dataclass
 class Mesh:
-    """What is set of a mesh, by the names that the library has for it."""
+    """The data of a mesh, under the names that the library uses."""
 
     name: bytes
     vertex_count: int
@@ -32,7 +32,7 @@ class Mesh:
 
 
 def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
-    """Arguments and errors are those of Scene.add_mesh."""
+    """Converts and checks a mesh. Arguments and errors are those of Scene.add_mesh."""
     import numpy as np
 
     colors, uv, radii, texture = (given.get(each) for each in ("colors", "uv", "radii", "texture"))
@@ -58,7 +58,7 @@ def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
         _check_radii(buffers[-1][1], triangles is not None)
     if colors is not None:
         buffers.append(("color", _colors(colors, count)))
-    is_colored = colors is not None or texture is not None  # they multiply the albedo, which else is a grey of 0.8
+    is_colored = colors is not None or texture is not None  # they multiply the albedo; its default is a grey of 0.8
     if given.get("albedo") is None and is_colored:
         given["albedo"] = (1.0, 1.0, 1.0)
     floats = {each: _material(given[each], each) for each in _MATERIAL if given.get(each) is not None}
@@ -75,7 +75,7 @@ def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
 
 
 def new_mesh(scene: native.Handle, mesh: Mesh) -> int:
-    """Its number in the scene."""
+    """Adds an empty mesh to the scene and returns its number."""
     number = int(native.lib.umbAddMesh(scene.pointer, mesh.name, mesh.vertex_count, mesh.triangle_count))
     if number < 0:
         scene.fail()
@@ -83,7 +83,7 @@ def new_mesh(scene: native.Handle, mesh: Mesh) -> int:
 
 
 def fill_mesh(scene: native.Handle, number: int, mesh: Mesh) -> None:
-    """Copies all that the mesh has."""
+    """Copies the data of the mesh to the scene."""
     lib = native.lib
     for each, array in mesh.buffers:
         kind, channels = _TYPES[array.dtype.name], array.shape[1]
@@ -100,11 +100,11 @@ def fill_mesh(scene: native.Handle, number: int, mesh: Mesh) -> None:
 
 
 def remove_mesh(scene: native.Handle, number: int) -> None:
-    """Takes it out of the scene, where the library can."""
+    """Removes the mesh from the scene if the library has umbRemoveMesh."""
     if native.has("umbRemoveMesh"):
         try:
             scene.check(native.lib.umbRemoveMesh(scene.pointer, number))
-        except UmbrageError:  # what was wrong first is told
+        except UmbrageError:  # the first error is reported
             pass
 
 
@@ -113,7 +113,7 @@ def _pointer(floats: NDArray[Any]) -> Any:
 
 
 def _check_radii(radii: NDArray[Any], has_faces: bool) -> None:
-    """Errors: UsageError."""
+    """Checks the radii of points. Errors: UsageError."""
     import numpy as np
 
     if has_faces:
@@ -124,7 +124,7 @@ def _check_radii(radii: NDArray[Any], has_faces: bool) -> None:
 
 
 def _material(value: Any, name: str) -> NDArray[Any]:
-    """Errors: UsageError."""
+    """Converts a material parameter. Errors: UsageError."""
     import numpy as np
 
     numbers = _floats(value, name, 3 if name in ("albedo", "emission") else 1)
@@ -134,21 +134,21 @@ def _material(value: Any, name: str) -> NDArray[Any]:
 
 
 def _floats(values: Any, name: str, count: Optional[int] = None) -> NDArray[Any]:
-    """So many numbers. Errors: UsageError."""
+    """Converts `count` numbers to float32. Errors: UsageError."""
     import numpy as np
 
     what = {None: "numbers", 1: "a number", 3: "three numbers"}[count]
     array = as_array(values, name, what).ravel()
     if array.dtype.kind not in "fiu" or (count is not None and array.size != count):
         raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
-    with np.errstate(over="ignore"):  # what is too large becomes infinity
+    with np.errstate(over="ignore"):  # values that are too large become infinity
         return array.astype(np.float32)
 
 
 def _rows(
     values: Any, name: str, sides: Tuple[int, ...], dtype: Any, count: Optional[int] = None
 ) -> NDArray[Any]:
-    """Values of vertices as (count, side), a row packed. Errors: UsageError."""
+    """Converts values of vertices to (count, side) with packed rows. Errors: UsageError."""
     import numpy as np
 
     array = as_array(values, name)
@@ -169,7 +169,7 @@ def _rows(
 
 
 def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
-    """Triangles as (M, 3) of unsigned integers. Errors: UsageError."""
+    """Converts faces to triangles: (M, 3) unsigned integers. Errors: UsageError."""
     import numpy as np
 
     array = as_array(faces, "faces")
@@ -194,7 +194,7 @@ def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
 
 
 def _padded_faces(array: NDArray[Any]) -> NDArray[Any]:
-    """Faces as VTK has them, each after the number of its corners, as triangles."""
+    """Converts faces in VTK's layout, where the number of corners precedes each face, to triangles."""
     import numpy as np
 
     corners = int(array[0])
@@ -212,7 +212,7 @@ def _padded_faces(array: NDArray[Any]) -> NDArray[Any]:
 
 
 def _colors(colors: Any, count: int) -> NDArray[Any]:
-    """Colours of vertices as (count, 3 or 4). Errors: UsageError."""
+    """Converts colours of vertices to (count, 3 or 4). Errors: UsageError."""
     import numpy as np
 
     array = as_array(colors, "colors")
