@@ -1,4 +1,4 @@
-"""What is said of wrong arguments: one sentence that names the argument, what was given and what it takes."""
+"""Tests of messages about invalid arguments: one sentence with the argument, the value and what is accepted."""
 import copy
 import math
 import pickle
@@ -165,7 +165,7 @@ class Messages(unittest.TestCase):
                 with self.assertRaisesRegex(TypeError, f"a {kind} cannot be pickled or copied"):
                     refused(thing)
         with scene, shader, renderer:
-            renderer.close()  # once more at the end
+            renderer.close()  # closes it a second time
         for call, text in (
             (renderer.render, "the Renderer was closed"),
             (lambda: renderer.device, "the Renderer was closed"),
