@@ -92,7 +92,7 @@ void expect_in_use(UmbError code) {
   EXPECT_EQ(code, UMB_ERROR_USAGE);
   const char* message = "";
   EXPECT_EQ(umbGetError(&message), UMB_ERROR_USAGE);
-  EXPECT_NE(std::string(message).find("at work"), std::string::npos) << message;
+  EXPECT_NE(std::string(message).find("in use"), std::string::npos) << message;
 }
 
 TEST(AnyCalls, CallbacksCannotUseWhatIsAtWork) {

@@ -58,7 +58,7 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
       return usage_error("the output '{}' has {} x {} pixels: the picture has {} x {}", output.pass, image.width,
                          image.height, width, height);
     if (image.type == PixelType::kUint32 && !is_id(output.pass))
-      return usage_error("the output '{}' cannot be of 32-bit integers: ids alone are", output.pass);
+      return usage_error("the output '{}' cannot be of 32-bit integers: only ids can", output.pass);
     if (output.pass == "color" ? image.channels == 3 || image.channels == 4
                                : image.channels == int(channels_of(output.pass).size()))
       continue;
@@ -76,8 +76,9 @@ class SceneInUse {
   }
   /// Errors: kUsage if the scene is being changed.
   Result<void> begun() const {
-    return !held_ || *held_ ? Result<void>()
-                            : usage_error("the scene is changed by another thread, or by the call that calls back");
+    return !held_ || *held_
+               ? Result<void>()
+               : usage_error("the scene is being changed by another thread or by the call that runs this callback");
   }
 
  private:
@@ -316,7 +317,7 @@ Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted)
   std::vector<std::vector<std::string>> planes(outputs.size(), kColor);
   const std::vector<std::string> there = device.plane_names(frame);
   if (!outputs.empty() && std::find(there.begin(), there.end(), "color.r") == there.end())
-    return usage_error("these effects make no picture: the output 'color' takes a look, or the effect 'output'");
+    return usage_error("the effects make no picture: the output 'color' requires a look or the effect 'output'");
   if (!names.empty()) {
     const auto chosen = chosen_planes(names, there, frame.info);
     if (!chosen) return chosen.error();

@@ -110,7 +110,7 @@ Result<void> JobObject::set(const std::string& name, std::span<const double> num
 Result<void> JobObject::set(const std::string& name, bool value) {
   const Option* row = find_parameter_row(name, renders());
   if (row && !std::holds_alternative<FieldOf<bool>>(row->where))
-    return usage_error("`{}` cannot be {}: it is no flag", row->field, value);
+    return usage_error("`{}` cannot be {}: it is not a flag", row->field, value);
   return set(name, std::string(value ? "true" : "false"));
 }
 
@@ -152,7 +152,8 @@ Result<void> JobObject::set_output(const std::string& name, const UmbImage* imag
   if (name != "color" && name != "all" && channels_of(name).empty()) return unknown_image(name);
   std::optional<SharedImage> shared;
   if (image && image->data) {
-    if (name == "all") return usage_error("the output 'all' is many images: it takes no memory of one");
+    if (name == "all")
+      return usage_error("the output 'all' cannot have memory of the caller: it stands for several images");
     UmbImage whole = *image;
     if (whole.channels == 0) whole.channels = umbGetPassChannels(name.c_str());
     auto made = shared_image("the output '" + name + "'", whole);
@@ -294,7 +295,7 @@ UmbError umbGetJobStroke(UmbJob job, size_t index, UmbStroke* stroke) {
   return call_on<JobObject>(job, "umbGetJobStroke", Use::kReads, [&](JobObject& object) -> Result<void> {
     const auto& lines = object.lines.lines;
     if (index >= lines.size() || !stroke)
-      return usage_error("there is no stroke {}: there are {}", index, lines.size());
+      return usage_error("there is no stroke {}: the last execution made {}", index, lines.size());
     const Line& line = lines[index];
     static_assert(sizeof(LinePoint) == sizeof(UmbStrokePoint));
     *stroke = {reinterpret_cast<const UmbStrokePoint*>(line.points.data()), line.points.size(), int32_t(line.kind),

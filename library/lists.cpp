@@ -123,7 +123,7 @@ Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
     return all;
   }
   const Effect* effect = find_named<Effect>(every_effect(), owner);
-  if (!effect) return usage_error("'{}' has no parameters: render, shade, scene and effects have", owner);
+  if (!effect) return usage_error("'{}' has no parameters: it takes render, shade, scene or an effect", owner);
   for (const Parameter& row : effect->parameters) all.push_back(parameter_of(*effect, row));
   return all;
 }

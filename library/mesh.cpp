@@ -58,7 +58,8 @@ Result<void> set_indices(const Buffer& buffer, SharedMesh& shared) {
   for (std::size_t k = 0; k < indices.size(); ++k) {
     indices[k] = index(k / 3, int(k % 3));
     if (indices[k] >= shared.vertices)
-      return usage_error("triangle {} has the vertex {}: the mesh has {}", k / 3, indices[k], shared.vertices);
+      return usage_error("triangle {} refers to vertex {}: the mesh has {} vertices", k / 3, indices[k],
+                         shared.vertices);
   }
   shared.mesh.indices = std::move(indices);
   return {};
@@ -94,13 +95,13 @@ Result<void> set_buffer(const std::string& name, const Buffer& buffer, SharedMes
     std::vector<float> radii;
     copy_floats(buffer, count, radii);
     for (const float r : radii)
-      if (!(r > 0.0f) || !std::isfinite(r)) return usage_error("a point's radius cannot be {}: it is above 0", r);
+      if (!(r > 0.0f) || !std::isfinite(r)) return usage_error("a point's radius cannot be {}: it must be above 0", r);
     mesh.radii = std::move(radii);
   } else if (name == "color") {
     if (auto fine = expect(buffer, name, {kFloat, PixelType::kUint8, PixelType::kUint16}, 3, 4); !fine) return fine;
     set_colors(buffer, count, mesh);
   } else if (name == "index") {
-    if (mesh.points) return usage_error("the mesh has no triangles that an index buffer could make");
+    if (mesh.points) return usage_error("the buffer 'index' is for triangles: the mesh has none");
     if (auto fine = expect(buffer, name, {PixelType::kUint8, PixelType::kUint16, PixelType::kUint32}, 3, 3); !fine)
       return fine;
     if (auto set = set_indices(buffer, shared); !set) return set;
@@ -118,7 +119,8 @@ Result<void> set_floats(const std::string& name, std::span<const float> values, 
     return usage_error("a mesh has no parameter '{}'{}", name, suggestion(name, kNames));
   if (values.size() != count) return usage_error("'{}' of a mesh takes {} numbers, not {}", name, count, values.size());
   for (const float v : values)
-    if (!(v >= 0.0f) || !std::isfinite(v)) return usage_error("'{}' of a mesh cannot be {}: it is 0 or more", name, v);
+    if (!(v >= 0.0f) || !std::isfinite(v))
+      return usage_error("'{}' of a mesh cannot be {}: it must be 0 or more", name, v);
   Material& material = shared.material;
   if (name == "albedo") {
     material.albedo = {values[0], values[1], values[2]};
@@ -200,12 +202,12 @@ UmbError umbSetMeshTexture(UmbScene scene, int mesh, const char* name, const Umb
 
 UmbError umbAddMeshInstance(UmbScene scene, int mesh, const float world_from_mesh[12]) {
   return change_mesh(scene, mesh, "umbAddMeshInstance", [&](SharedMesh& shared) -> Result<void> {
-    if (!world_from_mesh) return usage_error("the place of an instance is NULL");
+    if (!world_from_mesh) return usage_error("the matrix of an instance is NULL");
     glm::mat4 matrix(1.0f);
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 4; ++column) {
         const float value = world_from_mesh[4 * row + column];
-        if (!std::isfinite(value)) return usage_error("the place of an instance holds a number that is not finite");
+        if (!std::isfinite(value)) return usage_error("the matrix of an instance has a value that is not finite");
         matrix[column][row] = value;
       }
     shared.instances.push_back(matrix);

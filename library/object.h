@@ -139,7 +139,7 @@ UmbError call_on(const void* handle, const char* call, Use use, const Work& work
     const Held held(object->workers, use);
     if (!held)
       return call_alone(call, [&]() -> Result<void> {
-        return usage_error("{}: another thread is at work on the object, or the call that calls back", call);
+        return usage_error("{}: the object is in use by another thread or by the call that runs this callback", call);
       });
     done = guarded([&] { return object->asked(call); }, [&]() -> Result<void> { return work(*object); });
   }

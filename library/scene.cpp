@@ -140,7 +140,7 @@ Error SceneObject::nothing_there() const {
                          meshes_[k].mesh.positions.empty() ? "positions" : "indices");
   const bool has_meshes = std::any_of(meshes_.begin(), meshes_.end(), [](const SharedMesh& m) { return m.is_whole(); });
   return has_meshes ? usage_error("the scene has nothing to draw: all of it is degenerate or not finite")
-                    : usage_error("the scene is empty: umbLoadModel and umbAddMesh fill it");
+                    : usage_error("the scene is empty: call umbLoadModel or umbAddMesh");
 }
 
 Result<Scene> SceneObject::copied(std::vector<std::string>& warnings) const {

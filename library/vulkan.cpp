@@ -82,11 +82,12 @@ PictureInfo info_of(const Lens& lens) {
 }
 
 Result<void> check(const UmbVulkanGBuffer& g, const Lens& lens) {
-  if (!g.depth.image) return usage_error("a G-buffer needs an image of depth");
+  if (!g.depth.image) return usage_error("a G-buffer needs a depth image");
   if (g.depth_kind < UMB_DEPTH_VIEW || g.depth_kind > UMB_DEPTH_REVERSED)
-    return usage_error("there is no kind of depth {}: see UmbDepthKind", g.depth_kind);
+    return usage_error("`depth_kind` cannot be {}: see UmbDepthKind", g.depth_kind);
   if (auto fine = check_lens(lens); !fine) return fine;
-  if (!(lens.scene_radius > 0.0f)) return usage_error("`scene_radius` cannot be {}: it is above 0", lens.scene_radius);
+  if (!(lens.scene_radius > 0.0f))
+    return usage_error("`scene_radius` cannot be {}: it must be above 0", lens.scene_radius);
   return {};
 }
 

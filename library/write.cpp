@@ -32,13 +32,13 @@ bool is_opaque(const Plane& alpha) {
 /// Adds an image to the planes of a file. Errors: kUsage.
 Result<void> add_image(const std::string& name, const SharedImage& from, Image& image, WriteSettings& settings) {
   if (from.width != image.width || from.height != image.height)
-    return usage_error("the image '{}' has {} x {} pixels, another one {} x {}", name, from.width, from.height,
+    return usage_error("the image '{}' has {} x {} pixels: the first image has {} x {}", name, from.width, from.height,
                        image.width, image.height);
   const auto channels = channels_to_write(name, from.channels);
   if (int(channels.size()) != from.channels)
     return usage_error("the image '{}' cannot have {} channels: a pass has 1 to 4", name, from.channels);
   if (from.type == PixelType::kUint32 && !is_id(name))
-    return usage_error("the image '{}' cannot be of 32-bit integers: ids alone are", name);
+    return usage_error("the image '{}' cannot be of 32-bit integers: only ids can", name);
   if (name == "color" && from.channels < 3)
     return usage_error("the image 'color' cannot have {} channels: it has 3 or 4", from.channels);
   const bool whole_numbers = is_id(name) && is_whole(from.type);
@@ -95,7 +95,7 @@ Result<void> write_strokes(const std::string& file, int width, int height, std::
       return usage_error("stroke {} cannot be of the kind {}: see UmbStrokeKind", &stroke - strokes.data(),
                          stroke.kind);
     if (!stroke.points && stroke.point_count)
-      return usage_error("stroke {} has {} points at NULL", &stroke - strokes.data(), stroke.point_count);
+      return usage_error("stroke {} has {} points, but `points` is NULL", &stroke - strokes.data(), stroke.point_count);
     line.kind = LineKind(stroke.kind);
     line.object = int(stroke.object_id);
     line.closed = stroke.closed != 0;

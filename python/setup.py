@@ -36,7 +36,7 @@ setup(
     name="umbrage",
     version=version(),
     description="Screen-space shading for 3D models and G-buffers",
-    long_description=f"Besides NumPy it needs what these packages of Debian 12 hold: {needs()}.",
+    long_description=f"Requires NumPy and these Debian 12 packages: {needs()}.",
     license="MIT",
     python_requires=">=3.8",
     install_requires=["numpy>=1.17"],

@@ -28,11 +28,11 @@ namespace detail {
 inline const char* plain_sentence(UmbError code) {
   switch (code) {
     case UMB_ERROR_USAGE:
-      return "a name, value, image or call that cannot be";
+      return "an invalid name, value, image or call";
     case UMB_ERROR_FILE:
       return "a file that cannot be read, used or written";
     case UMB_ERROR_DEVICE:
-      return "a device that is missing or cannot do it, or too little memory";
+      return "a missing or insufficient device, or too little memory";
     case UMB_ERROR_CANCELLED:
       return "the progress callback returned false";
     default:

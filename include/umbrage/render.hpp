@@ -77,7 +77,7 @@ class Setter {
     if (!calls_.fine()) return;
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) {
-      calls_.outcome = {int(UMB_ERROR_USAGE), "'" + text + "' is no setting: it takes effect.parameter=value", {}};
+      calls_.outcome = {int(UMB_ERROR_USAGE), "'" + text + "' is not a setting: it takes effect.parameter=value", {}};
       return;
     }
     (*this)(text.substr(0, equals).c_str(), text.substr(equals + 1));
@@ -254,7 +254,8 @@ class FrameRenderer {
   /// that are placed relative to the camera of the first frame. Errors: code 2 for an invalid camera, 4 if memory runs
   /// out or the device is lost, 130. On failure the picture is unchanged, and other frames can be drawn.
   Outcome draw(const FrameCamera& camera, Picture& picture) {
-    if (!state_) return {int(UMB_ERROR_USAGE), "FrameRenderer::open comes before draw", {}};
+    if (!state_)
+      return {int(UMB_ERROR_USAGE), "FrameRenderer::draw: no model is open: call FrameRenderer::open first", {}};
     detail::Calls calls;
     umbSetDeviceLogCallback(state_->device.get(), detail::note_warning, &calls.outcome.warnings);
     place(camera, calls);
@@ -339,7 +340,7 @@ inline Outcome shade(const ShadeRequest& request, Picture& picture) {
   };
   if (request.width < 1 || request.height < 1)
     refuse("`width` and `height` cannot be " + std::to_string(request.width) + " and " +
-           std::to_string(request.height) + ": they are above 0");
+           std::to_string(request.height) + ": they must be above 0");
   for (const PixelArray& array : request.arrays) {
     const auto same = [&](const PixelArray& other) { return other.name == array.name; };
     if (array.values && array.ids) refuse("the array '" + array.name + "' has both values and ids");

@@ -83,7 +83,7 @@ class Errors(unittest.TestCase):
             with self.subTest(text), self.assertRaisesRegex(umbrage.UsageError, text):
                 umbrage.Scene(**arguments)
         self.refused(umbrage.UsageError, 2, "empty", umbrage.Scene())
-        self.refused(umbrage.UsageError, 2, "no model", 3)
+        self.refused(umbrage.UsageError, 2, "not a model", 3)
 
     def test_files(self) -> None:
         picture = umbrage.render(SOLIDS, size=SIZE, device="cpu")

@@ -329,17 +329,17 @@ class PyVistaObjects(unittest.TestCase):
 class Models(unittest.TestCase):
     def test_what_is_none(self) -> None:
         for thing in (3, None, object(), np.zeros((4, 3)), {"vertices": CORNERS}):
-            with self.assertRaisesRegex(umbrage.UsageError, "no model"):
+            with self.assertRaisesRegex(umbrage.UsageError, "not a model"):
                 umbrage.render(thing)
         with self.assertRaisesRegex(umbrage.UsageError, "another"):
             umbrage.Scene().add(umbrage.Scene())
-        with self.assertRaisesRegex(umbrage.UsageError, "`colors` goes with arrays"):
+        with self.assertRaisesRegex(umbrage.UsageError, "`colors` is for arrays"):
             umbrage.Scene(Trimesh(), colors=(1, 0, 0))
 
     def test_all_or_nothing(self) -> None:
         scene = umbrage.Scene()
         broken = types.SimpleNamespace(geometry={}, dump=lambda: [Trimesh(), object()])
-        with self.assertRaisesRegex(umbrage.UsageError, "no model"):
+        with self.assertRaisesRegex(umbrage.UsageError, "not a model"):
             scene.add(broken)
         with self.assertRaisesRegex(umbrage.UsageError, "empty"):
             scene.bounds

@@ -229,7 +229,7 @@ class Mistakes(unittest.TestCase):
         self.refused("takes an array", "depth")
         self.refused("cannot be of", [["depth"]])
         self.refused("CPU", OnAGpu(d))
-        self.refused("`depth` is no array that can be read", NeedsGradient())
+        self.refused("`depth` cannot be read as an array", NeedsGradient())
         self.refused("ids have 32 bits", d, object_id=np.full((32, 48), 2**40))
         self.refused("whole numbers", d, object_id=np.full((32, 48), "a"))
         self.refused("two images", d, images={"depth": d})

@@ -31,7 +31,7 @@ def as_array(values: Any, name: str, what: str = "an array") -> NDArray[Any]:
         return values
     where = getattr(values, "__dlpack_device__", None)
     if where is not None and not isinstance(values, np.ndarray) and int(where()[0]) not in (1, 3):  # CPU, pinned
-        raise UsageError(f"`{name}` lies in another device's memory: move it to the CPU first, such as by x.cpu()")
+        raise UsageError(f"`{name}` is in the memory of another device: move it to the CPU first, such as by x.cpu()")
     mask = getattr(values, "mask", None)
     if mask is not None and hasattr(values, "filled"):  # a masked array: masked pixels have no surface
         values = values.filled(np.inf if values.dtype.kind == "f" else 0)
@@ -45,7 +45,7 @@ def as_array(values: Any, name: str, what: str = "an array") -> NDArray[Any]:
             return np.asarray(np.from_dlpack(values))
         array = np.asarray(values)
     except (TypeError, ValueError, RuntimeError, BufferError) as error:
-        raise UsageError(f"`{name}` is no array that can be read: {error}") from error
+        raise UsageError(f"`{name}` cannot be read as an array: {error}") from error
     if array.ndim == 0 and array.dtype.kind not in "biufc":
         raise UsageError(f"`{name}` takes {what}, not {shown(values)}")
     return array
@@ -66,13 +66,13 @@ def image_array(values: Any, name: str, shape: Optional[Tuple[int, int]] = None)
         number = array.astype(np.float32) if array.dtype.kind in "iu" and not is_id(name) else array
         array = np.broadcast_to(number, shape + array.shape)
     if array.ndim not in (2, 3):
-        hint = ", and numpy.squeeze drops sides of 1" if 1 in array.shape else ""
+        hint = "; numpy.squeeze removes axes of length 1" if 1 in array.shape else ""
         raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width) or (height, width, channels){hint}")
     channels = 1 if array.ndim == 2 else array.shape[2]
     if channels != 1 and name.rsplit(".", 1)[-1] in _ONE_CHANNEL:
         raise UsageError(f"`{name}` has the shape {array.shape}: it has one channel, (height, width)")
     if channels > 4 and array.shape[0] in (1, 3, 4):
-        raise UsageError(f"`{name}` has the shape {array.shape}, channels first: turn it by numpy.moveaxis(x, 0, -1)")
+        raise UsageError(f"`{name}` has the shape {array.shape}, channels first: convert it by numpy.moveaxis(x, 0, -1)")
     kind = array.dtype.kind
     if is_id(name):
         array = _ids(array, name)

@@ -50,9 +50,9 @@ _BY_CODE: Dict[int, Type[UmbrageError]] = {
 # Messages for errors whose own message is not available.
 _PLAIN = {
     1: "a defect of Umbrage",
-    2: "a name, value, array or call that cannot be",
+    2: "an invalid name, value, array or call",
     3: "a file that cannot be read, used or written",
-    4: "a device that is missing or cannot do it, or too little memory",
+    4: "a missing or insufficient device, or too little memory",
     130: "the progress callback returned False",
 }
 

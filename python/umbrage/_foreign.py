@@ -45,8 +45,8 @@ def meshes_of(thing: Any) -> Iterator[Mesh]:
         yield {"vertices": thing[0], "faces": thing[1]}
     elif not is_model(thing):
         raise UsageError(
-            f"{shown(thing)} is no model: a path, (vertices, faces), an umbrage.Scene, or an object of trimesh, Open3D or "
-            "PyVista is"
+            f"{shown(thing)} is not a model: use a path, (vertices, faces), an umbrage.Scene, or an object of trimesh, "
+            "Open3D or PyVista"
         )
     elif _has(thing, "geometry", "dump"):  # trimesh.Scene: its meshes, transformed
         for mesh in thing.dump():
@@ -75,13 +75,13 @@ def meshes_of(thing: Any) -> Iterator[Mesh]:
     elif _has(thing, "points"):  # open3d.geometry.PointCloud, pyvista.PointSet
         for cells in ("cells", "polys", "lines"):
             if _has(thing, cells):
-                raise UsageError(f"a {kind} has `{cells}`, which Umbrage does not know: give (points, triangles)")
+                raise UsageError(f"a {kind} has `{cells}`, which Umbrage does not support: give (points, triangles)")
         colors = _screen_colors(getattr(thing, "colors", None))
         if colors is None:
             colors = _vtk_colors(thing, "point_data", len(thing.points))
         yield {"vertices": thing.points, "colors": colors, "normals": _some(getattr(thing, "normals", None))}
     elif _has(thing, "tetras"):  # open3d.geometry.TetraMesh
-        raise UsageError(f"a {kind} has `tetras`, which Umbrage does not know: give (points, triangles)")
+        raise UsageError(f"a {kind} has `tetras`, which Umbrage does not support: give (points, triangles)")
     else:  # trimesh.PointCloud
         colors = _some(getattr(thing, "colors", None))
         yield {"vertices": thing.vertices, "colors": None if colors is None or colors.ndim != 2 else colors}

@@ -183,7 +183,7 @@ class Job:
         for name, value in given.items():
             if name in ("width", "height"):
                 says = "the shape of depth" if self._scene is None else "`size`, (width, height),"
-                raise UsageError(f"`{name}` cannot be set: {says} says it")
+                raise UsageError(f"`{name}` cannot be set: {says} determines it")
             self._set(name, value)
 
     @contextmanager

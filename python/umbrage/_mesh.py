@@ -68,7 +68,7 @@ def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
         if given.get(argument) is not None
     ]
     if textures and uv is None:
-        raise UsageError(f"`{'emission_texture' if texture is None else 'texture'}` needs `uv`, its place on the mesh")
+        raise UsageError(f"`{'emission_texture' if texture is None else 'texture'}` needs `uv`, the texture coordinates")
     places: Any = () if given.get("instances") is None else _places(given["instances"])
     named = native.bytes_of(given.get("name", ""), "name")
     return Mesh(named, count, 0 if triangles is None else len(triangles), buffers, floats, textures, places)
@@ -117,10 +117,10 @@ def _check_radii(radii: NDArray[Any], has_faces: bool) -> None:
     import numpy as np
 
     if has_faces:
-        raise UsageError("`radii` goes with a cloud of points: the mesh has faces")
+        raise UsageError("`radii` is for point clouds: the mesh has faces")
     wrong = np.nonzero(~((radii > 0) & np.isfinite(radii)).ravel())[0]
     if len(wrong):
-        raise UsageError(f"`radii` holds {radii[wrong[0], 0]:g}, in row {wrong[0]}: a radius is above 0, and finite")
+        raise UsageError(f"`radii` holds {radii[wrong[0], 0]:g}, in row {wrong[0]}: a radius must be above 0, and finite")
 
 
 def _material(value: Any, name: str) -> NDArray[Any]:
@@ -129,7 +129,7 @@ def _material(value: Any, name: str) -> NDArray[Any]:
 
     numbers = _floats(value, name, 3 if name in ("albedo", "emission") else 1)
     if not ((numbers >= 0) & np.isfinite(numbers)).all():
-        raise UsageError(f"`{name}` cannot be {shown(value)}: it is 0 or more, and finite")
+        raise UsageError(f"`{name}` cannot be {shown(value)}: it must be 0 or more, and finite")
     return numbers
 
 
@@ -180,11 +180,11 @@ def _triangles(faces: Any, vertex_count: int) -> NDArray[Any]:
     if array.ndim != 2 or array.shape[1] < 3:
         raise UsageError(f"`faces` has the shape {array.shape}: it takes (M, 3), or (M, K) of polygons")
     if not len(array):
-        raise UsageError("`faces` is empty: leave it out for a cloud of points")
+        raise UsageError("`faces` is empty: omit it for a point cloud")
     least, most = int(array.min()), int(array.max())
     if least < 0 or most >= vertex_count:
         at = int(np.nonzero((array < 0).any(axis=1) | (array >= vertex_count).any(axis=1))[0][0])
-        raise UsageError(f"`faces` names vertices {array[at].tolist()} in row {at}: the mesh has {vertex_count}")
+        raise UsageError(f"`faces` refers to vertices {array[at].tolist()} in row {at}: the mesh has {vertex_count}")
     if array.shape[1] > 3:
         fans = [array[:, (0, k, k + 1)] for k in range(1, array.shape[1] - 1)]
         array = np.stack(fans, axis=1).reshape(-1, 3)
@@ -234,7 +234,7 @@ def _places(instances: Any) -> NDArray[Any]:
     if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)):
         raise UsageError(f"`instances` has the shape {array.shape}: it takes (K, 3, 4) or (K, 4, 4)")
     if array.shape[1] == 4 and not (array[:, 3] == (0, 0, 0, 1)).all():
-        raise UsageError("`instances` has matrices whose last row is not 0, 0, 0, 1: they are world from mesh, by rows")
+        raise UsageError("`instances` has matrices whose last row is not 0, 0, 0, 1: they map mesh space to world space, row by row")
     places = _floats(array[:, :3, :], "instances").reshape(-1, 12)
     if not np.isfinite(places).all():
         raise UsageError("`instances` holds a number that is not finite")

@@ -151,11 +151,11 @@ def _opened() -> ctypes.CDLL:
     try:
         library = ctypes.CDLL(where)
     except OSError as error:
-        advice = "Install libumbrage1, or have the environment's UMBRAGE_LIBRARY name the file"
+        advice = "Install libumbrage1, or set UMBRAGE_LIBRARY to the path of the library"
         needs = os.path.join(os.path.dirname(beside), "NEEDS")  # exists in a wheel
         if where == beside and os.path.exists(needs):
             with open(needs) as names:
-                advice = f"It needs what these packages of Debian 12 hold: {names.read().strip()}"
+                advice = f"It needs these Debian 12 packages: {names.read().strip()}"
         raise ImportError(f"the library of Umbrage cannot be loaded: {error}. {advice}") from error
     try:
         version = int(library.umbGetVersion())
@@ -170,7 +170,7 @@ def _opened() -> ctypes.CDLL:
             function.restype = result
             function.argtypes = arguments
     except AttributeError as error:
-        raise ImportError(f"the library '{where}' is too old for this package, or is none of Umbrage: {error}") from error
+        raise ImportError(f"the library '{where}' is too old for this package, or is not Umbrage's: {error}") from error
     return library
 
 
@@ -212,7 +212,7 @@ def bytes_of(text: Any, name: str) -> bytes:
         raise UsageError(f"`{name}` takes a string, not {shown(text)}")
     encoded = text if isinstance(text, bytes) else os.fsencode(text)
     if b"\0" in encoded:
-        raise UsageError(f"`{name}` cannot be {shown(text)}, which holds a null character")
+        raise UsageError(f"`{name}` cannot be {shown(text)}: it contains a null character")
     return encoded
 
 

@@ -59,7 +59,7 @@ class Picture:
         """(height, width, 4): red, green, blue, sRGB, and alpha, not premultiplied. uint8 unless `dtype` was set;
         floats are 0 to 1. Errors: UsageError if no colour was made."""
         if self._color is None:
-            raise UsageError(f"there is no picture, but passes: {', '.join(self.passes) or 'none'}")
+            raise UsageError(f"there is no picture, only passes: {', '.join(self.passes) or 'none'}")
         return self._color
 
     @property
@@ -121,7 +121,7 @@ class Picture:
         is_deep = ending.endswith((b".exr", b".pfm")) or bits == 16
         if has_color and is_deep and self.picture.dtype == "uint8":
             warnings.warn(
-                f'"{os.fsdecode(file)}" gets a picture of 8 bits: render with dtype="float32" for all of them',
+                f'"{os.fsdecode(file)}" is written from a picture of 8 bits: render with dtype="float32" for full precision',
                 UmbrageWarning,
                 stacklevel=2,
             )

@@ -56,7 +56,7 @@ class Renderer(Job):
         check_progress(progress)
         of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
         if isinstance(model, Scene) and of_scene:
-            raise UsageError(f"`{next(iter(of_scene))}` is the scene's: set it by Scene.set, before what it is for is added")
+            raise UsageError(f"`{next(iter(of_scene))}` is a parameter of the scene: set it by Scene.set before adding models")
         is_read = isinstance(model, (str, os.PathLike))
         scene = model if isinstance(model, Scene) else Scene(**of_scene) if is_read else Scene.of(model, **of_scene)
         super().__init__(device, threads, scene)
@@ -96,7 +96,7 @@ class Renderer(Job):
         """
         for name in parameters:
             if name in ("device", "threads") + SCENE_PARAMETERS:
-                raise UsageError(f"`{name}` cannot be changed: it is said when the Renderer is made")
+                raise UsageError(f"`{name}` cannot be changed: set it when creating the Renderer")
         check_keywords(parameters, "render", _OF_PICTURES + _OF_RENDERERS)
         check_progress(progress)
         self._used_scene().check_filled()

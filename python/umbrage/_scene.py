@@ -99,12 +99,12 @@ class Scene:
         given = {name: value for name, value in mesh.items() if value is not None and name not in SCENE_PARAMETERS}
         if isinstance(vertices, (str, os.PathLike)) or is_model(vertices):
             if given:
-                raise UsageError(f"`{next(iter(given))}` goes with arrays: {shown(vertices)} is a whole model")
+                raise UsageError(f"`{next(iter(given))}` is for arrays: {shown(vertices)} is a complete model")
             self.add(vertices)
         elif vertices is not None:
             self.add_mesh(vertices, **given)
         elif given:
-            raise UsageError(f"`{next(iter(given))}` goes with a mesh, which needs `vertices`")
+            raise UsageError(f"`{next(iter(given))}` is for a mesh, which needs `vertices`")
 
     @classmethod
     def load(cls, path: Union[str, "os.PathLike[str]"], *more: Any, progress: Progress = None, **parameters: Any) -> Scene:
@@ -151,9 +151,9 @@ class Scene:
                 self._is_empty = False
             return self
         if _are_paths(thing):
-            raise UsageError("several models are several calls of Scene.add, or one of Scene.load")
+            raise UsageError("Scene.add takes one model: call it once for each, or use Scene.load")
         if isinstance(thing, Scene):
-            raise UsageError("a Scene cannot be added to another: add to both what they have in common")
+            raise UsageError("a Scene cannot be added to another Scene: add its models instead")
         self._put([mesh_of(**mesh) for mesh in meshes_of(thing)])  # all or none
         return self
 
@@ -283,7 +283,7 @@ class Scene:
     def check_filled(self) -> None:
         """Errors: UsageError for an empty scene."""
         if self._is_empty:
-            raise UsageError("the scene is empty: `add` and `add_mesh` fill it")
+            raise UsageError("the scene is empty: `add` or `add_mesh` must be called first")
 
     @property
     def handle(self) -> native.Handle:

@@ -62,7 +62,7 @@ class Shader(Job):
         check_progress(progress)
         super().__init__(device, threads, None)
         if fov is not None and window is not None:
-            raise UsageError("`fov` and `window` say the same: give one of them")
+            raise UsageError("`fov` and `window` exclude each other: give one of them")
         if native.is_true(orthographic, "orthographic") and window is None:
             raise UsageError("an orthographic camera takes `window`: left, right, bottom and top, in scene units")
         self._fov = 40.0 if fov is None else native.number(fov, "fov")
@@ -119,7 +119,7 @@ class Shader(Job):
             for output, memory in wanted.items():
                 for name, array in arrays.items():
                     if memory is not None and memory.size and share_memory(memory, array):
-                        raise UsageError(f"the output `{output}` and the input `{name}` share memory, which is still read")
+                        raise UsageError(f"the output `{output}` and the input `{name}` share memory that is still read")
             if self._window is None and height > 0:
                 top = math.tan(math.radians(self._fov) / 2)
                 right = top * width / height
