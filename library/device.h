@@ -51,7 +51,8 @@ class DeviceObject final : public Object {
   void keep_memory_for(int width, int height);
 
   const Scene* prepared = nullptr;  ///< scene that the device is prepared for; guarded by Turn
-  tbb::task_arena arena{1};         ///< as many threads as the device, for work on images
+  /// Has as many threads as the device, for work on images. It is kept since each creation allocates memory.
+  tbb::task_arena arena{1};
   std::optional<HeldPool> held_pool;
 
  protected:

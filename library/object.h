@@ -37,7 +37,7 @@ ErrorSlot& thread_errors();
 /// How a call uses its object.
 enum class Use {
   kChanges,  ///< exclusive
-  kReads,    ///< concurrent with other reads; short, runs no callbacks
+  kReads,    ///< concurrent with reads and draws; short, runs no callbacks
   kDraws,    ///< concurrent with reads and other draws; may run callbacks
   kFree,     ///< always allowed; the data that the call uses have their own locks
 };
