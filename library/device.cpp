@@ -7,8 +7,8 @@
 namespace umbrage {
 namespace {
 
-thread_local bool has_turn = false;     // of a device
-thread_local bool tells_error = false;  // to a callback
+thread_local bool has_turn = false;     // this thread holds the Turn of a device
+thread_local bool tells_error = false;  // this thread runs an error callback
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void DeviceObject::leave(std::list<Left> left) noexcept {
     const std::lock_guard lock(left_mutex_);
     left_.splice(left_.end(), left);
   }
-  if (has_turn || !in_use_.try_lock()) return;  // whose turn it is drops it
+  if (has_turn || !in_use_.try_lock()) return;  // the holder of the Turn frees the memory at its end
   drop_left();
   in_use_.unlock();
 }
@@ -88,7 +88,7 @@ void DeviceObject::tell_error(const Error& error) {
   if (!callback || tells_error) return;
   tells_error = true;
   struct Done {
-    ~Done() { tells_error = false; }  // a callback of C++ may throw
+    ~Done() { tells_error = false; }  // runs also if a C++ callback throws
   } done;
   callback(user, UmbError(error.kind), error.message.c_str());
 }

@@ -1,4 +1,4 @@
-// Executing a job: from its parameters to its outputs, and what is kept for the next time.
+// Execution of a job: from its parameters to its outputs, and the data that is kept for the next execution.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b", "color.a"};
 
-/// What an effect makes, without the planes by which its own passes hand on to each other.
+/// Returns the passes that an effect makes, without planes that only its own dispatches read.
 std::vector<std::string> passes_made(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> planes;
   for (const Pass& pass : effect.passes) {
@@ -30,26 +30,26 @@ std::vector<std::string> passes_made(const Effect& effect, const ParameterBytes&
   return names;
 }
 
-/// The image that lights a scene.
+/// Returns a key of the scene version and the environment image that lights it.
 std::string image_key(const Recipe& recipe, long version) {
   const Hdri& hdri = recipe.hdri;
   return hdri.lights() ? fmt::format("{} {} {} {}", version, hdri.file, hdri.rotation_deg, hdri.intensity)
                        : fmt::format("{}", version);
 }
 
-/// What the light of a scene without lights depends on, besides the first picture's camera.
+/// Returns a key of everything that the lights of a scene without lights depend on, except the first picture's camera.
 std::string light_key(const Recipe& recipe) {
   return fmt::format("{} {} {} {}", image_key(recipe, 0), recipe.look->name, recipe.occlusion,
                      recipe.light_size_deg.value_or(-1.0f));
 }
 
-/// An id that a plane holds as a number; where there is none, or more than fits, all bits set.
+/// Converts an id that a plane stores as a float. Values that are negative, NaN or too large give all bits set.
 std::uint32_t id_of(float place) {
   constexpr float kBeyond = 4294967296.0f;
   return place >= 0.0f && place < kBeyond ? std::uint32_t(place) : ~std::uint32_t(0);
 }
 
-/// Whether outputs can be what a picture of that size makes. Errors: kUsage.
+/// Checks the outputs against the size of the picture. Errors: kUsage.
 Result<void> check_outputs(std::span<const Output> outputs, int width, int height) {
   for (const Output& output : outputs) {
     const SharedImage& image = output.image;
@@ -58,7 +58,7 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
       return usage_error("the output '{}' has {} x {} pixels: the picture has {} x {}", output.pass, image.width,
                          image.height, width, height);
     if (image.type == PixelType::kUint32 && !is_id(output.pass))
-      return usage_error("the output '{}' cannot be of 32-bit integers: ids alone are", output.pass);
+      return usage_error("the output '{}' cannot be of 32-bit integers: only ids can", output.pass);
     if (output.pass == "color" ? image.channels == 3 || image.channels == 4
                                : image.channels == int(channels_of(output.pass).size()))
       continue;
@@ -68,16 +68,17 @@ Result<void> check_outputs(std::span<const Output> outputs, int width, int heigh
   return {};
 }
 
-/// A scene while a picture is made of it, or none.
+/// Marks a scene as being drawn while this object exists. The scene may be null.
 class SceneInUse {
  public:
   explicit SceneInUse(SceneObject* scene) {
     if (scene) held_.emplace(scene->workers, Use::kDraws);
   }
-  /// Errors: kUsage where the scene is changed at the same time.
+  /// Errors: kUsage if the scene is being changed.
   Result<void> begun() const {
-    return !held_ || *held_ ? Result<void>()
-                            : usage_error("the scene is changed by another thread, or by the call that calls back");
+    return !held_ || *held_
+               ? Result<void>()
+               : usage_error("the scene is being changed by another thread or by the call that runs this callback");
   }
 
  private:
@@ -126,7 +127,7 @@ Result<JobObject::Order> JobObject::order() const {
   if (!recipe) return recipe.error();
   auto lines_wanted = request.strokes ? line_parameters(*recipe) : Result<ParameterBytes>(ParameterBytes());
   if (!lines_wanted) return lines_wanted.error();
-  // The size of a picture that is shaded is that of its depth.
+  // A shaded picture has the size of its depth image.
   if (renders() || find_image("depth"))
     if (auto fine = check_outputs(outputs_, request.width, request.height); !fine) return fine.error();
   return Order{std::move(request), std::move(*recipe), std::move(*lines_wanted)};
@@ -180,7 +181,7 @@ void JobObject::tell_unused(const Request& request, const Recipe& recipe) {
   auto sentences = unused_settings(request, recipe, furnished_.get(), [](std::string_view) { return true; });
   if (sentences == told_) return;
   told_ = std::move(sentences);
-  constexpr std::string_view kSettings = "`settings` ";  // which here are parameters by their own names
+  constexpr std::string_view kSettings = "`settings` ";  // the C interface has no `settings`: names are parameters
   for (std::string sentence : told_) {
     if (sentence.starts_with(kSettings)) sentence.erase(0, kSettings.size());
     device_->tell_warning(sentence);
@@ -255,7 +256,7 @@ Result<void> JobObject::prepare_device(const ProgressMonitor& before) {
 Result<Frame> JobObject::drawn(const Plan& plan) {
   StageTimes times;
   Device& device = *device_->device;
-  if (plan.averages()) {  // captures of many samples would fill the memory
+  if (plan.averages()) {  // captures of many samples would need too much memory
     captured_plan_.reset();
     captures_.clear();
     if (auto ready = prepare_device(before_drawing()); !ready) return ready.error();
@@ -278,7 +279,7 @@ Result<Frame> JobObject::drawn(const Plan& plan) {
 }
 
 Result<Frame> JobObject::shaded(const Request& request, const Recipe& recipe) {
-  for (const Output& output : outputs_)  // images are read where they lie until all outputs are written
+  for (const Output& output : outputs_)  // images are read until all outputs are written
     for (const NamedImage& named : images_)
       if (overlap(output.image, named.image))
         return usage_error("the output '{}' shares memory with the image '{}'", output.pass, named.name);
@@ -316,13 +317,13 @@ Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted)
   std::vector<std::vector<std::string>> planes(outputs.size(), kColor);
   const std::vector<std::string> there = device.plane_names(frame);
   if (!outputs.empty() && std::find(there.begin(), there.end(), "color.r") == there.end())
-    return usage_error("these effects make no picture: the output 'color' takes a look, or the effect 'output'");
+    return usage_error("the effects make no picture: the output 'color' requires a look or the effect 'output'");
   if (!names.empty()) {
     const auto chosen = chosen_planes(names, there, frame.info);
     if (!chosen) return chosen.error();
     for (const PassPlanes& pass : *chosen) {
       if (std::any_of(outputs.begin(), outputs.end(), [&](const Output& o) { return o.pass == pass.name; }))
-        continue;  // it is one of "all", too
+        continue;  // requested by name and by "all"
       const auto set = std::find_if(wanted.begin(), wanted.end(), [&](const Output& o) { return o.pass == pass.name; });
       outputs.push_back(set != wanted.end() ? std::move(*set) : Output{.pass = pass.name, .image = {}, .own = {}});
       planes.push_back(pass.planes);
@@ -330,7 +331,7 @@ Result<void> JobObject::hand_out(const Frame& frame, std::vector<Output> wanted)
   }
   for (std::size_t k = 0; k < outputs.size(); ++k)
     if (outputs[k].image.data) planes[k].resize(std::size_t(outputs[k].image.channels));
-  // From here on memory of the last time serves again, and what was there is gone.
+  // From here on the memory of the last outputs is reused, and their contents are lost.
   std::vector<Output> last = std::move(made_);
   made_.clear();
   for (Output& output : outputs)

@@ -1,4 +1,4 @@
-// What there is: looks, effects, devices, and all parameters.
+// Lists of looks, effects, devices, formats and parameters.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -73,7 +73,7 @@ std::string_view type_of(const Option& row) {
   return kTypes[row.where.index()];
 }
 
-/// What holds where nobody sets it, in words; of the picture's size and of flags as setters take it.
+/// Returns the default of a parameter in words; for the picture's size and for flags as the setters accept it.
 std::string initial_of(const Option& row) {
   Request request;
   if (const auto* flag = std::get_if<FieldOf<bool>>(&row.where)) return (*flag)(request) ? "true" : "false";
@@ -123,7 +123,7 @@ Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {
     return all;
   }
   const Effect* effect = find_named<Effect>(every_effect(), owner);
-  if (!effect) return usage_error("'{}' has no parameters: render, shade, scene and effects have", owner);
+  if (!effect) return usage_error("'{}' has no parameters: it takes render, shade, scene or an effect", owner);
   for (const Parameter& row : effect->parameters) all.push_back(parameter_of(*effect, row));
   return all;
 }
@@ -168,7 +168,7 @@ UmbError umbGetParameter(const char* owner, int index, UmbParameter* parameter) 
     there = index >= 0 && std::size_t(index) < all->size();
     if (there) {
       const std::size_t size = parameter->size;
-      std::memset(parameter, 0, size);  // what a newer header has besides
+      std::memset(parameter, 0, size);  // members that only a newer header has
       std::memcpy(parameter, &(*all)[std::size_t(index)], std::min(size, sizeof(UmbParameter)));
       parameter->size = size;
     }
