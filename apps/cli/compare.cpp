@@ -1,4 +1,4 @@
-// umbrage compare: each technique against ray-traced truth: numbers, error maps, an HTML page.
+// umbrage compare: measures each technique against ray-traced ground truth; writes scores and an HTML page.
 #include "apps/compare/compare.h"
 
 #include <CLI/CLI.hpp>
@@ -24,14 +24,14 @@ struct CompareOptions : MeasureOptions {
   std::vector<std::string> sizes = {"960,540", "480,270"};
 };
 
-/// A setting as a column of the table holds it.
+/// Shortens a setting to the width of its table column.
 std::string shown_setting(const std::string& setting) {
   constexpr std::size_t kMaxWidth = 27;
   if (setting.empty()) return "(as the look has it)";
   return setting.size() <= kMaxWidth ? setting : setting.substr(0, kMaxWidth - 2) + "..";
 }
 
-/// One line per technique and setting: means over all pictures of one size.
+/// Prints one line per technique and setting: means over all pictures of one size.
 void print_table(const Comparison& comparison, Quantity quantity, std::pair<int, int> size) {
   fmt::print("{}, {}x{}, means over all scenes and cameras{}\n{:<11} {:<27} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
              kQuantityNames[int(quantity)], size.first, size.second,

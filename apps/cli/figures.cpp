@@ -1,4 +1,4 @@
-// umbrage figures: the papers' figures and tables, with the numbers that they must show.
+// umbrage figures: reproduces the figures and tables of the papers and checks numbers measured from them.
 #include "apps/figures/figures.h"
 
 #include <CLI/CLI.hpp>
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 struct FiguresOptions : CommonOptions {
   std::string paper = "unsharp", output = "figures", bunny = kBunnyFile;
-  int size = 0;  // pixels; 0: the paper's own
+  int size = 0;  // side in pixels; 0: that of the paper
   int runs = 5;
 };
 
@@ -26,8 +26,8 @@ using Progress = std::function<void(const std::string&)>;
 
 struct Paper {
   std::string_view name, title;
-  int size;         // pixels: the paper's own
-  bool with_bunny;  // needs the file that --bunny names
+  int size;         // side in pixels in the paper
+  bool with_bunny;  // whether the figures need the file of --bunny
   Result<std::vector<Figure>> (*figures)(Device&, const FiguresOptions&, const Progress&);
   Result<std::vector<FigureTable>> (*tables)(Device&, const FiguresOptions&, const Progress&);
 };

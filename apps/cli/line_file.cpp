@@ -51,7 +51,7 @@ Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile&
 
 void draw_lines_alone(Request& request) {
   request.anti_aliasing = 1;
-  if (!request.occlusion_radius.empty()) return;  // of which a hint may have something to say
+  if (!request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
   request.occlusion = kNoOcclusion;
   request.occlusion_scale.clear();
 }

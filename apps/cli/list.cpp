@@ -1,4 +1,4 @@
-// umbrage list: what there is.
+// umbrage list: lists looks, effects, scenes, devices and formats.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-// umbrage completion and umbrage manual: what a shell and man want to know, made from the options that there are.
+// umbrage completion and umbrage manual: shell completion scripts and the manual page, generated from the options.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -34,7 +34,7 @@ Words effect_names() {
   for (const Effect* effect : effects()) names.emplace_back(effect->name);
   return names;
 }
-/// What --set takes: each parameter, with its choices where it has some.
+/// Returns the words that complete --set: each parameter, with its values if it is a choice or a switch.
 Words parameter_names() {
   Words names;
   for (const Effect* effect : every_effect())
@@ -55,7 +55,7 @@ Words scene_names() {
   return names;
 }
 
-/// What an option, or the word of a command (WHAT), can be; empty where it is a number, a file or anything else.
+/// Returns the possible values of an option or positional argument; empty for numbers, files and other open values.
 Words values_of(const CLI::App& command, std::string_view option) {
   const std::string& name = command.get_name();
   if (option == "WHAT" && name == "list") return {"looks", "effects", "scenes", "devices", "formats"};
@@ -78,7 +78,7 @@ Words values_of(const CLI::App& command, std::string_view option) {
 
 bool is_flag(const CLI::Option& option) { return option.get_type_name().empty(); }
 
-/// Options that have a name, --help among them.
+/// Returns the options that are not positional, including --help.
 std::vector<const CLI::Option*> named_options(const CLI::App& command) {
   std::vector<const CLI::Option*> options;
   for (const CLI::Option* option : command.get_options())
@@ -98,7 +98,7 @@ std::string joined(const Words& words, std::string_view between) {
   return text;
 }
 
-/// With a backslash before each of these characters.
+/// Returns the text with a backslash before each character of `which`.
 std::string escaped(std::string_view text, std::string_view which) {
   std::string out;
   for (const char c : text) {
@@ -108,7 +108,7 @@ std::string escaped(std::string_view text, std::string_view which) {
   return out;
 }
 
-/// A description without what stands in brackets at its end, its default.
+/// Returns a description without the default in brackets at its end.
 std::string without_default(const std::string& text) {
   const auto bracket = text.rfind(" [");
   return bracket == std::string_view::npos ? text : text.substr(0, bracket);
@@ -267,7 +267,7 @@ std::string fish_of(const std::vector<const CLI::App*>& commands) {
 
 // ---- man ----
 
-/// Text for roff: what it would take for its own stays what it is.
+/// Escapes the characters of a text that roff would interpret.
 std::string roff(std::string_view text) {
   std::string out;
   for (const char c : text) {

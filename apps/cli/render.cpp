@@ -1,4 +1,4 @@
-// umbrage render: a model in, a picture out.
+// umbrage render: draws a model to a picture, a turntable or a video.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -31,7 +31,7 @@ namespace {
 
 const std::vector<std::string> kColor = {"color.r", "color.g", "color.b"};
 
-/// Bytes of "6G", "512M" or "100000". Errors: kUsage.
+/// Parses a number of bytes, such as "6G", "512M" or "100000". Errors: kUsage.
 Result<double> parse_memory(std::string_view text) {
   constexpr std::string_view kUnits = "KMGT";
   const std::size_t unit = text.empty() ? kUnits.npos : kUnits.find(text.back());
@@ -58,24 +58,24 @@ Result<void> write_output(const RenderOptions& o, const Place& place, const Effe
   return put_image(place, picture_in_file(o, place, *image, names, effect_settings, place.first), settings);
 }
 
-/// What is written, and how many frames; checked before the model is read.
+/// The files to write and the number of frames, checked before the model is read.
 struct Output {
   int frames = 1;
-  bool turns = false, is_video = false;
-  FrameNames names;  ///< of frames that are files
+  bool turns = false, is_video = false;  ///< whether it is a turntable; whether that is a video
+  FrameNames names;                      ///< file names of a turntable that is not a video
 };
 
-/// Everything that can be known of a picture before its model is read.
+/// Everything that is known about a picture before its model is read.
 struct Order {
   Output output;
   LineFile lines;
-  Recipe asked;   ///< as the options say, for hints
-  Recipe recipe;  ///< with what the output needs, and no more
+  Recipe asked;   ///< recipe of the options, for hints
+  Recipe recipe;  ///< recipe reduced to the planes that the output needs
   ImportSettings import_with;
   double memory = 0.0;
 };
 
-/// The planes of the passes that are wanted, as a small copy of the picture has them.
+/// Returns the planes of the requested passes. Draws a small copy of the picture to find them.
 Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& device, const Scene& scene,
                                              const Plan& plan) {
   constexpr int kSmall = 16;  // pixels a side
@@ -95,7 +95,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   return names;
 }
 
-/// Draws the picture in bands, into its file. Progress is shown meanwhile, on `line`.
+/// Draws the picture in strips directly into its file. Shows progress on `line`.
 Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& device, const Scene& scene,
                             const Plan& plan, int band_rows, ProgressLine& line, StageTimes& times) {
   const Recipe& recipe = order.recipe;
@@ -111,7 +111,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
   std::vector<std::string> wanted = names;
   for (const std::string& name : seen_planes(recipe))
     if (std::find(names.begin(), names.end(), name) == names.end()) wanted.push_back(name);
-  // Of the size that it has in the file, but one pixel.
+  // The planes of the file are found from a picture of one pixel.
   Image pixel(1, 1);
   for (const std::string& name : wanted) pixel.add(name) = Plane(1, 1, 0.0f);
   const ImageShape shape{recipe.width, recipe.height,
@@ -130,7 +130,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
       times.done("write");
       return taken;
     };
-    // Here, since it is not the file that cannot be written.
+    // Guarded here: an exception of the drawing must not be reported as a failure to write the file.
     return guarded(
         [&] {
           return fmt::format("{} x {} pixels in bands; try a smaller --memory, --resolution or model", recipe.width,
@@ -151,7 +151,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
   return written;
 }
 
-/// What each pass took in all, in the order of their first runs.
+/// Returns the total time of each dispatch, in the order of their first runs.
 std::vector<PassTime> added_up(const std::vector<PassTime>& passes) {
   std::vector<PassTime> sums;
   for (const PassTime& pass : passes) {
@@ -240,7 +240,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
     video = std::move(*begun);
     place.video = video.get();
   }
-  std::optional<float> stops;  // one exposure for all
+  std::optional<float> stops;  // exposure of the first frame, used for all
   constexpr float kWholeTurnDeg = 360.0f;
   for (; frame_number < output.frames; ++frame_number) {
     const float angle_deg = kWholeTurnDeg * float(frame_number) / float(output.frames);
@@ -272,7 +272,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
   return {};
 }
 
-/// What the file can hold. Errors: kUsage.
+/// Checks that the file format supports the requested passes, bits and half floats. Errors: kUsage.
 Result<void> check_output(const RenderOptions& o, const Output& output) {
   const std::string extension = output.is_video ? std::filesystem::path(o.output).extension().string().substr(1)
                                 : o.output == kStandardOutput ? "png"
@@ -285,7 +285,7 @@ Result<void> check_output(const RenderOptions& o, const Output& output) {
   return {};
 }
 
-/// Errors: kUsage; kFile for a file that cannot be written.
+/// Checks the options. Errors: kUsage; kFile for a file that cannot be written.
 Result<Order> order_of(const RenderOptions& o) {
   Order order;
   const auto output = output_of(o);
@@ -318,7 +318,8 @@ Result<Order> order_of(const RenderOptions& o) {
   return order;
 }
 
-/// How the picture is drawn with so much memory, on the device or, where that is free to choose, another one that can.
+/// Returns the strips that keep the picture within --memory. Switches to the CPU if `device` cannot draw strips and
+/// --device is auto. Errors: kUsage for a picture that needs strips but cannot be drawn in strips.
 Result<BandSizes> planned_bands(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
@@ -341,7 +342,7 @@ Result<BandSizes> planned_bands(const RenderOptions& o, const Order& order, std:
   return bands;
 }
 
-/// Reads the model and what is around it, and says what is odd about them.
+/// Reads the environment map and the model. Prints their warnings and those about unused settings.
 Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& line) {
   const auto warn = [&](const std::string& warning) {
     line.wipe();
@@ -357,7 +358,7 @@ Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& lin
   if (order.recipe.camera_index)
     if (auto used = use_camera(*order.recipe.camera_index, *scene); !used) return used.error();
   for (const std::string& warning : scene->warnings) warn(warning);
-  // Settings of a configuration file may be meant for other looks.
+  // Warn only about settings on the command line: those of a configuration file may be for other looks.
   const auto is_typed = [](std::string_view setting) { return command_line.find(setting) != std::string::npos; };
   for (const std::string& sentence : unused_settings(o.request, order.asked, &*scene, is_typed))
     warn(in_options(sentence));

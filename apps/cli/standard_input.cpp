@@ -20,11 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What drop_standard_input removes: a folder and the file in it.
+// The folder and file that drop_standard_input removes; empty: none.
 constexpr std::size_t kMaxPathLength = 4096;
 char dropped_folder[kMaxPathLength], dropped_file[kMaxPathLength];
 
-/// The words of a text's first lines that are no comment.
+/// Returns the first words of a text, without comment lines.
 std::vector<std::string_view> first_words(std::string_view text) {
   std::vector<std::string_view> words;
   constexpr int kEnough = 8;
@@ -56,7 +56,7 @@ Error about_standard_input(Error error) {
   return error;
 }
 
-/// Copies standard input into a file. Its name is that of the file.
+/// Copies standard input to a temporary file and returns its path.
 Result<fs::path> take_standard_input(const std::string& format) {
   if (::isatty(STDIN_FILENO)) return usage_error("- reads a model from standard input, which is a terminal");
   std::string bytes;
@@ -78,7 +78,7 @@ Result<fs::path> take_standard_input(const std::string& format) {
   const std::string file = folder + "/stdin." + ending;
   if (code || file.size() >= kMaxPathLength)
     return file_error("there is no folder for standard input's temporary file");
-  // Known to the signal handler before they are there: the first byte makes a name of the others.
+  // The signal handler knows the names before the folder and file exist. The first byte, written last, enables a name.
   for (const auto& [dropped, name] : {std::pair(dropped_folder, &folder), {dropped_file, &file}}) {
     std::strcpy(dropped + 1, name->c_str() + 1);
     std::atomic_signal_fence(std::memory_order_seq_cst);
@@ -113,7 +113,7 @@ std::string format_of_content(std::string_view bytes) {
   if (begins("ply")) return "ply";
   if (begins("glTF")) return "glb";
   if (begins("Kaydara FBX Binary") || begins("; FBX")) return "fbx";
-  // A binary STL file has a header of 80 bytes, a count, and 50 bytes for each triangle.
+  // A binary STL file has a header of 80 bytes, a 32-bit count and 50 bytes per triangle.
   constexpr std::size_t kHeader = 84, kTriangle = 50;
   if (bytes.size() >= kHeader) {
     std::uint32_t count = 0;

@@ -1,4 +1,4 @@
-// umbrage tune: the best settings of a technique for a scene, against ray-traced truth, as options.
+// umbrage tune: searches the settings of a technique for a scene that come closest to the ray-traced ground truth.
 #include "apps/compare/tune.h"
 
 #include <fmt/ranges.h>
@@ -22,7 +22,7 @@ struct TuneOptions : MeasureOptions {
   bool json = false;
 };
 
-/// A trial's settings as one would write them; "as it is" where nothing differs from the start.
+/// Returns the settings of a trial as on a command line; "as it is" if they equal the start.
 std::string words_of(const Trial& trial, const Trial& start) {
   std::string words = trial.scale == start.scale ? "" : trial.scale;
   for (const std::string& setting : trial.settings) words += (words.empty() ? "" : " ") + setting;
@@ -50,7 +50,7 @@ void print_table(const Tuning& tuning) {
   for (const Trial& trial : tuning.trials)
     if (trial.frontier) shown.push_back(trial);
   std::sort(shown.begin(), shown.end(), [](const Trial& a, const Trial& b) { return a.ms < b.ms; });
-  // What is slower and hardly closer is not shown.
+  // Omit trials that are slower and hardly closer.
   constexpr double kSeen = 0.01;
   double last = std::numeric_limits<double>::infinity();
   std::erase_if(shown, [&](const Trial& trial) {
