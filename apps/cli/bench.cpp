@@ -227,7 +227,7 @@ Result<void> bench(const BenchOptions& o) {
   if (auto ready = device.prepare(*scene); !ready) return ready;
   line.wipe();
   if (!o.json)
-    fmt::print("{} ({} triangles), {}, median and least of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
+    fmt::print("{} ({} triangles), {}, median and min of {} runs\n{:<10} {:<28} {:>11} {:>9} {:>9}\n", scene->name,
                scene->triangle_count(), device.description(), o.runs, "effect", "setting", "size", "ms", "ms_min");
   Bench all(o, *plan, device, line);
   for (const auto& size : plan->sizes)
@@ -239,14 +239,14 @@ Result<void> bench(const BenchOptions& o) {
 }  // namespace
 
 void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("bench", "time every effect");
+  CLI::App* command = app.add_subcommand("bench", "measure the time of every effect");
   auto options = std::make_shared<BenchOptions>();
   command->add_option("MODEL", options->models, "model or built-in scene [scene:claw]")->expected(0, 1);
-  command->add_option("--effect", options->effect, "time this one only; capture is one too");
+  command->add_option("--effect", options->effect, "measure this effect only; capture is allowed too");
   add_one(*command, *options, "occlusion_scale", "",
-          "full, or half or quarter: techniques and filters alone, at that share of the resolution", "full");
+          "full; half or quarter measure techniques and filters alone, at that resolution", "full");
   add_sizes(*command, options->sizes, "1024,1024");
-  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kWhole}, "runs behind each time");
+  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kWhole}, "runs per measured time");
   command->add_flag("--json", options->json, "print JSON");
   add_device_options(*command, *options, kBench);
   command->callback([options, &run] { run = with_options(options, bench); });

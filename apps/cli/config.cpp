@@ -35,7 +35,7 @@ Result<std::string> value_of(std::string_view text) {
     if (const auto end = text.find(text[0], 1); end != std::string_view::npos) {
       const std::string_view rest = trimmed(text.substr(end + 1));
       if (is_comment(rest)) return std::string(text.substr(1, end - 1));
-      return usage_error("'{}' follows {}, where only a comment may stand", rest, text.substr(0, end + 1));
+      return usage_error("'{}' follows {}; only a comment may follow", rest, text.substr(0, end + 1));
     }
   return std::string(trimmed(text.substr(0, text.find(" #"))));
 }
@@ -94,7 +94,7 @@ void add_config_option(CLI::App& command) {
   static std::string ignored;
   command
       .add_option(kOption, ignored,
-                  "file of options, or none [umbrage/config in XDG_CONFIG_HOME or ~/.config, if it is there]")
+                  "configuration file, or none [umbrage/config in XDG_CONFIG_HOME or ~/.config, if it exists]")
       ->group("Configuration");
 }
 
@@ -131,13 +131,12 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
       if (end == text.size() || std::find(names.begin(), names.end(), section) == names.end())
         return wrong(fmt::format("there is no command '{}'{}", section, suggestion(section, names)));
       const std::string_view rest = trimmed(text.substr(end + 1));
-      if (!is_comment(rest))
-        return wrong(fmt::format("'{}' follows [{}], where only a comment may stand", rest, section));
+      if (!is_comment(rest)) return wrong(fmt::format("'{}' follows [{}]; only a comment may follow", rest, section));
       continue;
     }
     const std::size_t equals = text.find('=');
     std::string name(trimmed(text.substr(0, equals)));
-    if (equals == std::string_view::npos || name.empty()) return wrong("it takes option = value");
+    if (equals == std::string_view::npos || name.empty()) return wrong("a line must have the form option = value");
     if (name.starts_with("--")) name.erase(0, 2);
     const auto given = value_of(text.substr(equals + 1));
     if (!given) return wrong(given.error().message);

@@ -109,7 +109,7 @@ Result<void> make_figures(const FiguresOptions& asked) {
   line.wipe();
   std::error_code error;
   fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) return file_error("'{}': the folder cannot be made", o.output);
+  if (!fs::is_directory(folder)) return file_error("'{}': the folder cannot be created", o.output);
 
   nlohmann::json records = nlohmann::json::array();
   int missed = 0;
@@ -140,21 +140,20 @@ Result<void> make_figures(const FiguresOptions& asked) {
     return written;
   fmt::print("{} pictures, contact-sheet.png and index.md are in {}\n", picture_count, o.output);
   if (missed > 0)
-    return Error{ErrorKind::kInternal,
-                 fmt::format("{} of {} numbers are not what the paper shows", missed, records.size())};
+    return Error{ErrorKind::kInternal, fmt::format("{} of {} numbers are out of bounds", missed, records.size())};
   return {};
 }
 
 }  // namespace
 
 void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("figures", "make the figures and tables of a paper");
+  CLI::App* command = app.add_subcommand("figures", "reproduce the figures and tables of a paper");
   auto options = std::make_shared<FiguresOptions>();
   command->add_option("--paper", options->paper, "unsharp, cartoon or bleeding [unsharp]");
   command->add_option("-o,--output", options->output, "folder to write to [figures]");
   add_number(*command, "--size", options->size, {128, 4096, NumberKind::kWhole}, "side of the pictures in pixels",
              "the paper's: unsharp 1024, cartoon 512, bleeding 768");
-  add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kWhole}, "runs behind each time in the tables");
+  add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kWhole}, "runs per measured time in the tables");
   command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]");
   add_device_options(*command, *options, kFigures);
   command->callback([options, &run] { run = with_options(options, make_figures); });

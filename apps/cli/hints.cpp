@@ -43,7 +43,7 @@ std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radi
 
 void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene) {
   if (seen.surfaces == 0)
-    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
+    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or omit the camera options\n",
                scene.name);
   if (const std::string hint = radius_hint(recipe, seen, scene.radius()); !hint.empty())
     fmt::print(stderr, "umbrage: warning: {}\n", hint);

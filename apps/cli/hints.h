@@ -14,6 +14,7 @@ struct Seen {
   bool has_ao = false;
   long changed = 0;  ///< surface pixels that occlusion changes visibly; 0 without `ao`
 
+  /// Adds the pixels of a picture or of some of its rows. `ao` may be null.
   void add(const Plane& depth, const Plane* ao);
 };
 

@@ -147,7 +147,7 @@ void print_text(const Scene& scene, const std::string& format) {
   print_line("bounds", fmt::format("{} to {}, radius {:.4g}", vector_text(scene.bounds_min),
                                    vector_text(scene.bounds_max), scene.radius()));
   print_line("up", axis_text(scene.up));
-  print_line("units", units_of(format).empty() ? "not said" : units_of(format));
+  print_line("units", units_of(format).empty() ? "unknown" : units_of(format));
   if (scene.point_count() > 0) {
     const int spheres = count_meshes(scene, [](const Mesh& mesh) { return mesh.spheres; });
     print_line("points", spheres > 0 ? "drawn as spheres" : "drawn as discs");
@@ -188,7 +188,8 @@ void print_text(const Scene& scene, const std::string& format) {
                            vector_text(view.eye), vector_text(view.target), lens));
   }
   more(cameras.size());
-  print_line("lights", scene.lights.empty() ? "none: looks bring their own" : fmt::format("{}", scene.lights.size()));
+  print_line("lights",
+             scene.lights.empty() ? "none: the lights of the look are used" : fmt::format("{}", scene.lights.size()));
   for (const std::string& warning : scene.warnings) print_line("warning", in_options(warning));
 }
 
@@ -213,7 +214,7 @@ Result<void> info(const InfoOptions& o) {
 
 void add_info(CLI::App& app, std::function<Result<void>()>& run) {
   const auto [command, options] =
-      add_model_command(app, run, "info", "say what a model holds and how it was understood", kInfo, info);
+      add_model_command(app, run, "info", "print the content of a model and how it was interpreted", kInfo, info);
   command->add_flag("--json", options->json, "print JSON");
   add_config_option(*command);
 }

@@ -16,7 +16,7 @@ Result<LineFile> line_file_of(const RenderOptions& o, int frames) {
   LineFile lines;
   lines.alone = is_svg(o.output);
   if (lines.alone && !o.svg.empty())
-    return usage_error("--svg '{}' is for lines beside a picture, and --output '{}' has no picture: give one of them",
+    return usage_error("--svg '{}' writes lines beside a picture, and --output '{}' has no picture: give one of them",
                        o.svg, o.output);
   if (lines.alone && o.writes_passes())
     return usage_error("--passes {} needs a file that holds planes, such as .exr, and '{}' holds lines alone",

@@ -36,6 +36,7 @@ void draw_lines_alone(Request& request);
 
 /// Traces the lines of a frame and writes them. Errors: kFile; those of Device::download.
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame);
+/// Writes lines that are traced already, of a picture drawn in strips. Errors: kFile.
 Result<void> write_lines(const LineFile& lines, const Lines& traced);
 
 }  // namespace umbrage::cli

@@ -124,7 +124,7 @@ int report(const Error& error) {
 /// Flushes standard output and returns the exit code of a successful run.
 int printed() {
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return 0;
-  return report(file_error("what was to be printed could not be written"));
+  return report(file_error("standard output cannot be written"));
 }
 
 int run(int argc, char** argv) {
@@ -185,8 +185,8 @@ std::string command_line;
 int main(int argc, char** argv) {
   using namespace umbrage;
   cli::end_on_signals();
-  const auto code = guarded(
-      [] { return cli::command_line + "; try a smaller picture or model, or to render with a smaller --memory"; },
-      [&]() -> Result<int> { return cli::run(argc, argv); });
+  const auto code =
+      guarded([] { return cli::command_line + "; try a smaller picture or model, or a smaller --memory of render"; },
+              [&]() -> Result<int> { return cli::run(argc, argv); });
   return code ? *code : cli::report(code.error());
 }

@@ -91,7 +91,7 @@ TEST_F(Manners, TellsFormatsByContent) {
     EXPECT_TRUE(outcome.err.find(format) != std::string::npos ||
                 outcome.err.find("umbrage: standard input ") != std::string::npos)
         << outcome.err;
-    EXPECT_EQ(outcome.err.find("cannot be told"), std::string::npos) << format << ": " << outcome.err;
+    EXPECT_EQ(outcome.err.find("unknown format"), std::string::npos) << format << ": " << outcome.err;
   }
 }
 

@@ -320,7 +320,7 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
   for (const CLI::App* command : commands)
     out += ".SH " + upper("umbrage " + command->get_name()) + "\n" + roff(command->get_description()) + "\n" +
            man_options(*command);
-  out += ".SH PARAMETERS\n" + roff("What --set takes, as effect.parameter=value.") + "\n";
+  out += ".SH PARAMETERS\n" + roff("Parameters of --set, as effect.parameter=value.") + "\n";
   for (const Effect* effect : every_effect()) {
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     out += ".SS " + std::string(effect->name) + "\n" + roff(effect->summary) + "\n";
@@ -330,13 +330,12 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
           roff(in_options(fmt::format("{}: {} [{}]", row.help, parameter_range(row), parameter_text(row, initial)))));
   }
   out += ".SH EXIT STATUS\n";
-  const std::pair<int, const char*> codes[] = {
-      {0, "done"},
-      {1, "internal error, or a score or figure that is worse than it must be"},
-      {2, "wrong usage: an option, value or name"},
-      {3, "a file that cannot be read, used or written"},
-      {4, "a device that is missing or cannot do it"},
-      {130, "interrupted"}};
+  const std::pair<int, const char*> codes[] = {{0, "done"},
+                                               {1, "internal error, or a score or figure out of bounds"},
+                                               {2, "wrong usage: an option, value or name"},
+                                               {3, "a file that cannot be read, used or written"},
+                                               {4, "a device that is missing or lacks a required feature"},
+                                               {130, "interrupted"}};
   for (const auto& [code, text] : codes) out += fmt::format(".TP\n.B {}\n{}\n", code, roff(text));
   out += ".SH ENVIRONMENT\n";
   Words seen;
@@ -345,12 +344,12 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
       const std::string& variable = option->get_envname();
       if (variable.empty() || std::find(seen.begin(), seen.end(), variable) != seen.end()) continue;
       seen.push_back(variable);
-      out += fmt::format(".TP\n.B {}\n{}\n", variable, roff("stands for --" + option->get_lnames()[0]));
+      out += fmt::format(".TP\n.B {}\n{}\n", variable, roff("default of --" + option->get_lnames()[0]));
     }
   out += ".SH FILES\n.TP\n.I $XDG_CONFIG_HOME/umbrage/config, ~/.config/umbrage/config\n" +
          roff(
-             "lines option = value, and headings [command]; what stands before the first heading is for every command "
-             "that has the option. The environment and the command line win.") +
+             "lines option = value, and headings [command]; options before the first heading apply to every command "
+             "that has them. The environment and the command line take precedence.") +
          "\n";
   return out;
 }
@@ -378,7 +377,7 @@ Result<void> completion(const CLI::App& app, const ManualOptions& o) {
 
 void add_manual(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<ManualOptions>();
-  CLI::App* shell = app.add_subcommand("completion", "print what a shell needs to complete umbrage's words");
+  CLI::App* shell = app.add_subcommand("completion", "print the completion script of a shell");
   shell->add_option("SHELL", options->shell, "bash, zsh or fish")->required();
   shell->callback([&app, options, &run] { run = [&app, options] { return completion(app, *options); }; });
   CLI::App* manual = app.add_subcommand("manual", "print the manual page, for man -l");

@@ -133,7 +133,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
     // Guarded here: an exception of the drawing must not be reported as a failure to write the file.
     return guarded(
         [&] {
-          return fmt::format("{} x {} pixels in bands; try a smaller --memory, --resolution or model", recipe.width,
+          return fmt::format("{} x {} pixels in strips; try a smaller --memory, --resolution or model", recipe.width,
                              recipe.height);
         },
         [&]() -> Result<void> {
@@ -186,11 +186,12 @@ Result<Output> output_of(const RenderOptions& o) {
   Output output;
   const bool piped = o.output == kStandardOutput;
   if (piped && ::isatty(STDOUT_FILENO))
-    return usage_error("-o - writes a PNG to standard output, which is a terminal: send it to a file or a program");
-  if (piped && o.json) return usage_error("-o - and --json cannot both have standard output");
+    return usage_error("-o - writes a PNG to standard output, which is a terminal: redirect it to a file or a program");
+  if (piped && o.json) return usage_error("-o - and --json cannot both write to standard output");
   if (o.turntable == 0) {
     if (is_video(o.output) && !format_of(o.output))
-      return usage_error("'{}' is a video, of several frames: --turntable 120 makes it", o.output);
+      return usage_error("'{}' is a video, which needs several frames: give --turntable, such as --turntable 120",
+                         o.output);
     if (piped) return output;
     if (auto writable = check_writable(o.output); !writable) return writable.error();
     if (const auto known = extension_of(o.output); !known) return known.error();
@@ -201,7 +202,7 @@ Result<Output> output_of(const RenderOptions& o) {
   output.is_video = is_video(o.output);
   if (output.is_video) return output;
   if (piped)
-    return usage_error("--turntable {} makes several pictures, and -o - takes one: name files, such as turn.png",
+    return usage_error("--turntable {} writes several pictures, and -o - takes one: name a file, such as turn.png",
                        o.turntable);
   auto names = frame_names(o.output);
   if (!names) return names.error();
@@ -278,7 +279,7 @@ Result<void> check_output(const RenderOptions& o, const Output& output) {
                                 : o.output == kStandardOutput ? "png"
                                                               : *extension_of(o.output);
   if (extension != "exr" && (o.request.passes.size() > 1 || o.writes_only("all")))
-    return usage_error("--passes {} needs a file that holds layers: write to a name that ends in .exr",
+    return usage_error("--passes {} needs a file that holds several passes: write to a name that ends in .exr",
                        o.text_of("passes"));
   if (o.bits() != 8 && extension != "png") return usage_error("--bits is for .png files, not .{}", extension);
   if (o.half && extension != "exr") return usage_error("--half is for .exr files, not .{}", extension);
@@ -337,8 +338,8 @@ Result<BandSizes> planned_bands(const RenderOptions& o, const Order& order, std:
     return usage_error("{} of {} x {} pixels takes more than --memory {}: {}", what, o.request.width, o.request.height,
                        o.memory, advice);
   };
-  if (o.writes_only("all")) return too_large("--passes all", "name the passes, or allow more");
-  if (order.output.turns) return too_large("--turntable", "allow more, or draw smaller pictures");
+  if (o.writes_only("all")) return too_large("--passes all", "name the passes, or raise --memory");
+  if (order.output.turns) return too_large("--turntable", "raise --memory, or lower --resolution");
   return bands;
 }
 
@@ -391,7 +392,8 @@ Result<void> render(const RenderOptions& given) {
   line.reset();
   times.done("prepare");
   if (bands->rows > 0 && o.verbose)
-    fmt::print(stderr, "drawn in bands of {} rows, by about {:.1f} GB; whole it would take more than --memory {}\n",
+    fmt::print(stderr,
+               "drawn in strips of {} rows with about {:.1f} GB; the whole picture would take more than --memory {}\n",
                bands->rows, bands->bytes * 1e-9, o.memory);
   ProgressLine drawing;
   if (auto drawn = bands->rows > 0 ? draw_into_file(o, *order, *device, *scene, *plan, bands->rows, drawing, times)
@@ -413,22 +415,22 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
   command
       ->add_option(
           "-o,--output", options->output,
-          "file to write: .png, .exr or .pfm; .svg for the lines alone, of the look cartoon unless --look says "
-          "another; - for a PNG on standard output; of --turntable also .mp4, .webm or .gif")
+          "file to write: .png, .exr or .pfm; .svg for lines alone, of the look cartoon by default; - for a PNG on "
+          "standard output; with --turntable also .mp4, .webm or .gif")
       ->required()
       ->group(output);
-  command->add_option("--svg", options->svg, "write the look's lines as curves, too, to this .svg file")->group(output);
+  command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")->group(output);
   add_one(*command, *options, "passes", output);
   add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kWhole},
              "frames of one turn of the model, written as turn_0000.png and so on, or as a video", "one picture")
       ->group(output);
-  add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "of a video: frames per second")
-      ->group(output);
+  add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "frames per second of a video")->group(output);
   add_one(*command, *options, "bits", output);
-  command->add_flag("--half", options->half, "half floats in an EXR, where they suffice")->group(output);
+  command->add_flag("--half", options->half, "half floats in an EXR, for planes where their precision suffices")
+      ->group(output);
   CLI::Option* memory = command->add_option(
       "--memory", options->memory,
-      fmt::format("draw in bands what would take more memory at once, about, such as 6G or 500M [{}]",
+      fmt::format("approximate memory limit, such as 6G or 500M; a picture that needs more is drawn in strips [{}]",
                   options->memory));
   memory->group(output);
   add_check(*memory, [](const std::string& text) -> Result<void> {

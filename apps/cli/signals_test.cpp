@@ -91,7 +91,7 @@ class Signals : public test::ProgramTest {
     constexpr int kPatienceMs = 20'000;
     const bool ended = ::poll(&alive, 1, kPatienceMs) == 1;
     ::close(running.alive);
-    EXPECT_TRUE(ended) << "a child process lives on";
+    EXPECT_TRUE(ended) << "a child process is still running";
     return ended && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 

@@ -49,6 +49,7 @@ bool is_number(std::string_view word) {
   return end != text.c_str() && *end == '\0';
 }
 
+/// Replaces the name of the temporary file in a message by "standard input".
 Error about_standard_input(Error error) {
   const std::string name = fmt::format("'{}'", dropped_file);
   if (const auto at = error.message.find(name); at != std::string::npos)
@@ -70,14 +71,14 @@ Result<fs::path> take_standard_input(const std::string& format) {
   }
   if (bytes.empty()) return file_error("standard input is empty");
   const std::string ending = format.empty() ? format_of_content(bytes) : format;
-  if (ending.empty()) return file_error("the format of standard input cannot be told; name it with --input-format");
+  if (ending.empty()) return file_error("standard input has an unknown format; name it with --input-format");
   std::error_code code;
   const fs::path place = fs::temp_directory_path(code);
   std::random_device random;
   const std::string folder = (place / fmt::format("umbrage-{:08x}{:08x}", random(), random())).string();
   const std::string file = folder + "/stdin." + ending;
   if (code || file.size() >= kMaxPathLength)
-    return file_error("there is no folder for standard input's temporary file");
+    return file_error("the temporary folder for standard input cannot be created");
   // The signal handler knows the names before the folder and file exist. The first byte, written last, enables a name.
   for (const auto& [dropped, name] : {std::pair(dropped_folder, &folder), {dropped_file, &file}}) {
     std::strcpy(dropped + 1, name->c_str() + 1);
@@ -87,12 +88,12 @@ Result<fs::path> take_standard_input(const std::string& format) {
   constexpr mode_t kOwnerOnly = 0700;
   if (::mkdir(folder.c_str(), kOwnerOnly) != 0) {
     dropped_file[0] = dropped_folder[0] = '\0';
-    return file_error("there is no folder for standard input's temporary file");
+    return file_error("the temporary folder for standard input cannot be created");
   }
   std::FILE* stream = std::fopen(file.c_str(), "wbx");
   const bool written = stream && std::fwrite(bytes.data(), 1, bytes.size(), stream) == bytes.size();
   if (!stream || std::fclose(stream) != 0 || !written)
-    return file_error("there is no room for standard input in '{}'", folder);
+    return file_error("standard input cannot be copied to '{}'", folder);
   return fs::path(file);
 }
 
@@ -143,7 +144,7 @@ Result<void> check_standard_input(const std::vector<std::string>& models, const 
   const auto count = std::count(models.begin(), models.end(), "-");
   if (count > 1) return usage_error("- stands for standard input, which can be read once");
   if (count == 0 && !format.empty())
-    return usage_error("--input-format is for a model on standard input: name the model -");
+    return usage_error("--input-format applies to a model on standard input only: name the model -");
   return {};
 }
 

@@ -24,6 +24,7 @@ class TurntableTest : public test::ProgramTest {
     ::chmod(program.c_str(), 0755);
     return fmt::format("PATH={}:/usr/bin:/bin", test::quoted(bin.string()));
   }
+  /// Writes an ffmpeg that stores its arguments in ffmpeg.txt and its input in its output file.
   std::string keeping_ffmpeg() {
     return fake_ffmpeg(fmt::format("echo \"$@\" >{}\nfor last; do :; done\ncat >\"$last\"",
                                    test::quoted((root_ / "ffmpeg.txt").string())));

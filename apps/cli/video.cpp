@@ -44,6 +44,7 @@ std::uint8_t byte_of(float v) {
   return v > 0.0f ? std::uint8_t(std::min(v, 1.0f) * kMax + 0.5f) : std::uint8_t(0);
 }
 
+/// Returns the arguments of ffmpeg.
 std::vector<std::string> words_for(const std::string& ending, const VideoSettings& settings, const fs::path& part) {
   std::vector<std::string> words = {"-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
   const auto add = [&](std::initializer_list<std::string> more) { words.insert(words.end(), more); };
@@ -75,14 +76,15 @@ bool is_video(const fs::path& file) {
 Result<void> check_video(const fs::path& file, const VideoSettings& settings) {
   const std::string ending = ending_of(file);
   if (ending != "gif" && (settings.width % 2 != 0 || settings.height % 2 != 0))
-    return usage_error("--resolution cannot be {},{}: a .{} has sides of even numbers of pixels", settings.width,
+    return usage_error("--resolution cannot be {},{}: width and height of a .{} must be even", settings.width,
                        settings.height, ending);
   if (ending == "mp4" && settings.alpha)
-    return usage_error("--no-background is for a .webm or .gif, or pictures: a .mp4 has no alpha");
+    return usage_error(
+        "--no-background cannot be used with a .mp4, which has no alpha; write a .webm, a .gif or pictures");
   if (!is_on_path(kProgram))
     return file_error(
         "'{}' cannot be written: it needs the program {}, which is not on PATH; numbered pictures, such "
-        "as -o turn.png, do not",
+        "as -o turn.png, do not need it",
         file.string(), kProgram);
   return check_writable(file);
 }
@@ -158,7 +160,7 @@ Video::~Video() {
 
 Result<void> Video::add(const Image& frame) {
   if (frame.width != settings_.width || frame.height != settings_.height)
-    return Error{ErrorKind::kInternal, "a frame of a video is not of its size"};
+    return Error{ErrorKind::kInternal, "a frame and its video differ in size"};
   const auto planes = picture_planes(file_, frame, settings_.alpha);
   if (!planes) return planes.error();
   const std::size_t channels = settings_.alpha ? 4 : 3;
@@ -185,7 +187,7 @@ Result<void> Video::add(const Image& frame) {
   ::sigaction(SIGPIPE, &before, nullptr);
   if (written) return {};
   if (auto ended = wait(); !ended) return ended;
-  return file_error("'{}' cannot be written: {} reads no more frames", file_.string(), kProgram);
+  return file_error("'{}' cannot be written: {} stopped reading frames", file_.string(), kProgram);
 }
 
 Result<void> Video::finish() {

@@ -20,9 +20,9 @@ namespace umbrage::cli {
 bool is_video(const std::filesystem::path& file);
 
 struct VideoSettings {
-  int width = 0, height = 0;
-  double frame_rate = 30.0;  ///< frames per second
-  bool alpha = false;        ///< not for .mp4
+  int width = 0, height = 0;  ///< pixels
+  double frame_rate = 30.0;   ///< frames per second
+  bool alpha = false;         ///< not for .mp4
 };
 
 /// Checks that a video can be written, before any frame is drawn. Errors: kUsage for settings that the format does not
