@@ -10,12 +10,12 @@
 namespace umbrage {
 namespace {
 
-/// Records of earlier versions are of occlusion, and do not say so.
+/// Returns the quantity of a record. Records of earlier versions have no such field and are of occlusion.
 std::string quantity_of(const nlohmann::json& record) {
   return record.value("quantity", std::string(kQuantityNames[int(Quantity::kOcclusion)]));
 }
 
-/// What makes two records the same measurement.
+/// Returns a key that is equal for two records of the same measurement.
 std::string key_of(const nlohmann::json& record) {
   std::string key = quantity_of(record) + '\n';
   for (const char* field : {"scene", "camera", "technique", "setting"})
@@ -23,7 +23,7 @@ std::string key_of(const nlohmann::json& record) {
   return key + fmt::format("{}x{}", record.at("width").get<int>(), record.at("height").get<int>());
 }
 
-/// How much a score may grow before it counts as worse: what rounding on another SIMD target changes, and no more.
+/// Max increase of a score that does not count as worse. It covers differences in rounding between SIMD targets only.
 struct Tolerance {
   const char* field;
   double absolute, relative;
@@ -31,14 +31,14 @@ struct Tolerance {
 constexpr Tolerance kTolerances[] = {
     {"rmse", 5e-4, 0.01}, {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01}, {"bias", 5e-4, 0.01}, {"ssim", 1e-3, 0.0}};
 
-/// A score such that less is better.
+/// Converts a score so that less is better.
 double badness(const nlohmann::json& record, std::string_view field) {
   const double value = record.at(field).get<double>();
   if (field == "ssim") return 1.0 - value;
   return std::abs(value);
 }
 
-/// A value of a file in an error: on one line, short, whatever it holds.
+/// Returns a JSON value for an error message, on one line and shortened.
 std::string shown(const nlohmann::json& value) {
   if (value.is_structured()) return value.is_array() ? "a list" : "an object";
   constexpr std::size_t kMaxLength = 200;
@@ -50,7 +50,7 @@ std::string shown(const nlohmann::json& value) {
 nlohmann::json terms_json(const Terms& terms) {
   nlohmann::json json = {{"radius", terms.radius}, {"samples", terms.samples},   {"falloff", terms.falloff},
                          {"normal", terms.normal}, {"settings", terms.settings}, {"guard", terms.guard}};
-  // Named only where they are not as usual.
+  // Written only if they differ from the default.
   if (terms.layers != 1) json["layers"] = terms.layers;
   if (terms.extra_views != 0) json["extra_views"] = terms.extra_views;
   if (terms.scale != "full") json["scale"] = terms.scale;

@@ -7,9 +7,9 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTurnDeg = 120.0f;  // from one camera around a file's model to the next
-constexpr int kTurns = 3;           // after which the first one comes again
-// Seeds of the truth's two halves, away from those that people give to the technique `reference`.
+constexpr float kTurnDeg = 120.0f;  // angle between two cameras around a file's model
+constexpr int kTurns = 3;           // number of such cameras: 3 * 120 degrees is a full turn
+// Seeds of the two halves of the ground truth, unlikely to be used with the technique `reference`.
 constexpr std::uint32_t kFirstSeed = 0x51ed2701u, kSecondSeed = 0x0b5e77edu;
 
 }  // namespace

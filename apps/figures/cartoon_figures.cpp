@@ -50,7 +50,7 @@ struct Parts {
   Mask silhouette;  // pixels of the character that touch the background
   Mask overlap;     // pixels of the character that touch a surface far behind it
   Mask beside;      // ground within the sample radius of the character, where the character is nearer
-  Mask open;        // ground with nothing else within the paper's sample radius and blur
+  Mask open;        // ground with nothing else within the paper's sample radius and blur; our filter stays on surfaces
 };
 
 Parts parts_of(const Studio& studio, const Shot& shot) {

@@ -59,7 +59,7 @@ double mean_brightness(const Image& image, const Mask& mask);
 /// Returns by how much the mean brightness of `to` is below that of `from`.
 double fall(const Image& from, const Image& to, const Mask& mask);
 
-/// Returns the fraction of a mask's pixels that round to black in 8 bits.
+/// Returns the fraction of a mask's pixels whose brightness is below half a step of an 8-bit picture.
 double black_share(const Image& image, const Mask& mask);
 
 /// Returns the fraction of a mask's pixels whose brightness differs.
