@@ -27,7 +27,7 @@ struct CompareOptions : MeasureOptions {
 /// Shortens a setting to the width of its table column.
 std::string shown_setting(const std::string& setting) {
   constexpr std::size_t kMaxWidth = 27;
-  if (setting.empty()) return "(of the look)";
+  if (setting.empty()) return "(look defaults)";
   return setting.size() <= kMaxWidth ? setting : setting.substr(0, kMaxWidth - 2) + "..";
 }
 

@@ -95,7 +95,7 @@ Result<void> make_figures(const FiguresOptions& asked) {
   auto device = device_of(o);
   if (!device) return device.error();
   if (paper->with_bunny && !fs::exists(o.bunny))
-    return file_error("'{}': the bunny of figure 3 is missing; install glmark2-data or name it with --bunny", o.bunny);
+    return file_error("'{}': the Stanford bunny is missing; install glmark2-data or name it with --bunny", o.bunny);
   const fs::path folder(o.output);
   if (auto writable = check_folder(folder, {"contact-sheet.png", "numbers.json", "index.md"}); !writable)
     return writable;

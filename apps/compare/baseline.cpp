@@ -66,15 +66,15 @@ Result<nlohmann::json> read_baseline(const std::filesystem::path& file) {
   text << stream.rdbuf();
   nlohmann::json baseline = nlohmann::json::parse(text.str(), nullptr, false);
   const auto no_scores = [&] {
-    return file_error("'{}': this is no list of scores, as compare writes into scores.json", file.string());
+    return file_error("'{}': the file is no list of scores; use a scores.json that compare wrote", file.string());
   };
   if (!baseline.is_array() || baseline.empty()) return no_scores();
   for (const nlohmann::json& record : baseline) {
     if (!record.is_object() || !record.contains("format")) return no_scores();
     if (record["format"] != kScoresFormat)
       return file_error(
-          "'{}': its scores are of format {}, which another version measured; this one measures format {}: make it "
-          "anew",
+          "'{}': its scores have format {}, written by another version; this version writes format {}: measure the "
+          "baseline again",
           file.string(), shown(record["format"]), kScoresFormat);
     for (const char* field :
          {"scene", "camera", "technique", "setting", "view", "radius", "falloff", "normal", "settings", "guard"})
@@ -101,7 +101,7 @@ Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, con
     for (const auto& [field, value] : now.items()) {
       const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);
       if (before != value)
-        return file_error("'{}': it was measured on other terms: {} {}, now {}", name, field, shown(before),
+        return file_error("'{}': the baseline was measured on other terms: {} {}, now {}", name, field, shown(before),
                           shown(value));
     }
   return {};
@@ -120,7 +120,7 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
     }
     const nlohmann::json& after = *found->second;
     if (before.at("view") != after.at("view"))
-      return file_error("'{}': its camera '{}' of '{}' looked elsewhere: {}, now {}", name,
+      return file_error("'{}': its camera '{}' of '{}' has another view: {}, now {}", name,
                         before.at("camera").get<std::string>(), before.at("scene").get<std::string>(),
                         shown(before.at("view")), shown(after.at("view")));
     ++check.compared;
@@ -131,15 +131,14 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
           "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),
           after.at("camera").get<std::string>(), after.at("width").get<int>(), after.at("height").get<int>(),
           after.at("technique").get<std::string>(),
-          after.at("setting").get<std::string>().empty() ? "as the look has it"
-                                                         : after.at("setting").get<std::string>(),
+          after.at("setting").get<std::string>().empty() ? "look defaults" : after.at("setting").get<std::string>(),
           quantity_of(after) == "light" ? "light's " : "", field, before.at(field).get<double>(),
           after.at(field).get<double>()));
     }
   }
   if (check.compared == 0)
-    return file_error("'{}': none of its {} scores is of a scene, camera, size and technique that were compared now",
-                      name, check.missing);
+    return file_error("'{}': none of its {} scores has a scene, camera, size and technique of this comparison", name,
+                      check.missing);
   return check;
 }
 

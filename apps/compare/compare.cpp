@@ -180,7 +180,8 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
     return traced_half;
   });
   if (!occlusion) return occlusion.error();
-  if (occlusion->pixels == 0) return usage_error("'{}' shows nothing: move the camera or leave it to be placed", what);
+  if (occlusion->pixels == 0)
+    return usage_error("'{}' shows nothing: move the camera or omit the camera options", what);
   run.error_sum += occlusion->error;
   ++run.pictures;
   run.truth_sum += occlusion->sum;
@@ -198,9 +199,8 @@ Result<std::vector<Truth>> trace_truths(Run& run, const TracedScene& traced, con
   if (!light) return light.error();
   const double mean = mean_of(light->planes, classes);
   if (!(mean > 0.0)) {
-    run.result.warnings.push_back(
-        fmt::format("'{}': no surface sends light to another one within {:.4g} scene units: its light is not compared",
-                    what, radius));
+    run.result.warnings.push_back(fmt::format(
+        "'{}': no surface receives indirect light within {:.4g} scene units: its light is not compared", what, radius));
     return truths;
   }
   run.light_error_sum += light->error / (mean * mean);

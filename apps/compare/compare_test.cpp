@@ -54,9 +54,9 @@ void expect_none_worse(const char* file, CompareSettings settings) {
   const auto check = check_baseline(*baseline, scores_json(*comparison), recorded.string());
   ASSERT_TRUE(check) << check.error().message;
   for (const std::string& sentence : check->worse) ADD_FAILURE() << sentence;
-  EXPECT_EQ(check->missing, 0) << "scores are recorded of what is no longer there";
+  EXPECT_EQ(check->missing, 0) << "scores are recorded of a technique, variant or scene that no longer exists";
   EXPECT_EQ(check->compared, int(comparison->scores.size()))
-      << "a technique, variant or scene has no recorded score: record them as the top of this file says";
+      << "a technique, variant or scene has no recorded score: record them as described at the top of this file";
 }
 
 TEST(RecordedScores, NoTechniqueGotWorse) {
@@ -136,7 +136,7 @@ TEST(Compare, MoreRaysComeCloserToTheTruth) {
   EXPECT_GT(rmse["samples=1"], 1.5 * rmse["samples=4"]);
   EXPECT_GT(rmse["samples=4"], 1.5 * rmse["samples=16"]);
   EXPECT_GT(rmse["samples=16"], rmse[""]);
-  EXPECT_GT(rmse[""], 0.0) << "the technique's rays must not be the truth's own";
+  EXPECT_GT(rmse[""], 0.0) << "the technique must not use the rays of the ground truth";
 }
 
 TEST(Compare, TheTruthKnowsItsNoise) {
@@ -565,7 +565,7 @@ TEST_F(CompareCli, BadBaselineGetsASentence) {
   // Another view has the same name.
   const auto moved = run(kQuick + " --camera-azimuth-angle 50 -o r --baseline one/scores.json");
   EXPECT_EQ(moved.code, 3);
-  EXPECT_NE(moved.err.find("looked elsewhere"), std::string::npos) << moved.err;
+  EXPECT_NE(moved.err.find("has another view"), std::string::npos) << moved.err;
 }
 
 }  // namespace

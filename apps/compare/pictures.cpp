@@ -79,7 +79,7 @@ Result<void> check_pictures(const std::vector<std::string>& models, int cameras,
   if (!kRuns.has(runs)) return usage_error("--runs cannot be '{}': it takes {}", runs, kRuns.words());
   if (!kSamples.has(samples)) return usage_error("--samples cannot be '{}': it takes {}", samples, kSamples.words());
   for (const std::string& model : models)
-    if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is named twice", model);
+    if (std::count(models.begin(), models.end(), model) > 1) return usage_error("the model '{}' is given twice", model);
   return {};
 }
 

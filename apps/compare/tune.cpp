@@ -253,7 +253,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
     });
     if (!truth) return truth.error();
     if (truth->pixels == 0)
-      return usage_error("'{}', camera {} shows nothing: move the camera or leave it to be placed", model, shot.name);
+      return usage_error("'{}', camera {} shows nothing: move the camera or omit the camera options", model, shot.name);
     search.pictures.push_back({std::move(*frame), std::move(*truth), std::move(classes)});
   }
   return {};
@@ -281,7 +281,7 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
 }  // namespace
 
 Result<void> check_tune(const TuneSettings& settings) {
-  if (settings.models.empty()) return usage_error("name a model to tune for");
+  if (settings.models.empty()) return usage_error("name a model to tune");
   if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
     return fine;
   if (!kTrials.has(settings.trials))

@@ -199,6 +199,7 @@ struct Tap {
   float cos_emitter = 0.0f, cos_receiver = 0.0f;
   bool sends() const { return hidden && cos_emitter > 0.0f && cos_receiver > 0.0f; }
 };
+/// A pixel with its sample points; position and normal in view space.
 struct Gathered {
   int x = 0, y = 0;
   vec3 position, normal;
@@ -419,7 +420,7 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
 
   const Gathered best = best_section(*folds, *small);
   if (best.taps.empty())
-    return Error{ErrorKind::kInternal, "no pixel of the section's rows gets light from its neighbours"};
+    return Error{ErrorKind::kInternal, "no pixel in the rows of the section receives light from its neighbours"};
   figure.pictures.push_back(section_diagram(*folds, *small, best));
   const Tap& pair = clearest_pair(best);
   figure.pictures.push_back(angles_diagram(best, pair, size));

@@ -4,6 +4,7 @@
 
 namespace umbrage {
 
+/// Draws the diagrams for a camera. Sets the framing and look of the studio.
 Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view);
 
 }  // namespace umbrage

@@ -22,6 +22,7 @@ void each(const Image& image, const Mask* mask, const Visit& visit) {
       if (!mask || (*mask)[std::size_t(y) * image.width + x]) visit(x, y);
 }
 
+/// Returns the mask of the pixels for which belongs(x, y) is true.
 template <class Test>
 Mask mask_of(const Image& image, const Test& belongs) {
   Mask mask(std::size_t(image.width) * image.height);
