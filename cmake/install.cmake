@@ -61,7 +61,7 @@ endif()
 # libraries for dynamic linking too.
 pkg_check_modules(PC_PRIVATE QUIET fmt libhwy libpng OpenEXR tbb)
 if(NOT PC_PRIVATE_FOUND)
-  message(STATUS "pkg-config knows not all libraries: umbrage.pc will not do for static linking")
+  message(STATUS "pkg-config does not find all libraries: umbrage.pc will not support static linking")
 endif()
 list(JOIN PC_PRIVATE_LDFLAGS " " pc_private)
 string(APPEND pc_private " -lembree3 -lstdc++ -lm -ldl -pthread")

@@ -59,20 +59,20 @@ endforeach()
 # Long descriptions; the first line of each package's description is that of the project.
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read: ambient occlusion,
-light between surfaces, soft shadows, toon bands, outlines. It reads OBJ, PLY,
+indirect light, soft shadows, toon shading, outlines. It reads OBJ, PLY,
 STL, glTF and more, writes PNG, OpenEXR and PFM, and runs on any CPU, without
 a display, or on a Vulkan GPU.")
 set(CPACK_COMPONENT_LIBRARY_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
-programs have drawn. This package is its shared library.")
+programs have drawn. This package contains the shared library.")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
-programs have drawn. This package is what programs are compiled with: headers,
+programs have drawn. This package contains the development files: headers,
 static library, packages for CMake and pkg-config, examples.")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION
     "Umbrage draws 3D models so that their shape can be read, and shades what other
-programs have drawn. This package is its Python package: models become
-pictures, arrays of NumPy and others become shaded.")
+programs have drawn. This package contains the Python package, which renders
+models and shades arrays of NumPy and other libraries.")
 
 # Debian requires license and changelog in a folder of each package. They are not part of a plain install.
 find_program(GZIP gzip)
@@ -81,7 +81,7 @@ if(GZIP)
   file(CONFIGURE OUTPUT generated/debian/changelog.Debian CONTENT
 "umbrage (@PROJECT_VERSION@-@CPACK_DEBIAN_PACKAGE_RELEASE@) unstable; urgency=medium
 
-  * Built from source; what changed stands in /usr/share/doc/umbrage/CHANGELOG.md.
+  * Built from source; see /usr/share/doc/umbrage/CHANGELOG.md for the changes.
 
  -- @CPACK_PACKAGE_CONTACT@  Thu, 01 Jan 2026 00:00:00 +0000
 " @ONLY)

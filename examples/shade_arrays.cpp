@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   umb::Outcome outcome = umb::shade(request, picture);
   if (outcome.code == 0) {
     const std::vector<float>& ao = picture.passes[0].values;
-    std::printf("the least open pixel: %.2f\n", double(*std::min_element(ao.begin(), ao.end())));
+    std::printf("min ambient visibility: %.2f\n", double(*std::min_element(ao.begin(), ao.end())));
   }
   if (outcome.code == 0 && argc > 1) outcome = umb::save(picture, argv[1]);
   if (outcome.code != 0) std::fprintf(stderr, "%s\n", outcome.message.c_str());

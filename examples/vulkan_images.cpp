@@ -264,6 +264,6 @@ int main(int argc, char** argv) {
   // The floor below the sphere is occluded; the floor in front and the top of the sphere are not.
   const float below = result[126 * kWidth + kWidth / 2], front = result[185 * kWidth + kWidth / 4],
               top = result[60 * kWidth + kWidth / 2];
-  std::printf("below the ball %.2f, floor in front %.2f, top of the ball %.2f\n", below, front, top);
+  std::printf("below the sphere %.2f, floor in front %.2f, top of the sphere %.2f\n", below, front, top);
   return below < 0.8f && front > 0.9f && top > 0.9f ? 0 : 1;
 }
