@@ -1,4 +1,4 @@
-// The program with depth layers, a guard band and the reference.
+// Tests of the program with depth layers, a guard band and the reference technique.
 #include <gtest/gtest.h>
 
 #include "cli_support.h"
@@ -60,7 +60,7 @@ TEST_F(CliLayers, RefusesLayers) {
   bad("tri.obj -o out.exr --layers 3 --passes depth,layer3.normal", 2, {"'layer3.normal'", "--layers 4"});
   bad("tri.obj -o out.exr --layers 3 --passes layer2.dept", 2, {"'layer2.dept'", "did you mean 'layer2.depth'"});
   bad("tri.obj -o out.exr --passes layer16.depth", 2, {"'layer16.depth'"});
-  // Found before the model is read.
+  // These errors are found before the model is read.
   bad("nothere.obj -o out.png --layers 16 --resolution 8192x8192", 2, {"16 layers", "8192 x 8192", "at most"});
   bad("nothere.obj -o out.png --guard-band 100% --resolution 8192x8192", 2, {"24576 x 24576", "at most"});
 }
@@ -75,7 +75,7 @@ TEST_F(CliLayers, ExtraViewsAreLayers) {
       others += std::isfinite(planes.plane("layer2.depth").at(x, y)) &&
                 planes.plane("layer2.depth").at(x, y) != planes.plane("depth").at(x, y);
   EXPECT_GT(others, 500);
-  // They do not change a picture that reads one layer.
+  // Extra views do not change a picture that reads one layer.
   good(kSolids + " -o one.png" + kSmall);
   good(kSolids + " -o many.png --extra-views 4" + kSmall);
   EXPECT_EQ(text_of(folder_ / "one.png"), text_of(folder_ / "many.png"));
@@ -108,7 +108,7 @@ TEST_F(CliLayers, TheGuardBandIsNotWritten) {
 }
 
 TEST_F(CliLayers, TheGuardBandIsSeenByEffects) {
-  // Zoomed in, the scene goes on beyond the picture; with the band its border is shaded as if it were the middle.
+  // Zoomed in, the scene continues beyond the picture. With a guard band, border pixels are shaded like all others.
   const std::string line =
       kSolids + " --look ao --camera-zoom-factor 2 --resolution 64x64 --passes ao --set unsharp.kernel=15 -o ";
   good(line + "plain.exr");

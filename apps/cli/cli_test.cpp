@@ -1,4 +1,4 @@
-// The program as people run it: what it writes, what it prints, what it lists.
+// Tests of the program: the files it writes, its output and its lists.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -22,7 +22,7 @@ using test::Words;
 
 class Cli : public test::ProgramTest {};
 
-// ---- what it draws
+// ---- Rendering
 
 TEST_F(Cli, SaysWhoItIs) {
   for (const char* line : {"--help", "-h", "render --help", "list --help", "bench --help", "figures --help"}) {
@@ -101,7 +101,7 @@ TEST_F(Cli, TheEnvironmentNamesDeviceThreadsAndVerbosity) {
   const std::string line = "tri.obj -o out.png" + kSmall;
   EXPECT_NE(run(line, "UMBRAGE_NUM_THREADS=1 UMBRAGE_VERBOSE=1").err.find("1 threads"), std::string::npos);
   EXPECT_NE(run(line + " --verbose", "UMBRAGE_NUM_THREADS=1").err.find("1 threads"), std::string::npos);
-  // What is said on the command line counts.
+  // The command line takes precedence.
   good(line + " --device cpu", "UMBRAGE_DEVICE=nonsense");
   good(line + " --threads 1", "UMBRAGE_NUM_THREADS=nonsense");
   fs::remove(folder_ / "out.png");
@@ -243,7 +243,7 @@ TEST_F(Cli, MissingTexturesAreAWarning) {
   EXPECT_EQ(outcome.err.rfind("umbrage: warning: ", 0), 0u) << outcome.err;
   EXPECT_NE(outcome.err.find("nothere.png"), std::string::npos) << outcome.err;
   EXPECT_EQ(image("out.png").width, 64);
-  // A material library that is missing, too.
+  // A missing material library is a warning too.
   write("lib.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl skin\nf 1 2 3\n");
   const Outcome library = run("lib.obj -o out.png" + kSmall);
   EXPECT_EQ(library.code, 0);
@@ -284,7 +284,7 @@ TEST_F(Cli, BenchTimesEffects) {
   }
   EXPECT_TRUE(timed.count("capture"));
   for (const Effect* effect : effects()) EXPECT_TRUE(timed.count(std::string(effect->name))) << effect->name;
-  // At reduced resolution techniques and filters alone.
+  // At reduced resolution only techniques and filters run.
   const auto half = nlohmann::json::parse(good("bench tri.obj --resolution 32,16 --runs 1 --json --ao-scale half").out,
                                           nullptr, false);
   std::set<std::string> timed_half;
@@ -314,7 +314,7 @@ TEST_F(Cli, FiguresRefuseWhatTheyCannotDo) {
   bad("figures extra", 2, {"'extra'", "too many"});
 }
 
-// ---- what it lists
+// ---- Lists
 
 TEST_F(Cli, ListsWhatThereIs) {
   Words looks_there, effects_there, scenes_there, formats_there = {".png", ".exr", ".pfm"};

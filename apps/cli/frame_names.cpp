@@ -9,7 +9,8 @@ std::string FrameNames::of(int frame) const { return fmt::format("{}{:0{}}{}", b
 
 Result<FrameNames> frame_names(const std::string& output) {
   const auto wrong = [&] {
-    return usage_error("--output cannot be '{}': the number of a frame is one %04d, a sign of its own is %%", output);
+    return usage_error("--output cannot be '{}': it takes one frame number, such as %04d; write %% for a percent sign",
+                       output);
   };
   FrameNames names;
   bool numbered = false;

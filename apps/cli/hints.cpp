@@ -7,7 +7,7 @@ namespace umbrage::cli {
 
 void Seen::add(const Plane& depth, const Plane* ao) {
   has_ao = ao != nullptr;
-  constexpr float kVisible = 1.0f / 255.0f;  // of an 8-bit picture
+  constexpr float kVisible = 1.0f / 255.0f;  // one step of an 8-bit picture
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       if (!std::isfinite(depth.at(x, y))) continue;
@@ -24,10 +24,10 @@ std::vector<std::string> seen_planes(const Recipe& recipe) {
 
 namespace {
 
-/// A sentence where the radius that the user chose leaves hardly any occlusion; else nothing.
+/// Returns a hint if the radius set by the user leaves hardly any occlusion; else an empty string.
 std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radius) {
-  constexpr double kHardlyAny = 1e-3;              // of the pixels that show a surface
-  constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the scene's radius
+  constexpr double kHardlyAny = 1e-3;              // fraction of the pixels that show a surface
+  constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the bounding-sphere radius
   const auto& length = recipe.radius;
   if (!length || recipe.occlusion == kNoOcclusion || !seen.has_ao) return "";
   const double percent =
@@ -43,7 +43,7 @@ std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radi
 
 void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene) {
   if (seen.surfaces == 0)
-    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or leave it to be placed\n",
+    fmt::print(stderr, "umbrage: warning: nothing of {} is in view; move the camera or omit the camera options\n",
                scene.name);
   if (const std::string hint = radius_hint(recipe, seen, scene.radius()); !hint.empty())
     fmt::print(stderr, "umbrage: warning: {}\n", hint);

@@ -1,4 +1,4 @@
-// umbrage list: what there is.
+// umbrage list: lists looks, effects, scenes, devices and formats.
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
@@ -103,7 +103,7 @@ Result<void> list(const ListOptions& o) {
 }  // namespace
 
 void add_list(CLI::App& app, std::function<Result<void>()>& run) {
-  CLI::App* command = app.add_subcommand("list", "say what looks, effects, scenes, devices or formats there are");
+  CLI::App* command = app.add_subcommand("list", "list looks, effects, scenes, devices or formats");
   auto options = std::make_shared<ListOptions>();
   command->add_option("WHAT", options->what, "looks, effects, scenes, devices or formats")->required();
   command->add_flag("--json", options->json, "print JSON");

@@ -15,12 +15,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 1s;     // what is done sooner needs no line
-constexpr auto kOften = 200ms;     // between two drawings of it
-constexpr double kMinSeen = 0.01;  // share of the work behind an estimate of the time that is left
+constexpr auto kPatience = 1s;     // delay before the line appears
+constexpr auto kOften = 200ms;     // interval between two updates of the line
+constexpr double kMinSeen = 0.01;  // min fraction of the work that an estimate of the time left is based on
 constexpr std::size_t kUsualWidth = 80;
 
-// For the signal handler: whether a line is on the terminal, and whether there may be one.
+// For the signal handler: whether a line is on the terminal, and whether no line may be drawn any more.
 std::atomic<bool> on_screen = false, dropped = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
@@ -40,7 +40,7 @@ std::string duration_text(double seconds) {
 
 ProgressLine::ProgressLine() : on_terminal_(::isatty(STDERR_FILENO) != 0) {
   if (!on_terminal_) return;
-  // Signals are for the threads that work.
+  // Block all signals in the new thread, so that other threads handle them.
   sigset_t all, before;
   sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -65,7 +65,7 @@ void ProgressLine::tick() {
 }
 
 void ProgressLine::draw() {
-  // The last column stays free: some terminals go on to the next line when it is written.
+  // The last column stays free: some terminals move to the next line when it is written.
   const std::string line = text(Clock::now(), terminal_width() - 1);
   if (dropped) return;
   on_screen = true;

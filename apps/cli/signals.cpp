@@ -21,7 +21,7 @@ pthread_t main_thread;
 std::atomic<pid_t> child = 0;
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
-/// Only what signal handlers may call. The main thread, which writes the files, stands still meanwhile.
+/// The signal handler; calls async-signal-safe functions only. Runs on the main thread, which writes the files.
 void ended(int signal) {
   if (!::pthread_equal(::pthread_self(), main_thread)) {
     ::pthread_kill(main_thread, signal);
@@ -31,7 +31,7 @@ void ended(int signal) {
   constexpr char kLine[] = "umbrage: interrupted\n";
   const bool told = ::write(STDERR_FILENO, kLine, sizeof kLine - 1) > 0;
   static_cast<void>(told);
-  // It is gone before its file is removed, or it would make that again.
+  // The child must have ended before its file is removed; otherwise it could create the file again.
   if (const pid_t one = child; one > 0) {
     ::kill(one, SIGKILL);
     int status = 0;

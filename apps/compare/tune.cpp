@@ -15,29 +15,29 @@
 namespace umbrage {
 namespace {
 
-constexpr double kTruthShare = 0.3;  // of the time, before the first trial; it is as good as any
+constexpr double kTruthShare = 0.3;  // fraction of the progress before the first trial; a rough guess
 constexpr std::array<std::string_view, 3> kScales = {"full", "half", "quarter"};
-// Of the budget: up to here settings that are too slow are still searched from.
+// Max time, relative to the budget, of a trial that the search continues from.
 constexpr double kTooSlow = 1.3;
-// Errors that differ by no more than this share are as good as each other.
+// Errors count as equal if they differ by at most this fraction.
 constexpr double kAsClose = 0.005;
-// A step of a number.
+// Factor of one step of a number.
 constexpr double kStep = 1.4142135623730951;
 
-/// What a trial is made of.
+/// The settings of a trial.
 struct Candidate {
   EffectSettings settings;
-  int every = 1;  ///< see LookRun
+  int every = 1;  ///< downsampling factor of occlusion, see LookRun
 };
 
-/// One picture, ready to be shaded, with its truth.
+/// A captured picture, ready to be shaded, with its ground truth.
 struct Picture {
   Frame frame;
   Truth truth;
   ClassMap classes;
 };
 
-/// Everything that stays while candidates come and go.
+/// The state of a search.
 struct Search {
   Device& device;
   const TuneSettings& settings;
@@ -45,16 +45,16 @@ struct Search {
   const Effect* technique;
   const Effect* filter;
   std::vector<Picture> pictures;
-  std::vector<Candidate> candidates;  ///< of the trials, in their order
+  std::vector<Candidate> candidates;  ///< candidates of the trials, in the same order
   std::vector<Trial> trials;
-  std::set<std::string> known;  ///< the names of all candidates that were tried
+  std::set<std::string> known;  ///< names of all candidates that were tried
 };
 
-/// The neighbours of a number on a ladder of steps: 1, 2, 3, 4, 6, 8, 12... for whole ones.
+/// Returns the next lower and higher value of a number. Integers step through 1, 2, 3, 4, 6, 8, 12 ...
 std::vector<double> stepped(double value, bool whole) {
   if (!whole) return {value / kStep, value * kStep};
   const auto rung = [](double v, bool up) {
-    // Powers of 2 and one and a half times those.
+    // Powers of 2, and 1.5 times powers of 2.
     double best = up ? 1e9 : 0.0;
     for (double power = 1.0; power < 1e6; power *= 2.0)
       for (const double r : {power, 1.5 * power}) {
@@ -67,7 +67,7 @@ std::vector<double> stepped(double value, bool whole) {
   return {rung(value, false), rung(value, true)};
 }
 
-/// The values beside a parameter's, as text.
+/// Returns the values one step away from a parameter's value, as text.
 std::vector<std::string> beside(const Parameter& row, const ParameterBytes& bytes) {
   const std::string now = parameter_text(row, bytes);
   std::vector<std::string> texts;
@@ -89,7 +89,7 @@ std::vector<std::string> beside(const Parameter& row, const ParameterBytes& byte
   return texts;
 }
 
-/// The settings of the technique and of the filter that can be searched, "effect.parameter=value" each.
+/// Returns the tunable settings of technique and filter as "effect.parameter=value".
 std::vector<std::string> settings_of(const Search& search, const Candidate& candidate) {
   std::vector<std::string> all;
   for (const Effect* effect : {search.technique, search.filter}) {
@@ -104,7 +104,7 @@ std::vector<std::string> settings_of(const Search& search, const Candidate& cand
 
 std::string scale_name(int every) { return std::string(kScales[every == 1 ? 0 : every == 2 ? 1 : 2]); }
 
-/// Runs a candidate on all pictures.
+/// Runs and scores a candidate on all pictures and adds it to the trials. Does nothing if it was tried before.
 Result<void> attempt(Search& search, Candidate candidate) {
   const std::vector<std::string> settings = settings_of(search, candidate);
   std::string name = scale_name(candidate.every);
@@ -164,14 +164,14 @@ void mark_frontier(std::vector<Trial>& trials) {
     });
 }
 
-/// Whether the user said what it is to be.
+/// Returns whether the user set this parameter.
 bool is_fixed(const Request& draw, std::string_view effect, std::string_view name) {
   const std::string start = fmt::format("{}.{}=", effect, name);
   return std::any_of(draw.settings.begin(), draw.settings.end(),
                      [&](const std::string& setting) { return setting.starts_with(start); });
 }
 
-/// The candidates one step away.
+/// Returns the candidates one step away from another.
 Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate& from) {
   const Request& draw = search.settings.draw;
   std::vector<Candidate> next;
@@ -192,7 +192,8 @@ Result<std::vector<Candidate>> steps_from(const Search& search, const Candidate&
   return next;
 }
 
-/// The radius as written: the user's, or else the technique's in this look, or else the reference's own.
+/// Returns the radius as an option value: the user's, else that of the technique in this look, else that of the
+/// reference.
 std::string radius_text(const Request& draw, const Recipe& recipe, const Effect& technique) {
   if (!draw.occlusion_radius.empty()) return draw.occlusion_radius;
   const Parameter* own = find_parameter(technique, "radius");
@@ -215,7 +216,7 @@ Result<const Effect*> technique_of(const Recipe& recipe) {
   return technique;
 }
 
-/// Captures all pictures and traces their truth.
+/// Captures all pictures of a model and traces their ground truth.
 Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene,
                            const std::string& radius_as_written) {
   const std::string& model = search.settings.models[model_index];
@@ -228,7 +229,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
   const auto length = parse_length("occlusion_radius", radius_as_written);
   if (!length) return length.error();
   const std::vector<CameraShot> shots = shots_of(scene, framing_of(settings.draw.camera), settings.cameras);
-  // Each truth is traced in two halves.
+  // Each ground truth is traced in two halves.
   const double half_span = kTruthShare / double(settings.models.size()) / double(2 * shots.size());
   double halves = double(2 * shots.size()) * double(model_index);
   for (const CameraShot& shot : shots) {
@@ -252,13 +253,13 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
     });
     if (!truth) return truth.error();
     if (truth->pixels == 0)
-      return usage_error("'{}', camera {} shows nothing: move the camera or leave it to be placed", model, shot.name);
+      return usage_error("'{}', camera {} shows nothing: move the camera or omit the camera options", model, shot.name);
     search.pictures.push_back({std::move(*frame), std::move(*truth), std::move(classes)});
   }
   return {};
 }
 
-/// Words for `umbrage render`.
+/// Returns the options of `umbrage render` that select a trial.
 std::vector<std::string> options_of(const Search& search, const Trial& best, const std::string& radius) {
   const Request& draw = search.settings.draw;
   std::vector<std::string> words = {"--look", draw.look};
@@ -280,7 +281,7 @@ std::vector<std::string> options_of(const Search& search, const Trial& best, con
 }  // namespace
 
 Result<void> check_tune(const TuneSettings& settings) {
-  if (settings.models.empty()) return usage_error("name a model to tune for");
+  if (settings.models.empty()) return usage_error("name a model to tune");
   if (auto fine = check_pictures(settings.models, settings.cameras, settings.samples, settings.runs); !fine)
     return fine;
   if (!kTrials.has(settings.trials))
@@ -321,7 +322,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
   if (auto done = attempt(search, start); !done) return done.error();
   result.budget_ms = settings.budget_ms > 0.0 ? settings.budget_ms : search.trials[0].ms;
 
-  // From the frontier, closest first, for as long as there is something on it that was not searched from.
+  // Search from the closest trial on the frontier that was not searched from yet, until there is none.
   std::set<std::size_t> searched;
   while (int(search.trials.size()) < settings.trials) {
     mark_frontier(search.trials);
@@ -341,10 +342,10 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     }
   }
   mark_frontier(search.trials);
-  std::optional<double> closest;  // within the time
+  std::optional<double> closest;  // min error within the budget
   for (const Trial& trial : search.trials)
     if (trial.ms <= result.budget_ms && (!closest || trial.rmse < *closest)) closest = trial.rmse;
-  // Of those that are about as close, the one with the fewest changes.
+  // Among trials with about the same error, choose the one with the fewest changes.
   std::size_t best = 0;
   const auto worse_than = [&](std::size_t k, std::size_t other) {
     const auto changes = [&](const Trial& trial) {
