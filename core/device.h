@@ -57,8 +57,8 @@ struct CaptureSettings {
 Result<int> layer_count(const CaptureSettings& settings);
 
 /// The time of one dispatch, on a device that measures it itself.
-struct PassTime {
-  std::string effect, pass;
+struct DispatchTime {
+  std::string effect, dispatch;
   double ms = 0.0;
 };
 
@@ -111,7 +111,7 @@ class Device {
   /// download, and reports its errors only there.
   virtual Result<void> finish() { return {}; }
   /// Returns the times of all dispatches since the last call, in order, if the device measures them itself.
-  virtual std::vector<PassTime> take_pass_times() { return {}; }
+  virtual std::vector<DispatchTime> take_dispatch_times() { return {}; }
   /// Returns the names of all planes of a frame: first those captured, added or made, then the constant planes that
   /// passes read in place of missing ones.
   virtual std::vector<std::string> plane_names(const Frame& frame) const = 0;

@@ -56,7 +56,7 @@ struct TileSize {
 inline constexpr TileSize kSquareTile = {128, 32};
 
 /// One dispatch over all pixels: its planes and its implementations.
-struct Pass {
+struct Dispatch {
   std::string_view name;
   /// If the effect has a parameter `shadow` and it is 0, the input `shadow` is not needed.
   std::vector<std::string_view> inputs, outputs;  ///< planes; a colour or vector counts as its three planes
@@ -121,7 +121,7 @@ struct Effect {
   /// The change of an output when one sample or one tone step flips, for kernels that count or threshold: machines that
   /// differ in the last bits may flip a few. 0: the outputs are smooth.
   double quantum = 0.0;
-  std::vector<Pass> passes;
+  std::vector<Dispatch> dispatches;
   /// Returns the number of rounds, each of which runs all passes in order, for this picture; null: one.
   int (*rounds)(const ParameterBytes& params, const PictureInfo& info) = nullptr;
 };
@@ -147,8 +147,8 @@ template <auto fill_constants>
 Effect effect_of(EffectKind kind, std::vector<Parameter> table, Effect effect) {
   effect.kind = kind;
   effect.parameters = std::move(table);
-  for (Pass& pass : effect.passes)
-    if (pass.name.empty()) pass.name = effect.name;
+  for (Dispatch& dispatch : effect.dispatches)
+    if (dispatch.name.empty()) dispatch.name = effect.name;
   const auto complete = [&]<class Params, class Constants>(void (*)(const Params&, const PictureInfo&, Constants&)) {
     effect.params_size = sizeof(Params);
     effect.constants_size = sizeof(Constants);
@@ -180,12 +180,12 @@ Effect output_effect(std::vector<Parameter> table, Effect effect) {
   return effect_of<fill_constants>(EffectKind::kOutput, std::move(table), std::move(effect));
 }
 
-/// Pass::reach of a pass that reads only its own row.
+/// Dispatch::reach of a pass that reads only its own row.
 inline int own_row(const void*, int) { return 0; }
 
 /// Returns the pass of an occlusion technique that reads depth anywhere around each pixel, and the normal only at the
 /// pixel.
-Pass sampling_pass(const Kernel& kernel);
+Dispatch sampling_dispatch(const Kernel& kernel);
 
 /// Returns whether an effect can run on missing pixels: with these params it must have a pass for them.
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params);

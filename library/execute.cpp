@@ -19,10 +19,10 @@ const std::vector<std::string> kColor = {"color.r", "color.g", "color.b", "color
 /// Returns the passes that an effect makes, without planes that only its own dispatches read.
 std::vector<std::string> passes_made(const Effect& effect, const ParameterBytes& params) {
   std::vector<std::string> planes;
-  for (const Pass& pass : effect.passes) {
-    if (pass.needed && !pass.needed(params)) continue;
-    for (const std::string_view input : pass.inputs) std::erase(planes, input);
-    for (const std::string_view plane : pass.outputs)
+  for (const Dispatch& dispatch : effect.dispatches) {
+    if (dispatch.needed && !dispatch.needed(params)) continue;
+    for (const std::string_view input : dispatch.inputs) std::erase(planes, input);
+    for (const std::string_view plane : dispatch.outputs)
       if (layer_of_plane(plane) == 0 && pass_of(plane) != "color") planes.emplace_back(plane);
   }
   std::vector<std::string> names;

@@ -41,15 +41,17 @@ bool contains(const auto& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-bool runs(const Pass& pass, const ParameterBytes& params) { return !pass.needed || pass.needed(params); }
+bool runs(const Dispatch& dispatch, const ParameterBytes& params) {
+  return !dispatch.needed || dispatch.needed(params);
+}
 
 /// Returns whether a pass of `reader` reads an output of `effect` on a layer beyond the first.
 bool reads_on_layers(const Effect& reader, const ParameterBytes& params, const Effect& effect) {
-  for (const Pass& pass : reader.passes) {
-    if (!runs(pass, params)) continue;
-    for (const Pass& made : effect.passes)
+  for (const Dispatch& dispatch : reader.dispatches) {
+    if (!runs(dispatch, params)) continue;
+    for (const Dispatch& made : effect.dispatches)
       for (const std::string_view output : made.outputs)
-        if (contains(pass.inputs, layer_plane(1, output))) return true;
+        if (contains(dispatch.inputs, layer_plane(1, output))) return true;
   }
   return false;
 }
@@ -67,16 +69,16 @@ void keep_needed(const LookRun& run, Steps& steps) {
   Steps kept;
   for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
     const ParameterBytes& params = params_of(run, **step);
-    const auto makes_some = [&](const Pass& pass) {
-      return runs(pass, params) && std::any_of(pass.outputs.begin(), pass.outputs.end(), [&](std::string_view plane) {
-               return read.contains(of_first_layer(plane));
-             });
+    const auto makes_some = [&](const Dispatch& dispatch) {
+      return runs(dispatch, params) &&
+             std::any_of(dispatch.outputs.begin(), dispatch.outputs.end(),
+                         [&](std::string_view plane) { return read.contains(of_first_layer(plane)); });
     };
-    if (std::none_of((*step)->passes.begin(), (*step)->passes.end(), makes_some)) continue;
+    if (std::none_of((*step)->dispatches.begin(), (*step)->dispatches.end(), makes_some)) continue;
     kept.insert(kept.begin(), *step);
-    for (const Pass& pass : (*step)->passes)
-      if (runs(pass, params))
-        for (const std::string_view plane : pass.inputs) read.insert(of_first_layer(plane));
+    for (const Dispatch& dispatch : (*step)->dispatches)
+      if (runs(dispatch, params))
+        for (const std::string_view plane : dispatch.inputs) read.insert(of_first_layer(plane));
   }
   steps = std::move(kept);
 }
@@ -130,20 +132,21 @@ ReducedPlanes reduced_planes(const LookRun& run, const Steps& steps, std::size_t
                              const PictureInfo& small_info) {
   ReducedPlanes planes;
   std::vector<std::string_view> made;  // by the technique; an earlier run's planes are not reused
-  for (const Pass& pass : steps[first]->passes)
-    if (runs(pass, params_of(run, *steps[first]))) made.insert(made.end(), pass.outputs.begin(), pass.outputs.end());
+  for (const Dispatch& dispatch : steps[first]->dispatches)
+    if (runs(dispatch, params_of(run, *steps[first])))
+      made.insert(made.end(), dispatch.outputs.begin(), dispatch.outputs.end());
   for (std::size_t step = first; step < last; ++step)
-    for (const Pass& pass : steps[step]->passes) {
+    for (const Dispatch& dispatch : steps[step]->dispatches) {
       const ParameterBytes& params = params_of(run, *steps[step]);
-      if (!pass.for_all || !runs(pass, params)) continue;
+      if (!dispatch.for_all || !runs(dispatch, params)) continue;
       const bool once = !steps[step]->rounds || steps[step]->rounds(params, small_info) == 1;
-      for (std::string_view input : pass.inputs) {
-        if (once && contains(pass.later_inputs, input)) continue;
+      for (std::string_view input : dispatch.inputs) {
+        if (once && contains(dispatch.later_inputs, input)) continue;
         // Downsampling a plane of the first layer also downsamples it on all other layers.
         if (layer_of_plane(input) == 0 && !contains(made, input) && !contains(planes.read, input))
           planes.read.emplace_back(input);
       }
-      planes.light |= contains(pass.outputs, "indirect.r");
+      planes.light |= contains(dispatch.outputs, "indirect.r");
     }
   return planes;
 }
@@ -224,20 +227,20 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
 
 std::set<std::string> planes_read(const LookRun& run, int layers) {
   std::set<std::string> read;
-  const auto add = [&](const Effect& effect, int layer, bool Pass::*of_pass) {
-    for (const Pass& pass : effect.passes)
-      if (pass.*of_pass && runs(pass, params_of(run, effect)))
-        for (const std::string_view input : pass.inputs) read.insert(layer_plane(layer, input));
+  const auto add = [&](const Effect& effect, int layer, bool Dispatch::*of_dispatch) {
+    for (const Dispatch& dispatch : effect.dispatches)
+      if (dispatch.*of_dispatch && runs(dispatch, params_of(run, effect)))
+        for (const std::string_view input : dispatch.inputs) read.insert(layer_plane(layer, input));
   };
   const Steps steps = steps_of(run);
   for (std::size_t step = 0; step < steps.size(); ++step) {
     const Effect& effect = *steps[step];
     if (const std::size_t last = reduced_end(run, steps, step); last > step) {
-      if (fills_missing(run, effect)) add(effect, 0, &Pass::for_missing);
+      if (fills_missing(run, effect)) add(effect, 0, &Dispatch::for_missing);
       step = last - 1;
     } else if (!find_named(run.handed_in, effect.name)) {
       const int of_step = !effect.exposed_by && runs_on_layers(run, steps, step) ? layers : 1;
-      for (int layer = 0; layer < of_step; ++layer) add(effect, layer, &Pass::for_all);
+      for (int layer = 0; layer < of_step; ++layer) add(effect, layer, &Dispatch::for_all);
     }
   }
   return read;

@@ -44,9 +44,9 @@ const Effect& reference_effect() {
       .set_radius = set_radius_of<&ReferenceParams::radius>,
       .noise = "seed",
       .variants = {"", "samples=1", "samples=4", "samples=16"},
-      .passes = {{.name = "trace",
-                  .outputs = {"ao", "bent_normal.x", "bent_normal.y", "bent_normal.z", "direct.r", "direct.g",
-                              "direct.b", "shadow", "indirect.r", "indirect.g", "indirect.b"}}},
+      .dispatches = {{.name = "trace",
+                      .outputs = {"ao", "bent_normal.x", "bent_normal.y", "bent_normal.z", "direct.r", "direct.g",
+                                  "direct.b", "shadow", "indirect.r", "indirect.g", "indirect.b"}}},
   };
   return effect;
 }

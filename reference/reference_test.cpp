@@ -1287,7 +1287,7 @@ TEST(Reference, PlanesFollowTheLightParameter) {
   const Stage stage = stage_of(scene_of({level_square(1.0f)}));
   const PictureInfo info = stage.info(from_above(1, 1), 4, 4);
   ParameterBytes bytes = initial_parameters(reference_effect().parameters, reference_effect().params_size);
-  const auto& outputs = reference_effect().passes[0].outputs;
+  const auto& outputs = reference_effect().dispatches[0].outputs;
   const std::vector<std::string> all(outputs.begin(), outputs.end());
   for (const auto& [light, planes] : {std::pair{0, 4}, {1, 8}, {2, 11}}) {
     as<ReferenceParams>(bytes).light = light;
@@ -1396,7 +1396,7 @@ TEST(Reference, TableCoversEveryFieldAndIsExplained) {
     EXPECT_NE(readme.str().find(fmt::format("`{}`", name)), std::string::npos) << "README.md does not explain " << name;
   };
   for (const Parameter& row : effect.parameters) expect_named(row.name);
-  for (const std::string_view output : effect.passes[0].outputs) expect_named(output.substr(0, output.find('.')));
+  for (const std::string_view output : effect.dispatches[0].outputs) expect_named(output.substr(0, output.find('.')));
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
     if ((!name.ends_with(".h") && !name.ends_with(".cpp")) || name.ends_with("_test.cpp")) continue;

@@ -10,10 +10,10 @@ namespace umbrage {
 std::vector<std::string> line_planes(const Plan& plan) {
   std::vector<std::string> names;
   if (plan.lines.empty()) return names;
-  const auto& read = find_effect("output")->passes[0].inputs;
-  for (const Pass& pass : find_effect("outline")->passes)
-    if (!pass.needed || pass.needed(plan.lines))
-      for (const std::string_view plane : pass.outputs)
+  const auto& read = find_effect("output")->dispatches[0].inputs;
+  for (const Dispatch& dispatch : find_effect("outline")->dispatches)
+    if (!dispatch.needed || dispatch.needed(plan.lines))
+      for (const std::string_view plane : dispatch.outputs)
         if (std::find(read.begin(), read.end(), plane) != read.end()) names.emplace_back(plane);
   return names;
 }

@@ -208,15 +208,15 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
     const bool is_small =
         recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
-    for (const Pass& pass : effect->passes) {
-      if (pass.needed && !pass.needed(params)) continue;
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (dispatch.needed && !dispatch.needed(params)) continue;
       const auto there = [&](std::string_view plane) { return layer_of_plane(plane) < layers; };
-      for (const std::string_view plane : pass.outputs)
-        if (pass.for_all && there(plane)) (is_small ? small : full).emplace(plane);
-      for (const std::string_view plane : pass.reach ? pass.far_inputs : pass.inputs)
-        if (there(plane)) (is_small && pass.for_all ? far_small : far_full).emplace(plane);
-      if (pass.host) far_full.insert(pass.outputs.begin(), pass.outputs.end());
-      if (pass.host) of_host_steps += kOfHostStep;
+      for (const std::string_view plane : dispatch.outputs)
+        if (dispatch.for_all && there(plane)) (is_small ? small : full).emplace(plane);
+      for (const std::string_view plane : dispatch.reach ? dispatch.far_inputs : dispatch.inputs)
+        if (there(plane)) (is_small && dispatch.for_all ? far_small : far_full).emplace(plane);
+      if (dispatch.host) far_full.insert(dispatch.outputs.begin(), dispatch.outputs.end());
+      if (dispatch.host) of_host_steps += kOfHostStep;
     }
   }
   PlaneCount count;

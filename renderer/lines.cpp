@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "core/srgb.h"
+#include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
-#include "devices/shared/passes.h"
 #include "effects/effects.h"
 #include "effects/outline/outline_draw.h"
 
@@ -14,9 +14,10 @@ namespace umbrage {
 namespace {
 
 /// Returns the dispatch of `outline` that runs on the host: it traces and draws the lines.
-const Pass& tracing_pass() {
-  const auto& passes = find_effect("outline")->passes;
-  return *std::find_if(passes.begin(), passes.end(), [](const Pass& pass) { return pass.host != nullptr; });
+const Dispatch& tracing_dispatch() {
+  const auto& dispatches = find_effect("outline")->dispatches;
+  return *std::find_if(dispatches.begin(), dispatches.end(),
+                       [](const Dispatch& dispatch) { return dispatch.host != nullptr; });
 }
 
 /// Returns whether a part of the line may be visible in a picture of that size.
@@ -51,14 +52,14 @@ Result<ParameterBytes> line_parameters(const Recipe& recipe) {
   return line_parameters(who, recipe.look->effects, recipe.settings);
 }
 
-std::span<const std::string_view> edge_planes() { return tracing_pass().inputs; }
+std::span<const std::string_view> edge_planes() { return tracing_dispatch().inputs; }
 
 Lines traced_lines(const PictureInfo& info, const Image& planes, const ParameterBytes& outline_params, int threads) {
   OutlineConstants constants{};
   find_effect("outline")->constants(outline_params, info, &constants);
   std::vector<const Plane*> of_table;
   for (const std::string_view name : edge_planes()) of_table.push_back(&planes.plane(name));
-  const std::vector<HostPlane> inputs = host_inputs(tracing_pass(), of_table);
+  const std::vector<HostPlane> inputs = host_inputs(tracing_dispatch(), of_table);
   const HostFrame frame{info, frame_constants(info, inputs[0].stride, 0), &constants, inputs, {}};
   Lines lines;
   tbb::task_arena arena(std::max(threads, 1));

@@ -41,7 +41,7 @@ std::string_view look_with(std::string_view pass) {
     for (const std::string_view name : look->effects) {
       const Effect* effect = find_effect(name == kOcclusionStep ? look->occlusion : name);
       if (!effect) continue;
-      for (const Pass& each : effect->passes)
+      for (const Dispatch& each : effect->dispatches)
         for (const std::string_view plane : each.outputs)
           if (pass_of(plane) == pass) return look->name;
     }
@@ -74,8 +74,8 @@ const std::vector<std::string>& known_planes() {
     for (const char* channel : {".x", ".y", ".z"}) names.insert(std::string("normal") + channel);
     for (int light = 0; light < kMaxShadows; ++light) names.insert(shadow_plane(light));
     for (const Effect* effect : every_effect())
-      for (const Pass& pass : effect->passes)
-        for (const auto& planes : {pass.inputs, pass.outputs})
+      for (const Dispatch& dispatch : effect->dispatches)
+        for (const auto& planes : {dispatch.inputs, dispatch.outputs})
           for (const std::string_view plane : planes) names.emplace(of_first_layer(plane));
     return std::vector<std::string>(names.begin(), names.end());
   }();
@@ -110,9 +110,9 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
     // Planes that the technique and its filters write at reduced resolution are unavailable, except the upsampled ones.
     const bool reduced =
         recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
-    for (const Pass& pass : effect->passes) {
-      if (pass.needed && !pass.needed(params_of(recipe.settings, effect->name))) continue;
-      for (std::string_view plane : pass.outputs) {
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (dispatch.needed && !dispatch.needed(params_of(recipe.settings, effect->name))) continue;
+      for (std::string_view plane : dispatch.outputs) {
         if (layer_of_plane(plane) > 0) continue;  // a captured layer, or one that does not exist
         const std::string group = pass_of(plane);
         if (reduced && group != "ao" && group != "indirect") continue;
@@ -221,8 +221,8 @@ void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
   for (const std::string& plane : *recipe.wanted) captured.emplace_back(of_first_layer(plane));
   for (const Effect* effect : steps)
-    for (const Pass& pass : effect->passes)
-      for (const std::string_view plane : pass.inputs) captured.emplace_back(of_first_layer(plane));
+    for (const Dispatch& dispatch : effect->dispatches)
+      for (const std::string_view plane : dispatch.inputs) captured.emplace_back(of_first_layer(plane));
   int shadows = 0;
   for (int light = 0; light < kMaxShadows; ++light)
     for (const std::string& pass : recipe.passes)

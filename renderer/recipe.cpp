@@ -30,9 +30,9 @@ bool gathers_light(const Look& look, const EffectSettings& settings) {
   const Effect* technique = find_effect(look.occlusion);
   if (!technique) return false;
   const ParameterBytes& params = params_of(settings, technique->name);
-  return std::any_of(technique->passes.begin(), technique->passes.end(), [&](const Pass& pass) {
-    const bool runs = !pass.needed || pass.needed(params);
-    return runs && std::find(pass.outputs.begin(), pass.outputs.end(), "indirect.r") != pass.outputs.end();
+  return std::any_of(technique->dispatches.begin(), technique->dispatches.end(), [&](const Dispatch& dispatch) {
+    const bool runs = !dispatch.needed || dispatch.needed(params);
+    return runs && std::find(dispatch.outputs.begin(), dispatch.outputs.end(), "indirect.r") != dispatch.outputs.end();
   });
 }
 
@@ -164,9 +164,9 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
     const Parameter* strength = find_parameter(*effect, "shadow");
     if (strength && real_value(*strength, params) == 0.0f) continue;
     if (find_parameter(*effect, "rig") && !by_scene_lights(*effect, recipe.settings)) continue;
-    for (const Pass& pass : effect->passes)
+    for (const Dispatch& dispatch : effect->dispatches)
       for (int light = wanted; light < kMaxShadows; ++light)
-        if (std::find(pass.inputs.begin(), pass.inputs.end(), shadow_plane(light)) != pass.inputs.end())
+        if (std::find(dispatch.inputs.begin(), dispatch.inputs.end(), shadow_plane(light)) != dispatch.inputs.end())
           wanted = light + 1;
   }
   return wanted;

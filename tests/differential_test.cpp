@@ -92,11 +92,11 @@ Image outputs(const Effect& effect, const ParameterBytes& params, const GBuffer&
 
 /// Inputs of an effect that other effects make: what no pass before the reader writes.
 void add_made_inputs(const Effect& effect, GBuffer& gbuffer) {
-  for (std::size_t reader = 0; reader < effect.passes.size(); ++reader)
-    for (std::string_view input : effect.passes[reader].inputs) {
+  for (std::size_t reader = 0; reader < effect.dispatches.size(); ++reader)
+    for (std::string_view input : effect.dispatches[reader].inputs) {
       bool made_here = false;
       for (std::size_t k = 0; k < reader; ++k)
-        for (std::string_view output : effect.passes[k].outputs) made_here |= output == input;
+        for (std::string_view output : effect.dispatches[k].outputs) made_here |= output == input;
       if (made_here || gbuffer.layers[0].find(input)) continue;
       Plane& plane = gbuffer.layers[0].add(input);
       for (int y = 0; y < plane.height; ++y)
@@ -158,7 +158,8 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
 
 TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
   const Effect& effect = *GetParam();
-  if (std::none_of(effect.passes.begin(), effect.passes.end(), [](const Pass& pass) { return pass.tuned != nullptr; }))
+  if (std::none_of(effect.dispatches.begin(), effect.dispatches.end(),
+                   [](const Dispatch& dispatch) { return dispatch.tuned != nullptr; }))
     return;
   for (const auto& [size, variant] : runs(12)) {
     GBuffer gbuffer = test::bumpy_gbuffer(size.width, size.height, 70 + variant);
@@ -245,8 +246,8 @@ TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
 }
 
 bool has_gpu_ways(const Effect& effect) {
-  return std::any_of(effect.passes.begin(), effect.passes.end(),
-                     [](const Pass& pass) { return !pass.gpu_ways.empty(); });
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(),
+                     [](const Dispatch& dispatch) { return !dispatch.gpu_ways.empty(); });
 }
 
 TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {

@@ -37,16 +37,16 @@ Result<Times> time_of(int runs, Device& device, const Run& run) {
   std::vector<double> ms, gpu_ms;
   if (auto done = device.finish(); !done) return done.error();
   for (int i = 0; i <= runs; ++i) {
-    device.take_pass_times();
+    device.take_dispatch_times();
     StageTimes times;
     if (Result<void> done = run(); !done) return done.error();
     if (Result<void> done = device.finish(); !done) return done.error();
     times.done("run");
-    const auto passes = device.take_pass_times();
+    const auto passes = device.take_dispatch_times();
     if (i == 0) continue;
     ms.push_back(times.total());
     if (!passes.empty()) gpu_ms.push_back(0.0);
-    for (const PassTime& pass : passes) gpu_ms.back() += pass.ms;
+    for (const DispatchTime& dispatch : dispatches) gpu_ms.back() += dispatch.ms;
   }
   std::sort(ms.begin(), ms.end());
   std::sort(gpu_ms.begin(), gpu_ms.end());

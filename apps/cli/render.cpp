@@ -152,32 +152,33 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
 }
 
 /// Returns the total time of each dispatch, in the order of their first runs.
-std::vector<PassTime> added_up(const std::vector<PassTime>& passes) {
-  std::vector<PassTime> sums;
-  for (const PassTime& pass : passes) {
-    const auto same = std::find_if(sums.begin(), sums.end(), [&](const PassTime& sum) {
-      return sum.effect == pass.effect && sum.pass == pass.pass;
+std::vector<DispatchTime> added_up(const std::vector<DispatchTime>& dispatches) {
+  std::vector<DispatchTime> sums;
+  for (const DispatchTime& dispatch : dispatches) {
+    const auto same = std::find_if(sums.begin(), sums.end(), [&](const DispatchTime& sum) {
+      return sum.effect == dispatch.effect && sum.dispatch == dispatch.dispatch;
     });
     if (same == sums.end())
-      sums.push_back(pass);
+      sums.push_back(dispatch);
     else
-      same->ms += pass.ms;
+      same->ms += dispatch.ms;
   }
   return sums;
 }
 
-void print_times(const StageTimes& times, const std::vector<PassTime>& passes, bool json) {
+void print_times(const StageTimes& times, const std::vector<DispatchTime>& dispatches, bool json) {
   if (!json) {
     for (const auto& stage : times.stages) fmt::print(stderr, "{:<12}{:9.1f} ms\n", stage.name, stage.ms);
     fmt::print(stderr, "{:<12}{:9.1f} ms\n", "total", times.total());
-    for (const PassTime& pass : passes)
-      fmt::print(stderr, "{:<34}{:9.3f} ms on the GPU\n", fmt::format("{} / {}", pass.effect, pass.pass), pass.ms);
+    for (const DispatchTime& dispatch : dispatches)
+      fmt::print(stderr, "{:<34}{:9.3f} ms on the GPU\n", fmt::format("{} / {}", dispatch.effect, dispatch.dispatch),
+                 dispatch.ms);
     return;
   }
   nlohmann::json records = nlohmann::json::array();
   for (const auto& stage : times.stages) records.push_back({{"stage", stage.name}, {"ms", stage.ms}});
-  for (const PassTime& pass : passes)
-    records.push_back({{"stage", pass.effect}, {"pass", pass.pass}, {"gpu_ms", pass.ms}});
+  for (const DispatchTime& dispatch : dispatches)
+    records.push_back({{"stage", dispatch.effect}, {"pass", dispatch.dispatch}, {"gpu_ms", dispatch.ms}});
   records.push_back({{"stage", "total"}, {"ms", times.total()}});
   fmt::print("{}\n", records.dump(2));
 }
@@ -402,7 +403,7 @@ Result<void> render(const RenderOptions& given) {
     return drawn;
   drawing.wipe();
   if (o.verbose) fmt::print(stderr, "{}: {} in {} meshes\n{}\n", scene->name, size, meshes, device->description());
-  if (o.verbose || o.json) print_times(times, added_up(device->take_pass_times()), o.json);
+  if (o.verbose || o.json) print_times(times, added_up(device->take_dispatch_times()), o.json);
   return {};
 }
 

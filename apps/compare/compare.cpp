@@ -38,9 +38,9 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
 
 /// Returns whether a technique writes `indirect` at these settings.
 bool gathers_light(const Effect& effect, const ParameterBytes& params) {
-  return std::any_of(effect.passes.begin(), effect.passes.end(), [&](const Pass& pass) {
-    return (!pass.needed || pass.needed(params)) &&
-           std::find(pass.outputs.begin(), pass.outputs.end(), kQuantityPlanes[1][0]) != pass.outputs.end();
+  return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
+    return (!dispatch.needed || dispatch.needed(params)) &&
+           std::find(dispatch.outputs.begin(), dispatch.outputs.end(), kQuantityPlanes[1][0]) != dispatch.outputs.end();
   });
 }
 

@@ -14,9 +14,9 @@
 #include "devices/cpu/capture.h"
 #include "devices/cpu/cpu_planes.h"
 #include "devices/cpu/soften.h"
+#include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
-#include "devices/shared/passes.h"
 #include "kernel/isa.h"
 #include "kernel/kernel_frame.h"
 #include "rays/embree_device.h"
@@ -132,8 +132,9 @@ class CpuDevice final : public Device {
   Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
                           const ProgressMonitor& monitor) override {
     cpu_planes(frame).branches.check_none();
-    return run_passes(effect, params, frame, layer, pixels,
-                      [&](const PassRun& pass) { return run_pass(pass, cpu_planes(frame), monitor); });
+    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
+      return run_dispatch(dispatch, cpu_planes(frame), monitor);
+    });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -152,7 +153,7 @@ class CpuDevice final : public Device {
       planes->band = Band{divided(from_planes.band->rows, factor), 0, from_planes.band->wholes};
       planes->rows = rows;
       planes->held.clear();
-      planes->passes = 0;
+      planes->dispatches = 0;
     }
     // Takes the first pixel of each block, not the mean: a mean depth of two surfaces lies on neither, and a technique
     // would find occluders in the air. Takes the first and not the nearest, so that one camera fits all pixels.
@@ -197,7 +198,7 @@ class CpuDevice final : public Device {
         // A pass reads the plane at the full-resolution rows that it covers.
         const Rows valid{held->valid.begin * factor,
                          held->valid.end < small.info.height ? held->valid.end * factor : full.info.height};
-        whole.held[reduced_plane(name)] = {valid, ++whole.passes, held->first};
+        whole.held[reduced_plane(name)] = {valid, ++whole.dispatches, held->first};
       }
       // The rest is 0 already if a picture of this size was placed there before.
       std::pair<int, int>& placed = cpu_planes(full).placed[reduced_plane(name)];
@@ -245,11 +246,11 @@ class CpuDevice final : public Device {
 
  private:
   /// Runs a host step, once for a whole picture. Its outputs are valid for all strips of the picture.
-  Result<Progression> run_host(const PassRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
+  Result<Progression> run_host(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
     std::list<Plane> whole_neutral;  // those of a strip have only its rows
     std::vector<const Plane*> inputs;
-    for (const std::string_view input : run.pass.inputs) {
+    for (const std::string_view input : run.dispatch.inputs) {
       const std::string name = run.plane(input);
       const Held* held = find_held(planes, name);
       if (held)
@@ -264,11 +265,11 @@ class CpuDevice final : public Device {
     std::vector<Plane> outputs;
     arena_.execute([&] { outputs = run_host_step(run, inputs); });
     for (std::size_t k = 0; k < outputs.size(); ++k) {
-      if (!run.is_there(run.pass.outputs[k])) continue;
-      const std::string name = run.plane(run.pass.outputs[k]);
+      if (!run.is_there(run.dispatch.outputs[k])) continue;
+      const std::string name = run.plane(run.dispatch.outputs[k]);
       if (planes.band) {
-        planes.band->wholes->planes[{info.reduced, name, planes.passes}] = {std::move(outputs[k]), true};
-        planes.held[name] = {planes.rows, planes.passes, 0, false};
+        planes.band->wholes->planes[{info.reduced, name, planes.dispatches}] = {std::move(outputs[k]), true};
+        planes.held[name] = {planes.rows, planes.dispatches, 0, false};
       } else {
         planes.image.add(name) = std::move(outputs[k]);
       }
@@ -277,10 +278,10 @@ class CpuDevice final : public Device {
     return watch.ended() ? Result<Progression>(interrupted()) : Progression();
   }
 
-  Result<Progression> run_pass(const PassRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
-    const Pass& pass = run.pass;
+  Result<Progression> run_dispatch(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
+    const Dispatch& dispatch = run.dispatch;
     const PictureInfo& info = run.info;
-    for (std::string_view input : pass.inputs) {
+    for (std::string_view input : dispatch.inputs) {
       const std::string name = run.plane(input);
       if (find_plane(planes, name) || find_held(planes, name)) continue;
       const auto value = neutral_value(name);
@@ -296,16 +297,16 @@ class CpuDevice final : public Device {
       band = prepare_band(run, planes, arena_);
       if (band.done || !band.progression.finished) return band.progression;
     }
-    if (pass.host) return run_host(run, planes, monitor);
-    for (std::string_view output : pass.outputs)
+    if (dispatch.host) return run_host(run, planes, monitor);
+    for (std::string_view output : dispatch.outputs)
       if (run.is_there(output)) writable(planes, run.plane(output));
     if (band.rows.count() <= 0) return Progression();
     // The kernel writes only to its outputs, which no other frame shares.
-    for (std::string_view name : pass.inputs)
+    for (std::string_view name : dispatch.inputs)
       kernel_planes.push_back({name, row_zero_of(run, planes, band, run.plane(name))});
-    for (std::string_view name : pass.outputs)
+    for (std::string_view name : dispatch.outputs)
       kernel_planes.push_back({name, run.is_there(name) ? row_zero_of(run, planes, band, run.plane(name)) : nullptr});
-    const int stride = planes.image.plane(run.plane(pass.outputs[0])).stride;
+    const int stride = planes.image.plane(run.plane(dispatch.outputs[0])).stride;
     const bool all = run.pixels == PixelSet::kAll;
     const Plane* ao = all ? nullptr : find_made(planes, run.plane("ao"));
     if (!all && !ao) return missing_plane(run, "ao");
@@ -315,13 +316,13 @@ class CpuDevice final : public Device {
       kernel_frame.first_row = planes.rows.begin;
       kernel_frame.last_row = planes.rows.end - 1;
     }
-    const bool tuned = settings_.tuned && pass.tuned && all;
-    const CpuKernel kernel = settings_.scalar ? pass.kernel.scalar : tuned ? pass.tuned : pass.kernel.lanes;
+    const bool tuned = settings_.tuned && dispatch.tuned && all;
+    const CpuKernel kernel = settings_.scalar ? dispatch.kernel.scalar : tuned ? dispatch.tuned : dispatch.kernel.lanes;
 
     // Missing pixels are few: each tile leaves lanes unused, but distant pixels share no cache lines.
     constexpr int kMissingTile = 128;
-    const int tile_width = std::min(all ? pass.tile.width : kMissingTile, stride);
-    const int tile_height = all ? pass.tile.height : kMissingTile;
+    const int tile_width = std::min(all ? dispatch.tile.width : kMissingTile, stride);
+    const int tile_height = all ? dispatch.tile.height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
     const int rows = (band.rows.count() + tile_height - 1) / tile_height;
     Watch watch(monitor, long(rows) * columns);

@@ -72,27 +72,27 @@ Rows divided(const Rows& rows, int factor) {
   return {reduced_side(rows.begin, factor), reduced_side(rows.end, factor)};
 }
 
-BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& arena) {
+BandRun prepare_band(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena& arena) {
   const PictureInfo& info = run.info;
   BandRun of{.rows = planes.rows};
-  const int version = ++planes.passes;
+  const int version = ++planes.dispatches;
   bool all = run.pixels == PixelSet::kAll;
-  for (const std::string_view output : run.pass.outputs)
+  for (const std::string_view output : run.dispatch.outputs)
     all = all && (!run.is_there(output) || find_whole(planes, info, run.plane(output), version));
   if (all) {
-    for (const std::string_view output : run.pass.outputs)
+    for (const std::string_view output : run.dispatch.outputs)
       if (run.is_there(output)) planes.held[run.plane(output)] = {planes.rows, version, 0, false};
     of.done = true;
     return of;
   }
-  const int reach = run.pass.reach ? run.pass.reach(run.constants.data(), run.round) : 0;
+  const int reach = run.dispatch.reach ? run.dispatch.reach(run.constants.data(), run.round) : 0;
   std::vector<std::string> wanted;
-  const auto& far = run.pass.far_inputs;
-  for (const std::string_view input : run.pass.inputs) {
+  const auto& far = run.dispatch.far_inputs;
+  for (const std::string_view input : run.dispatch.inputs) {
     const std::string name = run.plane(input);
     const Held* held = find_held(planes, name);
     if (!held) continue;
-    if (!run.pass.reach || std::find(far.begin(), far.end(), input) != far.end()) {
+    if (!run.dispatch.reach || std::find(far.begin(), far.end(), input) != far.end()) {
       of.far.push_back(name);
       if (!find_whole(planes, info, name, held->version)) wanted.push_back(name);
     } else if (held->made) {
@@ -121,8 +121,8 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
     }
     return of;
   }
-  if (run.pass.host) return of;
-  for (const std::string_view output : run.pass.outputs) {
+  if (run.dispatch.host) return of;
+  for (const std::string_view output : run.dispatch.outputs) {
     if (!run.is_there(output)) continue;
     const std::string name = run.plane(output);
     // A pass may write only a part of an existing plane.
@@ -136,7 +136,7 @@ BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& are
   return of;
 }
 
-float* row_zero_of(const PassRun& run, const CpuPlanes& planes, const BandRun& band, const std::string& name) {
+float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const BandRun& band, const std::string& name) {
   const Held* held = find_held(planes, name);
   const bool far = std::find(band.far.begin(), band.far.end(), name) != band.far.end();
   const bool whole = held && (far || !held->made);

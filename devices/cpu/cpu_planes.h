@@ -16,7 +16,7 @@
 #include "core/device.h"
 #include "core/image.h"
 #include "devices/shared/branches.h"
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 
 namespace umbrage {
 
@@ -43,7 +43,7 @@ struct CpuPlanes {
   std::optional<Band> band;
   Rows rows;                                      ///< rows that are held
   std::map<std::string, Held, std::less<>> held;  ///< of every plane
-  int passes = 0;                                 ///< number of dispatches so far
+  int dispatches = 0;                             ///< number of dispatches so far
 };
 
 inline CpuPlanes& cpu_planes(const Frame& frame) { return *static_cast<CpuPlanes*>(frame.storage.get()); }
@@ -84,10 +84,10 @@ struct BandRun {
 
 /// Determines the rows of a strip that a pass can run on. Copies the strip's rows to whole planes that the pass needs
 /// and that are incomplete.
-BandRun prepare_band(const PassRun& run, CpuPlanes& planes, tbb::task_arena& arena);
+BandRun prepare_band(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena& arena);
 
 /// Returns the address of row 0 of a plane: of a whole one, or extrapolated for the rows that a strip holds.
-float* row_zero_of(const PassRun& run, const CpuPlanes& planes, const BandRun& band, const std::string& name);
+float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const BandRun& band, const std::string& name);
 
 /// See Device::missing_rows.
 int missing_band_rows(const Frame& frame, const std::vector<std::string>& names);

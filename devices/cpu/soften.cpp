@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "devices/shared/passes.h"
-#include "devices/shared/soften_passes.h"
+#include "devices/shared/dispatches.h"
+#include "devices/shared/soften_dispatches.h"
 #include "kernel/kernel_frame.h"
 
 namespace umbrage {
@@ -106,12 +106,14 @@ int soften_blocks(int pixels) { return (pixels + kSoftenBlock - 1) / kSoftenBloc
 
 void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const PenumbraRadii> radii, bool scalar,
                     Image& image) {
-  const auto kernel_of = [&](const Pass& pass) { return scalar ? pass.kernel.scalar : pass.kernel.lanes; };
+  const auto kernel_of = [&](const Dispatch& dispatch) {
+    return scalar ? dispatch.kernel.scalar : dispatch.kernel.lanes;
+  };
   for (const PenumbraRadii& of : radii) {
     Plane& shadow = image.plane(shadow_plane(of.light));
     Plane between(shadow.width, shadow.height);
     Plane reach(shadow.width, soften_blocks(shadow.height), kSoftenLeast);  // value where it is not computed
-    Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_pass())};
+    Run run{.frame = frame_constants(info, shadow.stride, 0), .kernel = kernel_of(soften_dispatch())};
     // The filter along columns needs rows above and below that the filter along rows has processed.
     const auto filter = [&](bool second, bool down, const Segments& where) {
       run.constants = {.dx = down ? 0 : 1, .dy = down ? 1 : 0, .second = second ? 1 : 0};
@@ -132,7 +134,7 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
 
     const Segments far = around(changes, 1, 1 + kSoftenBlocks);
     for (const bool down : {false, true}) {
-      Run blocks{.frame = run.frame, .kernel = kernel_of(soften_reach_pass())};
+      Run blocks{.frame = run.frame, .kernel = kernel_of(soften_reach_dispatch())};
       blocks.frame.width = soften_blocks(shadow.width);
       blocks.frame.height = soften_blocks(info.height);
       const int first = rows.begin / kSoftenBlock;

@@ -1,4 +1,4 @@
-// Filtering of soft shadows on the CPU: runs the passes of devices/shared/soften_passes.h where they are needed.
+// Filtering of soft shadows on the CPU: runs the passes of devices/shared/soften_dispatches.h where they are needed.
 #pragma once
 #include <span>
 

@@ -53,8 +53,8 @@ const Effect& turned() {
       .name = "turned",
       .constants_size = sizeof(float),
       .constants = [](const ParameterBytes&, const PictureInfo&, void* out) { *static_cast<float*>(out) = kScale; },
-      .passes = {{.name = "turn", .inputs = {"depth", "albedo.r"}, .outputs = {"ao"}, .host = turn},
-                 {.name = "move", .inputs = {"ao"}, .outputs = {"ao"}, .host = move}}};
+      .dispatches = {{.name = "turn", .inputs = {"depth", "albedo.r"}, .outputs = {"ao"}, .host = turn},
+                     {.name = "move", .inputs = {"ao"}, .outputs = {"ao"}, .host = move}}};
   return effect;
 }
 

@@ -4,18 +4,18 @@
 #include <vector>
 
 #include "core/image.h"
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 #include "kernel/host_frame.h"
 
 namespace umbrage {
 
 /// Returns planes as the inputs of a pass's host step, which does not write to them. `planes`: in the order of the
 /// pass's table.
-std::vector<HostPlane> host_inputs(const Pass& pass, std::span<const Plane* const> planes);
+std::vector<HostPlane> host_inputs(const Dispatch& dispatch, std::span<const Plane* const> planes);
 
 /// Runs the host step of a pass. `inputs`: whole planes of the picture's size, in the order of the pass's table.
 /// Returns its outputs, in the same order; those of layers that do not exist are empty. Exceptions of the step
 /// propagate.
-std::vector<Plane> run_host_step(const PassRun& run, std::span<const Plane* const> inputs);
+std::vector<Plane> run_host_step(const DispatchRun& run, std::span<const Plane* const> inputs);
 
 }  // namespace umbrage

@@ -232,15 +232,16 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
   return set;
 }
 
-void Commands::begin_pass(std::string_view effect, std::string_view pass, Kind kind, double groups, bool further) {
-  timed_.push_back({{std::string(effect), std::string(pass), 0.0}, kind, groups, further});
+void Commands::begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups,
+                              bool further) {
+  timed_.push_back({{std::string(effect), std::string(dispatch), 0.0}, kind, groups, further});
   noted_ms_ += groups * ms_of_group(kind).value_or(0.0);
   if (queries_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * (std::uint32_t(timed_.size()) - 1));
 }
 
-void Commands::end_pass() {
+void Commands::end_dispatch() {
   if (queries_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * std::uint32_t(timed_.size()) - 1);

@@ -57,14 +57,14 @@ class Commands {
   };
   /// Enclose the recording of a dispatch of `groups` workgroups, or with `further` of another row range of the previous
   /// one, and measure its time.
-  void begin_pass(std::string_view effect, std::string_view pass, Kind kind, double groups, bool further);
-  void end_pass();
+  void begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups, bool further);
+  void end_dispatch();
   /// Returns the last known time per workgroup of a kind, milliseconds.
   std::optional<double> ms_of_group(Kind kind) const;
   /// Returns the expected time of all recorded work, as far as it is known.
   double noted_ms() const { return noted_ms_; }
   bool takes_times() const { return queries_ != VK_NULL_HANDLE; }
-  std::vector<PassTime> take_pass_times() { return std::exchange(times_, {}); }
+  std::vector<DispatchTime> take_dispatch_times() { return std::exchange(times_, {}); }
 
  private:
   explicit Commands(GpuPtr gpu) : gpu_(std::move(gpu)) {}
@@ -87,7 +87,7 @@ class Commands {
   std::optional<Error> lost_;  // error of a lost device: it gets no more work
   std::vector<std::shared_ptr<const void>> kept_;
   struct Timed {
-    PassTime time;
+    DispatchTime time;
     Kind kind;
     double groups = 0.0;
     bool further = false;
@@ -95,7 +95,7 @@ class Commands {
   std::vector<Timed> timed_;  // dispatches that are recorded, without times yet
   std::map<Kind, double> ms_of_group_;
   double noted_ms_ = 0.0;
-  std::vector<PassTime> times_;
+  std::vector<DispatchTime> times_;
 };
 
 /// Max bytes of constants of one dispatch: every device can read that many at once.

@@ -101,7 +101,8 @@ Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, in
   std::memcpy(uniforms->bytes, table.data(), table.size_bytes());
   std::memcpy(uniforms->bytes + kTableBytes, constants.data(), constants.size());
   // Before the barrier: after drawing, lavapipe takes the time at the next barrier.
-  commands_->begin_pass(work.effect, work.pass, {work.pipeline, work.settings}, double(columns) * (end - row), further);
+  commands_->begin_dispatch(work.effect, work.dispatch, {work.pipeline, work.settings}, double(columns) * (end - row),
+                            further);
   commands_->barrier();
   const VkPipelineBindPoint point = work.target ? VK_PIPELINE_BIND_POINT_GRAPHICS : VK_PIPELINE_BIND_POINT_COMPUTE;
   gpu_->vk.CmdBindPipeline(*buffer, point, work.pipeline);
@@ -116,7 +117,7 @@ Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, in
   } else {
     gpu_->vk.CmdDispatchBase(*buffer, 0, std::uint32_t(row), 0, std::uint32_t(columns), std::uint32_t(end - row), 1);
   }
-  commands_->end_pass();
+  commands_->end_dispatch();
   return {};
 }
 

@@ -19,7 +19,7 @@ inline constexpr int kGroup = 8;  // pixels of a workgroup, across and down: ker
 /// A shader to run over all pixels; its time is reported under these names.
 struct GpuWork {
   VkPipeline pipeline = VK_NULL_HANDLE;
-  std::string_view effect, pass;
+  std::string_view effect, dispatch;
   std::size_t settings = 0;                         // see Commands::Kind
   int group_width = kGroup, group_height = kGroup;  // pixels per workgroup
   const RasterTarget* target = nullptr;  // not null: draws the triangles and points of a scene, some at a time

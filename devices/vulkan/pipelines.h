@@ -24,7 +24,7 @@ struct PickConstants {
 };
 
 /// Returns the step that runs a pass by its kernel alone.
-GpuStep plain_step(const Pass& pass);
+GpuStep plain_step(const Dispatch& dispatch);
 
 /// Returns the names of a step's planes, each once: inputs of the nearest layer, further inputs, outputs. This is the
 /// order of their addresses in the table of kernel/glsl.h; the first kBoundPlanes are bound.

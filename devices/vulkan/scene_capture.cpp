@@ -5,8 +5,8 @@
 
 #include "core/check.h"
 #include "devices/shared/capture_info.h"
-#include "devices/shared/passes.h"
-#include "devices/shared/soften_passes.h"
+#include "devices/shared/dispatches.h"
+#include "devices/shared/soften_dispatches.h"
 #include "devices/vulkan/gpu_capture.h"
 
 namespace umbrage {
@@ -121,7 +121,7 @@ Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int laye
   const std::size_t size = std::bit_width(std::uint64_t(info.width) * std::uint64_t(info.height));
   if (auto done = dispatcher_->dispatch({.pipeline = *pipeline,
                                          .effect = "capture",
-                                         .pass = layer_plane(layer, "seen"),
+                                         .dispatch = layer_plane(layer, "seen"),
                                          .settings = (scenes_ * kMaxLayers + std::size_t(layer)) * 64 + size,
                                          .target = target_.get(),
                                          .triangles = scene_.triangles,
@@ -143,9 +143,9 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
   if (!between) return between.error();
   const auto reach = memory_->plane(planes.bytes);
   if (!reach) return reach.error();
-  const auto run = [&](const Pass& pass, const PictureInfo& info, const SoftenConstants& constants,
+  const auto run = [&](const Dispatch& dispatch, const PictureInfo& info, const SoftenConstants& constants,
                        const StepPlanes& own) -> Result<void> {
-    const GpuStep step = plain_step(pass);
+    const GpuStep step = plain_step(dispatch);
     const std::vector<std::byte> block =
         block_of(frame_constants(info, planes.stride, 0), std::as_bytes(std::span(&constants, 1)));
     std::vector<const DevicePlane*> table;
@@ -153,7 +153,8 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
       const auto found = own.find(name);
       table.push_back(found != own.end() ? found->second.get() : planes.find(name));
     }
-    return dispatcher_->run_kernel(step, {.effect = "capture", .pass = pass.name}, info, block, planes.bytes, table);
+    return dispatcher_->run_kernel(step, {.effect = "capture", .dispatch = dispatch.name}, info, block, planes.bytes,
+                                   table);
   };
   PictureInfo blocks = frame.info;
   blocks.width = (blocks.width + kSoftenBlock - 1) / kSoftenBlock;
@@ -163,11 +164,11 @@ Result<void> SceneCapture::soften(const Frame& frame, std::span<const PenumbraPl
     for (const int second : {0, 1})
       for (const int down : {0, 1}) {
         if (second)
-          if (auto done = run(soften_reach_pass(), blocks, {},
+          if (auto done = run(soften_reach_dispatch(), blocks, {},
                               {{"penumbra", down ? of.down : of.across}, {"soften_reach", *reach}});
               !done)
             return done;
-        if (auto done = run(soften_pass(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
+        if (auto done = run(soften_dispatch(), frame.info, {.dx = 1 - down, .dy = down, .second = second},
                             {{"soften_from", down ? *between : shadow},
                              {"soften_to", down ? shadow : *between},
                              {"soften_reach", *reach}});

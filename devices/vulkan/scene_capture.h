@@ -62,7 +62,7 @@ class SceneCapture {
   Result<DevicePlanePtr> draw_seen(const PictureInfo& info, int layer, const DevicePlanes& planes,
                                    Dispatcher::Constants constants, Dispatcher::Table table);
 
-  /// Softens the shadows of lights that have a size: see devices/shared/soften_passes.h.
+  /// Softens the shadows of lights that have a size: see devices/shared/soften_dispatches.h.
   Result<void> soften(const Frame& frame, std::span<const PenumbraPlanes> radii);
 
   GpuPtr gpu_;

@@ -189,11 +189,11 @@ TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
 
 /// Returns whether a capture drew triangles.
 bool drew(Device& gpu, const Scene& scene, const Camera& camera, const CaptureSettings& settings, Image* image) {
-  gpu.take_pass_times();
+  gpu.take_dispatch_times();
   *image = test::captured(gpu, scene, camera, settings);
-  const auto times = gpu.take_pass_times();
+  const auto times = gpu.take_dispatch_times();
   EXPECT_FALSE(times.empty());
-  return std::any_of(times.begin(), times.end(), [](const PassTime& time) { return time.pass == "seen"; });
+  return std::any_of(times.begin(), times.end(), [](const DispatchTime& time) { return time.dispatch == "seen"; });
 }
 
 TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
@@ -344,7 +344,7 @@ TEST_P(VulkanCaptureWays, WhereThereIsNoMemoryToDrawIntoRaysDo) {
   ASSERT_TRUE(gpu->finish());
   const auto drew = [&](Device& device) {
     bool any = false;
-    for (const PassTime& time : device.take_pass_times()) any = any || time.pass == "seen";
+    for (const DispatchTime& time : device.take_dispatch_times()) any = any || time.dispatch == "seen";
     return any;
   };
   EXPECT_EQ(drew(*gpu), GetParam() == VulkanCapture::kRaster);

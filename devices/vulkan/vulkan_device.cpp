@@ -7,9 +7,9 @@
 
 #include "core/check.h"
 #include "core/guarded.h"
+#include "devices/shared/dispatches.h"
 #include "devices/shared/host_steps.h"
 #include "devices/shared/neutral.h"
-#include "devices/shared/passes.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/dispatch.h"
 #include "devices/vulkan/frame_planes.h"
@@ -113,11 +113,12 @@ class VulkanDevice final : public Device {
   Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
                           const ProgressMonitor& monitor) override {
     planes_of(frame).branches.check_none();
-    return run_passes(effect, params, frame, layer, pixels, [&](const PassRun& pass) -> Result<Progression> {
-      if (is_ended(monitor)) return interrupted();
-      const auto done = run_pass(pass, planes_of(frame));
-      return done ? Result<Progression>(Progression()) : done.error();
-    });
+    return run_dispatches(effect, params, frame, layer, pixels,
+                          [&](const DispatchRun& dispatch) -> Result<Progression> {
+                            if (is_ended(monitor)) return interrupted();
+                            const auto done = run_dispatch(dispatch, planes_of(frame));
+                            return done ? Result<Progression>(Progression()) : done.error();
+                          });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -215,7 +216,7 @@ class VulkanDevice final : public Device {
 
   Result<void> finish() override { return commands_->finish(); }
 
-  std::vector<PassTime> take_pass_times() override { return commands_->take_pass_times(); }
+  std::vector<DispatchTime> take_dispatch_times() override { return commands_->take_dispatch_times(); }
 
   std::vector<std::string> plane_names(const Frame& frame) const override {
     const DevicePlanes& planes = planes_of(frame);
@@ -256,9 +257,9 @@ class VulkanDevice final : public Device {
                                  std::as_bytes(std::span(&constants, 1)), table);
   }
 
-  Result<void> run_pass(const PassRun& run, DevicePlanes& planes) {
-    const Pass& pass = run.pass;
-    for (std::string_view input : pass.inputs) {
+  Result<void> run_dispatch(const DispatchRun& run, DevicePlanes& planes) {
+    const Dispatch& dispatch = run.dispatch;
+    for (std::string_view input : dispatch.inputs) {
       const std::string name = run.plane(input);
       if (planes.find(name)) continue;
       const auto value = neutral_value(name);
@@ -266,21 +267,21 @@ class VulkanDevice final : public Device {
       if (auto done = store_->add_constant(planes, *value); !done) return done;
       planes.neutral.push_back(name);
     }
-    if (pass.host) return run_host(run, planes);
+    if (dispatch.host) return run_host(run, planes);
     fault_point();
-    for (std::string_view output : pass.outputs)
+    for (std::string_view output : dispatch.outputs)
       if (run.is_there(output))
         if (auto made = store_->writable(planes, run.plane(output)); !made) return made.error();
     if (settings_.tuned && run.pixels == PixelSet::kAll)
-      for (const GpuWay& way : pass.gpu_ways)
+      for (const GpuWay& way : dispatch.gpu_ways)
         if (way.fits(run.constants.data())) return run_way(run, way, planes);
-    return run_step(run, plain_step(pass), planes, {});
+    return run_step(run, plain_step(dispatch), planes, {});
   }
 
   /// Finishes the recorded work, and runs a host step on its results.
-  Result<void> run_host(const PassRun& run, DevicePlanes& planes) {
+  Result<void> run_host(const DispatchRun& run, DevicePlanes& planes) {
     std::vector<std::string> names;
-    for (const std::string_view input : run.pass.inputs) names.push_back(run.plane(input));
+    for (const std::string_view input : run.dispatch.inputs) names.push_back(run.plane(input));
     const auto read = store_->copied(planes, names, run.info, 0);
     if (!read) return read.error();
     std::vector<const Plane*> inputs;
@@ -288,17 +289,18 @@ class VulkanDevice final : public Device {
     const std::vector<Plane> outputs = run_host_step(run, inputs);
     std::vector<NamedPlane> made;
     for (std::size_t k = 0; k < outputs.size(); ++k)
-      if (run.is_there(run.pass.outputs[k])) made.push_back({run.plane(run.pass.outputs[k]), &outputs[k]});
+      if (run.is_there(run.dispatch.outputs[k])) made.push_back({run.plane(run.dispatch.outputs[k]), &outputs[k]});
     return store_->copy_to(made, run.info, planes);
   }
 
-  Result<void> run_way(const PassRun& run, const GpuWay& way, DevicePlanes& planes) {
+  Result<void> run_way(const DispatchRun& run, const GpuWay& way, DevicePlanes& planes) {
     // All outputs of the last step are outputs of the pass. Memory released here is reused by work recorded later.
     StepPlanes own;
-    const auto& of_pass = run.pass.outputs;
+    const auto& of_dispatch = run.dispatch.outputs;
     for (const GpuStep& step : way.steps) {
       for (std::string_view output : step.outputs) {
-        if (std::find(of_pass.begin(), of_pass.end(), output) != of_pass.end() || own.contains(output)) continue;
+        if (std::find(of_dispatch.begin(), of_dispatch.end(), output) != of_dispatch.end() || own.contains(output))
+          continue;
         const auto made = memory_->plane(planes.bytes);
         if (!made) return made.error();
         own.emplace(output, *made);
@@ -308,7 +310,8 @@ class VulkanDevice final : public Device {
     return {};
   }
 
-  Result<void> run_step(const PassRun& run, const GpuStep& step, const DevicePlanes& planes, const StepPlanes& own) {
+  Result<void> run_step(const DispatchRun& run, const GpuStep& step, const DevicePlanes& planes,
+                        const StepPlanes& own) {
     const std::vector<std::byte> block =
         block_of(frame_constants(run.info, planes.stride, run.round, run.pixels), run.constants);
     std::vector<const DevicePlane*> table;
@@ -321,9 +324,9 @@ class VulkanDevice final : public Device {
       table.back() = planes.find(run.plane("ao"));  // kernel/glsl.h reads it there
       if (!table.back()) return missing_plane(run, "ao");
     }
-    return dispatcher_->run_kernel(step,
-                                   {.effect = run.effect.name, .pass = step.name, .settings = number_of(run.params)},
-                                   run.info, block, planes.bytes, table);
+    return dispatcher_->run_kernel(
+        step, {.effect = run.effect.name, .dispatch = step.name, .settings = number_of(run.params)}, run.info, block,
+        planes.bytes, table);
   }
 
   /// Records pick.comp.

@@ -14,9 +14,10 @@
 namespace umbrage {
 namespace {
 
-const Pass& pass_of(std::string_view effect, std::string_view name) {
-  const auto& passes = find_effect(effect)->passes;
-  return *std::find_if(passes.begin(), passes.end(), [&](const Pass& pass) { return pass.name == name; });
+const Dispatch& pass_of(std::string_view effect, std::string_view name) {
+  const auto& dispatches = find_effect(effect)->dispatches;
+  return *std::find_if(dispatches.begin(), dispatches.end(),
+                       [&](const Dispatch& dispatch) { return dispatch.name == name; });
 }
 
 const Option* option_at(const KernelOptions& options, std::size_t offset) {
@@ -55,18 +56,18 @@ TEST(KernelOptions, AreReadFromTheBlock) {
 
 TEST(KernelOptions, TakeThePlaceOfLoads) {
   for (const Effect* effect : effects())
-    for (const Pass& pass : effect->passes) {
-      if (pass.host) continue;
-      const KernelOptions options = options_of(pass.kernel.spirv);
+    for (const Dispatch& dispatch : effect->dispatches) {
+      if (dispatch.host) continue;
+      const KernelOptions options = options_of(dispatch.kernel.spirv);
       std::vector<std::optional<std::int32_t>> values(options.options.size(), 3);
-      const auto words = with_options(pass.kernel.spirv, options, values);
-      EXPECT_EQ(words.size(), pass.kernel.spirv.size() + 4 * options.loads.size()) << effect->name;
-      EXPECT_EQ(slots_of(words).size(), slots_of(pass.kernel.spirv).size()) << effect->name;
+      const auto words = with_options(dispatch.kernel.spirv, options, values);
+      EXPECT_EQ(words.size(), dispatch.kernel.spirv.size() + 4 * options.loads.size()) << effect->name;
+      EXPECT_EQ(slots_of(words).size(), slots_of(dispatch.kernel.spirv).size()) << effect->name;
       // Nothing is left to replace, and the shader is unchanged if no value is known.
-      EXPECT_TRUE(options_of(words).loads.empty()) << effect->name << ' ' << pass.name;
+      EXPECT_TRUE(options_of(words).loads.empty()) << effect->name << ' ' << dispatch.name;
       std::fill(values.begin(), values.end(), std::nullopt);
-      const auto same = with_options(pass.kernel.spirv, options, values);
-      EXPECT_TRUE(std::equal(same.begin(), same.end(), pass.kernel.spirv.begin(), pass.kernel.spirv.end()))
+      const auto same = with_options(dispatch.kernel.spirv, options, values);
+      EXPECT_TRUE(std::equal(same.begin(), same.end(), dispatch.kernel.spirv.begin(), dispatch.kernel.spirv.end()))
           << effect->name;
     }
 }

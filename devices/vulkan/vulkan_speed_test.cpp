@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "devices/cpu/cpu_device.h"
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 #include "devices/vulkan/commands.h"
 #include "devices/vulkan/memory.h"
 #include "devices/vulkan/vulkan_device.h"
@@ -54,12 +54,12 @@ Result<Frame> captured(Device& device, const char* scene_name, int width, int he
 /// Returns the GPU time of all passes of an effect except those named `without`, milliseconds.
 double gpu_ms(Device& device, const Effect& effect, const ParameterBytes& params, Frame& frame,
               std::string_view without = {}) {
-  device.take_pass_times();
+  device.take_dispatch_times();
   EXPECT_TRUE(device.run(effect, params, frame));
   EXPECT_TRUE(device.finish());
   double ms = 0.0;
-  for (const PassTime& pass : device.take_pass_times())
-    if (pass.pass != without) ms += pass.ms;
+  for (const DispatchTime& dispatch : device.take_dispatch_times())
+    if (dispatch.dispatch != without) ms += dispatch.ms;
   return ms;
 }
 
@@ -331,15 +331,15 @@ double hand_ms(HandWritten& h, std::size_t number, std::span<const std::byte> co
   const auto uniforms = h.commands->uniforms(kMaxUniforms);
   std::memcpy(uniforms->bytes, constants.data(), constants.size());
   const VkCommandBuffer buffer = *h.commands->buffer();
-  h.commands->take_pass_times();
-  h.commands->begin_pass("by hand", "by hand", {shader.pipeline, 0}, 1.0, false);
+  h.commands->take_dispatch_times();
+  h.commands->begin_dispatch("by hand", "by hand", {shader.pipeline, 0}, 1.0, false);
   vk.CmdBindPipeline(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, shader.pipeline);
   vk.CmdBindDescriptorSets(buffer, VK_PIPELINE_BIND_POINT_COMPUTE, shader.layout, 0, 1, &shader.set, 1,
                            &uniforms->offset);
   vk.CmdDispatch(buffer, std::uint32_t(h.width + 7) / 8, std::uint32_t(h.height + 7) / 8, 1);
-  h.commands->end_pass();
+  h.commands->end_dispatch();
   EXPECT_TRUE(h.commands->finish());
-  return h.commands->take_pass_times()[0].ms;
+  return h.commands->take_dispatch_times()[0].ms;
 }
 
 Plane hand_ao(HandWritten& h) {
@@ -357,7 +357,7 @@ Plane hand_ao(HandWritten& h) {
 }
 
 struct ByHand {
-  const char *effect, *pass;
+  const char *effect, *dispatch;
   std::span<const std::uint32_t> addresses, buffers, images;
 };
 const ByHand kByHand[] = {{"hemisphere", "occlusion", hemisphere_by_hand_addresses_spirv(),
@@ -390,12 +390,12 @@ void compare_with_hand(const char* scene, int width, int height, int turns) {
                                    add_shader(*h, by_hand.images, true)};
     std::vector<double> own_ms, hand[3];
     for (int turn = 0; turn <= turns; ++turn) {
-      ours->take_pass_times();
+      ours->take_dispatch_times();
       ASSERT_TRUE(ours->run(effect, params, *frame));
       ASSERT_TRUE(ours->finish());
       double own = 0.0;
-      for (const PassTime& pass : ours->take_pass_times())
-        if (pass.pass == by_hand.pass) own += pass.ms;
+      for (const DispatchTime& dispatch : ours->take_dispatch_times())
+        if (dispatch.dispatch == by_hand.dispatch) own += dispatch.ms;
       if (turn > 0) own_ms.push_back(own);
       for (int k = 0; k < 3; ++k) {
         const double ms = hand_ms(*h, shaders[k], constants);

@@ -202,7 +202,7 @@ TEST(Vulkan, HandsOverOnceAFrame) {
   EXPECT_EQ(faulty().faults.submits, 1);
 }
 
-TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
+TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
   // One device with time for one row of workgroups per submission, and one that never splits.
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto cut = test::new_vulkan_device(
@@ -223,16 +223,16 @@ TEST(Vulkan, BandsOfLongPassesGiveTheSameBits) {
     for (Device* device : {cut.get(), whole.get()}) {
       StageTimes times;
       ASSERT_TRUE(device->prepare(*scene));
-      device->take_pass_times();
+      device->take_dispatch_times();
       const auto frame = draw(*device, *scene, settings, times);
       ASSERT_TRUE(frame) << frame.error().message;
       images[k++] = *device->download_all(*frame);
     }
     expect_equal(images[0], images[1]);
     // The row ranges of a dispatch count as one in the reported times.
-    const auto passes = cut->take_pass_times();
-    EXPECT_EQ(passes.size(), whole->take_pass_times().size()) << look;
-    EXPECT_GE(faulty().faults.submits - before, 3 * int(passes.size())) << look;
+    const auto dispatches = cut->take_dispatch_times();
+    EXPECT_EQ(dispatches.size(), whole->take_dispatch_times().size()) << look;
+    EXPECT_GE(faulty().faults.submits - before, 3 * int(dispatches.size())) << look;
   }
 }
 
@@ -257,23 +257,23 @@ TEST(Vulkan, CutsNoFrameThatIsShort) {
   }
 }
 
-TEST(Vulkan, TellsWhatPassesTook) {
+TEST(Vulkan, ReportsTheTimeOfDispatches) {
   Device* const gpu = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
-  gpu->take_pass_times();
+  gpu->take_dispatch_times();
   auto frame = lit_frame(*gpu, test::bumpy_gbuffer(256, 256, 5));
   ASSERT_TRUE(frame);
   ASSERT_TRUE(run(*gpu, "gaussian", *frame));
   ASSERT_TRUE(gpu->finish());
-  const auto times = gpu->take_pass_times();
+  const auto times = gpu->take_dispatch_times();
   ASSERT_GE(times.size(), 3u);
-  for (const PassTime& time : times) {
+  for (const DispatchTime& time : times) {
     EXPECT_EQ(time.effect, &time == &times[0] ? "lighting" : "gaussian");
-    EXPECT_FALSE(time.pass.empty());
+    EXPECT_FALSE(time.dispatch.empty());
     EXPECT_GT(time.ms, 0.0);
     EXPECT_LT(time.ms, 10000.0);
   }
-  EXPECT_TRUE(gpu->take_pass_times().empty());
+  EXPECT_TRUE(gpu->take_dispatch_times().empty());
 }
 
 TEST(Vulkan, AThousandFramesTakeNoMoreMemoryThanTen) {

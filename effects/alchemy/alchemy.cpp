@@ -67,7 +67,7 @@ Effect effect_alchemy() {
                .tunable = {"samples", "strength", "contrast", "bias"},
                .variants = {"", "samples=32 turns=13", "formula=scalable samples=11 strength=0.3"},
                .quantum = kQuantum,
-               .passes = {sampling_pass(alchemy_kernel())}});
+               .dispatches = {sampling_dispatch(alchemy_kernel())}});
 }
 
 }  // namespace umbrage

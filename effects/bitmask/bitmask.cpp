@@ -170,8 +170,8 @@ Planes sending_planes() { return of_all_layers({"depth", "hemisphere_facing", "h
 
 /// Returns a dispatch that searches occluders in the planes `seen`, anywhere in the picture, and writes `ao` and
 /// `more_outputs`.
-Pass search_pass(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&), const Planes& seen,
-                 const Planes& more_outputs = {}) {
+Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*needed)(const ParameterBytes&),
+                         const Planes& seen, const Planes& more_outputs = {}) {
   return {.name = name,
           .inputs = joined(seen, {"normal.x", "normal.y", "normal.z", "bitmask_mips"}),
           .outputs = joined({"ao"}, more_outputs),
@@ -198,24 +198,24 @@ Effect effect_bitmask() {
                     "measure=uniform slope=0.01 thickness=1", "mode=infinite falloff=0.6", "mode=layers", "bleeding=1",
                     "mode=layers bleeding=1"},
        .quantum = kQuantum,
-       .passes = {{.name = "mips",
-                   .inputs = {"depth"},
-                   .outputs = {"bitmask_mips"},
-                   .kernel = bitmask_mips_kernel(),
-                   .needed = has_mips},
-                  {.name = "sent",
-                   .inputs = sent_inputs(),
-                   .outputs = packed_planes(),
-                   .kernel = bitmask_sent_kernel(),
-                   .needed = bleeds,
-                   .reach = own_row},
-                  search_pass("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
-                  search_pass("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
-                  search_pass("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
-                  search_pass("bleeding", bitmask_bleeding_kernel(), bleeds, sending_planes(),
-                              {"indirect.r", "indirect.g", "indirect.b"}),
-                  search_pass("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
-                              {"bent.x", "bent.y", "bent.z"})},
+       .dispatches = {{.name = "mips",
+                       .inputs = {"depth"},
+                       .outputs = {"bitmask_mips"},
+                       .kernel = bitmask_mips_kernel(),
+                       .needed = has_mips},
+                      {.name = "sent",
+                       .inputs = sent_inputs(),
+                       .outputs = packed_planes(),
+                       .kernel = bitmask_sent_kernel(),
+                       .needed = bleeds,
+                       .reach = own_row},
+                      search_dispatch("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
+                      search_dispatch("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
+                      search_dispatch("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
+                      search_dispatch("bleeding", bitmask_bleeding_kernel(), bleeds, sending_planes(),
+                                      {"indirect.r", "indirect.g", "indirect.b"}),
+                      search_dispatch("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
+                                      {"bent.x", "bent.y", "bent.z"})},
        .rounds = rounds});
 }
 

@@ -115,18 +115,18 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
   Image& image = g.layers[0];
   std::vector<double> found(wanted.size());
   Plane none(width, height, 0.0f), nowhere(width, height, kInfinity);  // for planes that the picture lacks
-  for (const Pass& pass : effect.passes) {
-    if (pass.needed && !pass.needed(params)) continue;
+  for (const Dispatch& dispatch : effect.dispatches) {
+    if (dispatch.needed && !dispatch.needed(params)) continue;
     std::vector<KernelPlane> planes;
-    for (std::string_view name : pass.outputs)
+    for (std::string_view name : dispatch.outputs)
       if (!name.starts_with("layer")) image.add(name);
-    for (std::string_view name : pass.inputs) {
+    for (std::string_view name : dispatch.inputs) {
       const bool made = image.find(name) != nullptr;
       planes.push_back({name, made                      ? image.plane(name).data()
                               : name.ends_with("depth") ? nowhere.data()
                                                         : none.data()});
     }
-    for (std::string_view name : pass.outputs)
+    for (std::string_view name : dispatch.outputs)
       planes.push_back({name, name.starts_with("layer") ? nullptr : image.plane(name).data()});
     const FrameConstants frame = {.width = width,
                                   .height = height,
@@ -139,9 +139,9 @@ std::vector<double> at_middle(GBuffer& g, const Settings& settings, std::vector<
                                   .ray_offset_y = camera.top};
     const int m = height / 2, x0 = width / 2 / 16 * 16;
     const KernelFrame kernel_frame{frame, &constants, planes};
-    const bool gathers = pass.name != "mips" && pass.name != "sent";
+    const bool gathers = dispatch.name != "mips" && dispatch.name != "sent";
     const Tile tile = gathers ? Tile{x0, m, x0 + 16, m + 1} : Tile{0, 0, width, height};
-    (scalar ? pass.kernel.scalar : pass.kernel.lanes)(kernel_frame, tile);
+    (scalar ? dispatch.kernel.scalar : dispatch.kernel.lanes)(kernel_frame, tile);
   }
   for (std::size_t k = 0; k < wanted.size(); ++k) found[k] = image.plane(wanted[k]).at(width / 2, height / 2);
   return found;

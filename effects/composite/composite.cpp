@@ -42,11 +42,11 @@ Effect effect_composite() {
       {.name = "composite",
        .summary = "combines direct, ambient and bounced light with occlusion",
        .source = "Luft 2006",
-       .passes = {{.inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b", "indirect.r",
-                              "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
-                   .outputs = {"lit.r", "lit.g", "lit.b"},
-                   .kernel = composite_kernel(),
-                   .reach = own_row}}});
+       .dispatches = {{.inputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b",
+                                  "indirect.r", "indirect.g", "indirect.b", "albedo.r", "albedo.g", "albedo.b", "ao"},
+                       .outputs = {"lit.r", "lit.g", "lit.b"},
+                       .kernel = composite_kernel(),
+                       .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -30,11 +30,11 @@ Effect effect_ground() {
       kTable, {.name = "ground",
                .summary = "makes the ground under a model a shadow catcher: only the shadow on it is visible",
                .source = "",
-               .passes = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
-                                      "lit.r", "lit.g", "lit.b"},
-                           .outputs = {"lit.r", "lit.g", "lit.b", "cover"},
-                           .kernel = ground_kernel(),
-                           .reach = own_row}}});
+               .dispatches = {{.inputs = {"open_light", "indirect.r", "indirect.g", "indirect.b", "depth", "object_id",
+                                          "lit.r", "lit.g", "lit.b"},
+                               .outputs = {"lit.r", "lit.g", "lit.b", "cover"},
+                               .kernel = ground_kernel(),
+                               .reach = own_row}}});
 }
 
 }  // namespace umbrage

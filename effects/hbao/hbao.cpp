@@ -57,7 +57,7 @@ Effect effect_hbao() {
                .tunable = {"directions", "steps", "angle_bias", "attenuation", "strength"},
                .variants = {"", "angle_bias=30", "directions=4 steps=8 attenuation=off"},
                .quantum = kQuantum,
-               .passes = {sampling_pass(hbao_kernel())}});
+               .dispatches = {sampling_dispatch(hbao_kernel())}});
 }
 
 }  // namespace umbrage

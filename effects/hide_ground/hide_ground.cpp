@@ -17,11 +17,11 @@ Effect effect_hide_ground() {
           .summary = "removes the shadow-catching ground under a model from depth and ids",
           .constants_size = sizeof(HideGroundConstants),
           .constants = fill_constants,
-          .passes = {{.name = "hide_ground",
-                      .inputs = {"depth", "object_id", "material_id"},
-                      .outputs = {"depth", "object_id", "material_id"},
-                      .kernel = hide_ground_kernel(),
-                      .reach = own_row}}};
+          .dispatches = {{.name = "hide_ground",
+                          .inputs = {"depth", "object_id", "material_id"},
+                          .outputs = {"depth", "object_id", "material_id"},
+                          .kernel = hide_ground_kernel(),
+                          .reach = own_row}}};
 }
 
 }  // namespace umbrage

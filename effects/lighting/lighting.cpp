@@ -66,22 +66,22 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
 
 Effect effect_lighting() {
   return shading_effect<fill_constants>(
-      kTable,
-      {.name = "lighting",
-       .summary = "Lambert and Blinn-Phong shading from the G-buffer, with direct and ambient light separate",
-       .source = "Blinn 1977",
-       .passes = {{.inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
-                              "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
-                              "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
-                   .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
-                   .kernel = lighting_kernel(),
-                   .reach = own_row},
-                  {.name = "lighting_open",
-                   .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
-                   .outputs = {"open_light"},
-                   .kernel = lighting_open_kernel(),
-                   .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
-                   .reach = own_row}}});
+      kTable, {.name = "lighting",
+               .summary = "Lambert and Blinn-Phong shading from the G-buffer, with direct and ambient light separate",
+               .source = "Blinn 1977",
+               .dispatches = {
+                   {.inputs = {"depth",    "normal.x",  "normal.y", "normal.z",   "albedo.r",   "albedo.g",  "albedo.b",
+                               "specular", "shininess", "shadow",   "shadow1",    "shadow2",    "shadow3",   "shadow4",
+                               "shadow5",  "shadow6",   "shadow7",  "emission.r", "emission.g", "emission.b"},
+                    .outputs = {"direct.r", "direct.g", "direct.b", "ambient.r", "ambient.g", "ambient.b"},
+                    .kernel = lighting_kernel(),
+                    .reach = own_row},
+                   {.name = "lighting_open",
+                    .inputs = {"depth", "normal.x", "normal.y", "normal.z"},
+                    .outputs = {"open_light"},
+                    .kernel = lighting_open_kernel(),
+                    .needed = [](const ParameterBytes& bytes) { return as<LightingParams>(bytes).open != 0; },
+                    .reach = own_row}}});
 }
 
 }  // namespace umbrage

@@ -27,10 +27,10 @@ Effect effect_normals() {
                                                  .source = "Wu 2020",
                                                  .variants = {"", "sides=mean"},
                                                  .quantum = 1.0,
-                                                 .passes = {{.inputs = {"depth"},
-                                                             .outputs = {"normal.x", "normal.y", "normal.z"},
-                                                             .kernel = normals_kernel(),
-                                                             .reach = reach}}});
+                                                 .dispatches = {{.inputs = {"depth"},
+                                                                 .outputs = {"normal.x", "normal.y", "normal.z"},
+                                                                 .kernel = normals_kernel(),
+                                                                 .reach = reach}}});
 }
 
 }  // namespace umbrage

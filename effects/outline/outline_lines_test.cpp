@@ -4,7 +4,7 @@
 #include <random>
 
 #include "core/lines.h"
-#include "devices/shared/passes.h"
+#include "devices/shared/dispatches.h"
 #include "effects/outline/outline_draw.h"
 #include "effects/outline/outline_test_scenes.h"
 #include "tilted_plane.h"

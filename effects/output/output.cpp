@@ -72,11 +72,11 @@ Effect effect_output() {
                .source = "IEC 61966-2-1",
                .exposed_by = exposed_by,
                .add_stops = add_stops,
-               .passes = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
-                                      "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
-                           .outputs = {"color.r", "color.g", "color.b", "color.a"},
-                           .kernel = output_kernel(),
-                           .reach = own_row}}});
+               .dispatches = {{.inputs = {"lit.r", "lit.g", "lit.b", "depth", "outline", "line.r", "line.g", "line.b",
+                                          "cover", "cover_for_eye", "sky.r", "sky.g", "sky.b"},
+                               .outputs = {"color.r", "color.g", "color.b", "color.a"},
+                               .kernel = output_kernel(),
+                               .reach = own_row}}});
 }
 
 }  // namespace umbrage

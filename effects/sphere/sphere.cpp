@@ -136,7 +136,7 @@ Effect effect_sphere() {
                .tunable = {"samples", "shape", "threshold", "strength"},
                .variants = {"", "samples=16", "samples=32", kOurs},
                .quantum = kQuantum,
-               .passes = {sampling_pass(sphere_kernel())}});
+               .dispatches = {sampling_dispatch(sphere_kernel())}});
 }
 
 }  // namespace umbrage

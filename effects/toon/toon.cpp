@@ -138,17 +138,17 @@ Effect effect_toon() {
        .source = "Lajzer and Nottingham",
        .variants = {"", "mode=paper"},
        .quantum = 1.0 / kPaperBands,
-       .passes = {{.name = "light",
-                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
-                   .outputs = {"toon_intensity", "toon_highlight"},
-                   .kernel = toon_light_kernel(),
-                   .reach = light_reach},
-                  {.name = "bands",
-                   .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_intensity", "toon_highlight",
-                              "albedo.r", "albedo.g", "albedo.b", "specular"},
-                   .outputs = {"lit.r", "lit.g", "lit.b"},
-                   .kernel = toon_kernel(),
-                   .reach = bands_reach}}});
+       .dispatches = {{.name = "light",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
+                       .outputs = {"toon_intensity", "toon_highlight"},
+                       .kernel = toon_light_kernel(),
+                       .reach = light_reach},
+                      {.name = "bands",
+                       .inputs = {"depth", "normal.x", "normal.y", "normal.z", "toon_intensity", "toon_highlight",
+                                  "albedo.r", "albedo.g", "albedo.b", "specular"},
+                       .outputs = {"lit.r", "lit.g", "lit.b"},
+                       .kernel = toon_kernel(),
+                       .reach = bands_reach}}});
 }
 
 }  // namespace umbrage

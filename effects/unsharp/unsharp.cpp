@@ -156,19 +156,19 @@ Effect effect_unsharp() {
                .tunable = {"kernel", "threshold", "strength"},
                .variants = {"", "kernel=15", "kernel=40", "kernel=121", "kernel=40 threshold=0",
                             "kernel=121 threshold=0", "kernel=15 window=gaussian"},
-               .passes = {{.name = "linearize",
-                           .inputs = {"depth"},
-                           .outputs = {"unsharp_depth"},
-                           .kernel = linearize_kernel(),
-                           .reach = own_row},
-                          {.inputs = {"depth", "unsharp_depth"},
-                           .outputs = {"ao"},
-                           .kernel = unsharp_kernel(),
-                           .tuned = run_tuned_unsharp,
-                           .gpu_ways = kGpuWays,
-                           .tile = kSquareTile,
-                           .reach = own_row,
-                           .far_inputs = {"unsharp_depth"}}}});
+               .dispatches = {{.name = "linearize",
+                               .inputs = {"depth"},
+                               .outputs = {"unsharp_depth"},
+                               .kernel = linearize_kernel(),
+                               .reach = own_row},
+                              {.inputs = {"depth", "unsharp_depth"},
+                               .outputs = {"ao"},
+                               .kernel = unsharp_kernel(),
+                               .tuned = run_tuned_unsharp,
+                               .gpu_ways = kGpuWays,
+                               .tile = kSquareTile,
+                               .reach = own_row,
+                               .far_inputs = {"unsharp_depth"}}}});
 }
 
 }  // namespace umbrage

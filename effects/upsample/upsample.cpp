@@ -51,19 +51,19 @@ Effect effect_upsample() {
                .source = "Kopf et al. 2007",
                .set_reduction = set_reduction,
                .variants = {"", "factor=4", "indirect=on"},
-               .passes = {{.name = "ao",
-                           .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"ao"},
-                           .kernel = upsample_ao_kernel(),
-                           .needed = ao_alone,
-                           .reach = reach},
-                          {.name = "light",
-                           .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g", "reduced_indirect.b",
-                                      "depth", "normal.x", "normal.y", "normal.z"},
-                           .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
-                           .kernel = upsample_light_kernel(),
-                           .needed = light_too,
-                           .reach = reach}}});
+               .dispatches = {{.name = "ao",
+                               .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
+                               .outputs = {"ao"},
+                               .kernel = upsample_ao_kernel(),
+                               .needed = ao_alone,
+                               .reach = reach},
+                              {.name = "light",
+                               .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g",
+                                          "reduced_indirect.b", "depth", "normal.x", "normal.y", "normal.z"},
+                               .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
+                               .kernel = upsample_light_kernel(),
+                               .needed = light_too,
+                               .reach = reach}}});
 }
 
 }  // namespace umbrage

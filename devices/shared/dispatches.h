@@ -15,9 +15,9 @@ namespace umbrage {
 FrameConstants frame_constants(const PictureInfo& info, int stride, int round, PixelSet pixels = PixelSet::kAll);
 
 /// A pass of an effect and everything needed to run it.
-struct PassRun {
+struct DispatchRun {
   const Effect& effect;
-  const Pass& pass;
+  const Dispatch& dispatch;
   std::span<const std::byte> params, constants;
   const PictureInfo& info;  ///< of the picture as the layer shows it
   int layer = 0, round = 0;
@@ -31,11 +31,11 @@ struct PassRun {
 
 /// Calls `run` for each pass that the effect needs with these params, in order. Stops at the first one that fails or
 /// does not finish.
-Result<Progression> run_passes(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                               PixelSet pixels, const std::function<Result<Progression>(const PassRun&)>& run);
+Result<Progression> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
+                                   PixelSet pixels, const std::function<Result<Progression>(const DispatchRun&)>& run);
 
 /// Returns the error of a pass that reads a plane that the picture lacks.
-Error missing_plane(const PassRun& run, std::string_view plane);
+Error missing_plane(const DispatchRun& run, std::string_view plane);
 
 /// Throws InternalError if a setting is outside its range. Errors: see layer_count.
 Result<void> check_capture(const CaptureSettings& settings);

@@ -7,9 +7,9 @@ namespace umbrage {
 
 /// Returns the pass that computes `soften_reach`, half the width of the second filter in pixels, from `penumbra`, the
 /// radius of the penumbra in pixels, both by block of 4 x 4 pixels. It runs over the blocks as if they were pixels.
-const Pass& soften_reach_pass();
+const Dispatch& soften_reach_dispatch();
 
 /// Returns the pass that filters along rows or columns, from `soften_from` to `soften_to`.
-const Pass& soften_pass();
+const Dispatch& soften_dispatch();
 
 }  // namespace umbrage
