@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "core/band.h"
 #include "core/effect.h"
 #include "core/gbuffer.h"
 #include "core/progress.h"
 #include "core/result.h"
+#include "core/strip.h"
 
 namespace umbrage {
 
@@ -47,7 +47,7 @@ struct CaptureSettings {
   /// Names, as on the first layer, of the material and id planes to capture; nullopt: all. Depth, normals and shadows
   /// are always captured.
   std::optional<std::vector<std::string>> planes = {};
-  std::optional<Band> band = {};  ///< draw only this strip; requires Device::draws_bands()
+  std::optional<Strip> strip = {};  ///< draw only this strip; requires Device::draws_strips()
 
   bool operator==(const CaptureSettings&) const = default;
 };
@@ -75,7 +75,7 @@ class Device {
   virtual PlanePoolPtr pool() const = 0;
   /// Returns whether the device can draw pictures in strips. On the frame of a strip all functions work on the rows of
   /// the strip.
-  virtual bool draws_bands() const { return false; }
+  virtual bool draws_strips() const { return false; }
   /// Prepares the scene for capture (acceleration structure, textures). The scene must outlive the last capture or the
   /// next prepare. After an error nothing is prepared, and capture throws InternalError. Errors: kDevice, kInterrupted.
   virtual Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor = {}) = 0;

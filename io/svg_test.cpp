@@ -72,19 +72,19 @@ TEST_F(SvgTest, IsTheSameHoweverItIsMade) {
   good(kSmall + "-o picture.png --svg beside.svg");
   good("scene:solids?detail=2000 --device cpu --resolution 128x96 -o alone.svg");
   good(kSmall + "--anti-aliasing 4 --threads 1 --no-background -o averaged.exr --svg averaged.svg");
-  good(kSmall + "--memory 1K -o bands.svg");
-  good(kSmall + "--memory 1K --anti-aliasing 2 -o bands.png --svg bands_beside.svg");
+  good(kSmall + "--memory 1K -o strips.svg");
+  good(kSmall + "--memory 1K --anti-aliasing 2 -o strips.png --svg strips_beside.svg");
   good(kSmall + "-o turn.svg --turntable 2");
   const std::string lines = text_of(folder_ / "alone.svg");
   for (const char* kind : {"outline", "fold", "crease"})
     EXPECT_GE(count_of(lines, fmt::format("class=\"{}\" data-object=", kind)), 1) << kind;
-  for (const char* name : {"beside.svg", "averaged.svg", "bands.svg", "bands_beside.svg", "turn_0000.svg"})
+  for (const char* name : {"beside.svg", "averaged.svg", "strips.svg", "strips_beside.svg", "turn_0000.svg"})
     EXPECT_EQ(text_of(folder_ / name), lines) << name;
   EXPECT_NE(text_of(folder_ / "turn_0001.svg"), lines);
   // Lines in the guard band are detected, but not written.
   good(kSmall + "--guard-band 10% -o guard.svg");
-  good(kSmall + "--guard-band 10% --memory 1K -o guard_bands.svg");
-  EXPECT_EQ(text_of(folder_ / "guard_bands.svg"), text_of(folder_ / "guard.svg"));
+  good(kSmall + "--guard-band 10% --memory 1K -o guard_strips.svg");
+  EXPECT_EQ(text_of(folder_ / "guard_strips.svg"), text_of(folder_ / "guard.svg"));
   EXPECT_LE(rmse(drawn("guard.svg"), drawn("alone.svg")), 0.1);
 }
 

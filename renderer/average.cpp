@@ -56,7 +56,7 @@ Result<Image> finished_color(Device& device, const PictureSum& total, const Plan
 namespace {
 
 /// Extends planes by a guard band of `band` pixels, repeating the border pixels.
-Image with_band(const Image& inner, int band) {
+Image with_guard_band(const Image& inner, int band) {
   Image whole(inner.width + 2 * band, inner.height + 2 * band);
   for (std::size_t k = 0; k < inner.names.size(); ++k) {
     Plane& plane = whole.add(inner.names[k]) = Plane(whole.width, whole.height);
@@ -71,7 +71,7 @@ Image with_band(const Image& inner, int band) {
 }  // namespace
 
 Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame) {
-  if (auto done = device.add(with_band(mean_planes(total, also_averaged(plan)), frame.info.guard), frame); !done)
+  if (auto done = device.add(with_guard_band(mean_planes(total, also_averaged(plan)), frame.info.guard), frame); !done)
     return done;
   if (!plan.recipe.wants("color.r")) return {};
   Image lines;
@@ -82,7 +82,7 @@ Result<void> finish_average(Device& device, const PictureSum& total, const Plan&
   }
   const auto color = finished_color(device, total, plan, lines, inner_info(frame.info));
   if (!color) return color.error();
-  return device.add(with_band(*color, frame.info.guard), frame);
+  return device.add(with_guard_band(*color, frame.info.guard), frame);
 }
 
 }  // namespace umbrage

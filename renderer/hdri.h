@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "core/band.h"
 #include "core/gbuffer.h"
 #include "core/progress.h"
 #include "core/result.h"
+#include "core/strip.h"
 #include "scene/environment.h"
 
 namespace umbrage {

@@ -233,7 +233,7 @@ Interval interval_of(const Option& option) {
 
 Result<void> set_option(const Option& option, std::string_view text, Request& request) {
   if (option.form == OptionForm::kSize) {
-    const auto size = parse_size(option.field, text, kMaxBandPixels);
+    const auto size = parse_size(option.field, text, kMaxStripPixels);
     if (!size) return size.error();
     std::tie(request.width, request.height) = *size;
     return {};

@@ -106,9 +106,9 @@ Result<int> parse_scale(std::string_view field, std::string_view text);
 
 /// Limits of a picture: its side, and the pixels of all layers that are held in memory at once. More pixels need more
 /// memory than most machines have (64 million need at least 8 GB). Larger pictures are drawn in strips, up to
-/// kMaxBandPixels: see renderer/bands.h.
+/// kMaxStripPixels: see renderer/strips.h.
 inline constexpr int kMaxSide = 16384;
 inline constexpr long kMaxPixels = 8192L * 8192L;
-inline constexpr long kMaxBandPixels = 2L * kMaxSide * kMaxSide;
+inline constexpr long kMaxStripPixels = 2L * kMaxSide * kMaxSide;
 
 }  // namespace umbrage

@@ -40,7 +40,7 @@ TEST(Options, NumbersTakeTheirRangeAndNoMore) {
     for (const double value : {o.min, o.max}) {
       Request request;
       EXPECT_TRUE(set_option(o, text_of(o, value), request)) << value;
-      EXPECT_TRUE(check_request(request, kMaxBandPixels)) << value;
+      EXPECT_TRUE(check_request(request, kMaxStripPixels)) << value;
     }
     for (const double value : {o.min - beyond, o.max + beyond}) {
       Request request;

@@ -211,7 +211,7 @@ Framing framing_of(const CameraSettings& camera) {
 
 Result<ImportSettings> import_settings(const Request& request) {
   ImportSettings settings;
-  if (auto fine = check_request(request, kMaxBandPixels); !fine) return fine.error();
+  if (auto fine = check_request(request, kMaxStripPixels); !fine) return fine.error();
   if (request.up) settings.up = glm::normalize(vector_of(*request.up));
   settings.scene_index = request.scene_index;
   if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);

@@ -337,7 +337,7 @@ TEST_P(HighPictures, LinesAgreeWithScalar) {
   EXPECT_GT(drawn, 100.0);
 }
 
-TEST_P(HighPictures, BandsAgreeWithScalar) {
+TEST_P(HighPictures, StripsAgreeWithScalar) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;

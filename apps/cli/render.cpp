@@ -20,10 +20,10 @@
 #include "core/numbers.h"
 #include "effects/effects.h"
 #include "io/image_file.h"
-#include "renderer/bands.h"
 #include "renderer/draw.h"
 #include "renderer/lines.h"
 #include "renderer/passes.h"
+#include "renderer/strips.h"
 #include "renderer/unused_settings.h"
 
 namespace umbrage::cli {
@@ -97,7 +97,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
 
 /// Draws the picture in strips directly into its file. Shows progress on `line`.
 Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& device, const Scene& scene,
-                            const Plan& plan, int band_rows, ProgressLine& line, StageTimes& times) {
+                            const Plan& plan, int strip_rows, ProgressLine& line, StageTimes& times) {
   const Recipe& recipe = order.recipe;
   const LineFile& lines = order.lines;
   const Place place{o.output, nullptr, {}};
@@ -137,7 +137,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
                              recipe.height);
         },
         [&]() -> Result<void> {
-          auto drawn = draw_bands(device, plan, band_rows, wanted, bool(lines), take_rows, times, monitor);
+          auto drawn = draw_strips(device, plan, strip_rows, wanted, bool(lines), take_rows, times, monitor);
           if (!drawn) return drawn.error();
           traced = std::move(*drawn);
           return {};
@@ -296,7 +296,7 @@ Result<Order> order_of(const RenderOptions& o) {
   auto lines = line_file_of(o, output->turns ? output->frames : 0);
   if (!lines) return lines.error();
   order.lines = std::move(*lines);
-  auto recipe = make_recipe(o.request, kMaxBandPixels);
+  auto recipe = make_recipe(o.request, kMaxStripPixels);
   if (!recipe) return recipe.error();
   order.asked = order.recipe = std::move(*recipe);
   if (auto fine = check_output(o, *output); !fine) return fine.error();
@@ -305,7 +305,7 @@ Result<Order> order_of(const RenderOptions& o) {
   if (order.lines.alone) {
     Request of_lines = o.request;
     draw_lines_alone(of_lines);
-    auto alone = make_recipe(of_lines, kMaxBandPixels);
+    auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
     order.recipe = std::move(*alone);
     order.recipe.wanted = seen_planes(order.recipe);
@@ -322,26 +322,26 @@ Result<Order> order_of(const RenderOptions& o) {
 
 /// Returns the strips that keep the picture within --memory. Switches to the CPU if `device` cannot draw strips and
 /// --device is auto. Errors: kUsage for a picture that needs strips but cannot be drawn in strips.
-Result<BandSizes> planned_bands(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
+Result<StripSizes> planned_strips(const RenderOptions& o, const Order& order, std::unique_ptr<Device>& device) {
   const auto memory = parse_memory(o.memory);
   if (!memory) return memory.error();
-  auto bands = plan_bands(*device, order.recipe, *memory);
-  if (!bands && o.request.device == "auto" && !device->draws_bands()) {
+  auto strips = plan_strips(*device, order.recipe, *memory);
+  if (!strips && o.request.device == "auto" && !device->draws_strips()) {
     RenderOptions on_cpu = o;
     on_cpu.request.device = "cpu";
     auto other = device_of(on_cpu);
     if (!other) return other.error();
     device = std::move(*other);
-    bands = plan_bands(*device, order.recipe, *memory);
+    strips = plan_strips(*device, order.recipe, *memory);
   }
-  if (!bands || bands->rows == 0) return bands;
+  if (!strips || strips->rows == 0) return strips;
   const auto too_large = [&](std::string_view what, std::string_view advice) {
     return usage_error("{} of {} x {} pixels takes more than --memory {}: {}", what, o.request.width, o.request.height,
                        o.memory, advice);
   };
   if (o.writes_only("all")) return too_large("--passes all", "name the passes, or raise --memory");
   if (order.output.turns) return too_large("--turntable", "raise --memory, or lower --resolution");
-  return bands;
+  return strips;
 }
 
 /// Reads the environment map and the model. Prints their warnings and those about unused settings.
@@ -376,8 +376,8 @@ Result<void> render(const RenderOptions& given) {
   auto opened = device_of(o);
   if (!opened) return opened.error();
   std::unique_ptr<Device> device = std::move(*opened);
-  const auto bands = planned_bands(o, *order, device);
-  if (!bands) return bands.error();
+  const auto strips = planned_strips(o, *order, device);
+  if (!strips) return strips.error();
 
   std::optional<ProgressLine> line(std::in_place);
   auto scene = read_scene(o, *order, *line);
@@ -392,13 +392,13 @@ Result<void> render(const RenderOptions& given) {
   if (!plan) return plan.error();
   line.reset();
   times.done("prepare");
-  if (bands->rows > 0 && o.verbose)
+  if (strips->rows > 0 && o.verbose)
     fmt::print(stderr,
                "drawn in strips of {} rows with about {:.1f} GB; the whole picture would take more than --memory {}\n",
-               bands->rows, bands->bytes * 1e-9, o.memory);
+               strips->rows, strips->bytes * 1e-9, o.memory);
   ProgressLine drawing;
-  if (auto drawn = bands->rows > 0 ? draw_into_file(o, *order, *device, *scene, *plan, bands->rows, drawing, times)
-                                   : draw_frames(o, *order, *device, *scene, *plan, times);
+  if (auto drawn = strips->rows > 0 ? draw_into_file(o, *order, *device, *scene, *plan, strips->rows, drawing, times)
+                                    : draw_frames(o, *order, *device, *scene, *plan, times);
       !drawn)
     return drawn;
   drawing.wipe();

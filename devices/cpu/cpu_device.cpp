@@ -75,9 +75,9 @@ class CpuDevice final : public Device {
         arena_.execute([&] { return capture_planes(*traced_, frame.info, settings, monitor, settings_.scalar); });
     if (!planes) return planes.error();
     auto stored = std::make_shared<CpuPlanes>(CpuPlanes{std::move(*planes)});
-    if (settings.band) {
-      stored->band = settings.band;
-      stored->rows = held_rows(*settings.band, frame.info.height);
+    if (settings.strip) {
+      stored->strip = settings.strip;
+      stored->rows = held_rows(*settings.strip, frame.info.height);
       for (const std::string& name : stored->image.names)
         stored->held[name] = {.valid = stored->rows, .first = stored->rows.begin};
       for (const int light : softened_lights(frame.info, settings))
@@ -87,7 +87,7 @@ class CpuDevice final : public Device {
     return frame;
   }
 
-  bool draws_bands() const override { return true; }
+  bool draws_strips() const override { return true; }
 
   Result<Frame> upload(GBuffer gbuffer) override {
     Frame frame;
@@ -109,7 +109,7 @@ class CpuDevice final : public Device {
   }
 
   Frame branch(const Frame& frame) override {
-    if (cpu_planes(frame).band) fail_check("a strip cannot have branches");
+    if (cpu_planes(frame).strip) fail_check("a strip cannot have branches");
     auto planes = std::make_shared<CpuPlanes>(CpuPlanes{Image(frame.info.width, frame.info.height)});
     planes->kept = std::static_pointer_cast<const CpuPlanes>(frame.storage);
     planes->branches = planes->kept->branches.branch();
@@ -121,8 +121,8 @@ class CpuDevice final : public Device {
     for (std::size_t p = 0; p < planes.planes.size(); ++p) {
       check_equal(planes.planes[p].width, frame.info.width, planes.names[p]);
       CpuPlanes& all = cpu_planes(frame);
-      check_equal(planes.planes[p].height, all.band ? all.rows.count() : frame.info.height, planes.names[p]);
-      if (all.band) all.held[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
+      check_equal(planes.planes[p].height, all.strip ? all.rows.count() : frame.info.height, planes.names[p]);
+      if (all.strip) all.held[planes.names[p]] = {.valid = all.rows, .first = all.rows.begin};
       cpu_planes(frame).image.add(planes.names[p]) = planes.planes[p];
       cpu_planes(frame).placed.erase(planes.names[p]);
     }
@@ -144,13 +144,13 @@ class CpuDevice final : public Device {
     // Reuses the planes of a reduced frame that no one uses any more: fresh memory costs as much as the technique.
     std::shared_ptr<CpuPlanes>& last = cpu_planes(frame).last_reduced;
     const CpuPlanes& from_planes = cpu_planes(frame);
-    const Rows rows = from_planes.band ? divided(from_planes.rows, factor) : Rows{0, small.info.height};
+    const Rows rows = from_planes.strip ? divided(from_planes.rows, factor) : Rows{0, small.info.height};
     const bool again =
         last && last.use_count() == 1 && last->image.width == small.info.width && last->image.height == rows.count();
     if (!again) last = std::make_shared<CpuPlanes>(CpuPlanes{Image(small.info.width, rows.count())});
     std::shared_ptr<CpuPlanes> planes = last;
-    if (from_planes.band) {
-      planes->band = Band{divided(from_planes.band->rows, factor), 0, from_planes.band->wholes};
+    if (from_planes.strip) {
+      planes->strip = Strip{divided(from_planes.strip->rows, factor), 0, from_planes.strip->wholes};
       planes->rows = rows;
       planes->held.clear();
       planes->dispatches = 0;
@@ -194,7 +194,7 @@ class CpuDevice final : public Device {
       const Plane* in = find_plane(cpu_planes(small), name);
       if (!in) return usage_error("the picture has no plane '{}'", name);
       Plane& out = writable(whole, reduced_plane(name));
-      if (const Held* held = find_held(cpu_planes(small), name); held && whole.band) {
+      if (const Held* held = find_held(cpu_planes(small), name); held && whole.strip) {
         // A pass reads the plane at the full-resolution rows that it covers.
         const Rows valid{held->valid.begin * factor,
                          held->valid.end < small.info.height ? held->valid.end * factor : full.info.height};
@@ -216,13 +216,13 @@ class CpuDevice final : public Device {
   std::vector<std::string> plane_names(const Frame& frame) const override { return names_of(cpu_planes(frame)); }
 
   int missing_rows(const Frame& frame, const std::vector<std::string>& names) const override {
-    return cpu_planes(frame).band ? missing_band_rows(frame, names) : 0;
+    return cpu_planes(frame).strip ? missing_strip_rows(frame, names) : 0;
   }
 
   Result<void> visit(const Frame& frame, const std::vector<std::string>& names,
                      const std::function<void(std::size_t name, const Plane& plane)>& take) override {
     const CpuPlanes& planes = cpu_planes(frame);
-    if (planes.band || frame.info.guard > 0) return Device::visit(frame, names, take);
+    if (planes.strip || frame.info.guard > 0) return Device::visit(frame, names, take);
     for (std::size_t k = 0; k < names.size(); ++k) {
       const Plane* plane = find_plane(planes, names[k]);
       if (!plane) return usage_error("the picture has no plane '{}'", names[k]);
@@ -233,7 +233,7 @@ class CpuDevice final : public Device {
 
   Result<Image> download(const Frame& frame, const std::vector<std::string>& names) override {
     const CpuPlanes& planes = cpu_planes(frame);
-    if (planes.band) return download_band(frame, names);
+    if (planes.strip) return download_strip(frame, names);
     Image out(frame.info.inner_width(), frame.info.inner_height());
     for (const std::string& name : names) {
       const Plane* plane = find_plane(planes, name);
@@ -255,7 +255,7 @@ class CpuDevice final : public Device {
       const Held* held = find_held(planes, name);
       if (held)
         inputs.push_back(find_whole(planes, info, name, held->version));
-      else if (planes.band)
+      else if (planes.strip)
         inputs.push_back(&whole_neutral.emplace_back(info.width, info.height, *neutral_value(name)));
       else
         inputs.push_back(find_plane(planes, name));
@@ -267,8 +267,8 @@ class CpuDevice final : public Device {
     for (std::size_t k = 0; k < outputs.size(); ++k) {
       if (!run.is_there(run.dispatch.outputs[k])) continue;
       const std::string name = run.plane(run.dispatch.outputs[k]);
-      if (planes.band) {
-        planes.band->wholes->planes[{info.reduced, name, planes.dispatches}] = {std::move(outputs[k]), true};
+      if (planes.strip) {
+        planes.strip->wholes->planes[{info.reduced, name, planes.dispatches}] = {std::move(outputs[k]), true};
         planes.held[name] = {planes.rows, planes.dispatches, 0, false};
       } else {
         planes.image.add(name) = std::move(outputs[k]);
@@ -292,27 +292,27 @@ class CpuDevice final : public Device {
     }
     // Looks up the inputs before it makes the outputs, which may have the same names.
     std::vector<KernelPlane> kernel_planes;
-    BandRun band{.rows = {0, info.height}};
-    if (planes.band) {
-      band = prepare_band(run, planes, arena_);
-      if (band.done || !band.progression.finished) return band.progression;
+    StripRun strip{.rows = {0, info.height}};
+    if (planes.strip) {
+      strip = prepare_strip(run, planes, arena_);
+      if (strip.done || !strip.progression.finished) return strip.progression;
     }
     if (dispatch.host) return run_host(run, planes, monitor);
     for (std::string_view output : dispatch.outputs)
       if (run.is_there(output)) writable(planes, run.plane(output));
-    if (band.rows.count() <= 0) return Progression();
+    if (strip.rows.count() <= 0) return Progression();
     // The kernel writes only to its outputs, which no other frame shares.
     for (std::string_view name : dispatch.inputs)
-      kernel_planes.push_back({name, row_zero_of(run, planes, band, run.plane(name))});
+      kernel_planes.push_back({name, row_zero_of(run, planes, strip, run.plane(name))});
     for (std::string_view name : dispatch.outputs)
-      kernel_planes.push_back({name, run.is_there(name) ? row_zero_of(run, planes, band, run.plane(name)) : nullptr});
+      kernel_planes.push_back({name, run.is_there(name) ? row_zero_of(run, planes, strip, run.plane(name)) : nullptr});
     const int stride = planes.image.plane(run.plane(dispatch.outputs[0])).stride;
     const bool all = run.pixels == PixelSet::kAll;
     const Plane* ao = all ? nullptr : find_made(planes, run.plane("ao"));
     if (!all && !ao) return missing_plane(run, "ao");
     KernelFrame kernel_frame{frame_constants(info, stride, run.round, run.pixels), run.constants.data(), kernel_planes,
-                             ao ? row_zero_of(run, planes, band, run.plane("ao")) : nullptr};
-    if (planes.band && band.far.empty()) {
+                             ao ? row_zero_of(run, planes, strip, run.plane("ao")) : nullptr};
+    if (planes.strip && strip.far.empty()) {
       kernel_frame.first_row = planes.rows.begin;
       kernel_frame.last_row = planes.rows.end - 1;
     }
@@ -324,17 +324,17 @@ class CpuDevice final : public Device {
     const int tile_width = std::min(all ? dispatch.tile.width : kMissingTile, stride);
     const int tile_height = all ? dispatch.tile.height : kMissingTile;
     const int columns = (info.width + tile_width - 1) / tile_width;
-    const int rows = (band.rows.count() + tile_height - 1) / tile_height;
+    const int rows = (strip.rows.count() + tile_height - 1) / tile_height;
     Watch watch(monitor, long(rows) * columns);
     arena_.execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<int>(0, rows * columns, 1),
           [&](const tbb::blocked_range<int>& range) {
             for (int t = range.begin(); t < range.end() && !watch.ended(); ++t) {
-              const int x0 = t % columns * tile_width, y0 = band.rows.begin + t / columns * tile_height;
+              const int x0 = t % columns * tile_width, y0 = strip.rows.begin + t / columns * tile_height;
               fault_point();
               kernel(kernel_frame,
-                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, band.rows.end)});
+                     {x0, y0, std::min(x0 + tile_width, info.width), std::min(y0 + tile_height, strip.rows.end)});
               watch.done(1);
             }
           },

@@ -12,7 +12,7 @@ namespace {
 
 /// Returns the number of picture rows that the margin of a strip lacks, if these rows of a plane are valid.
 int missing_margin(const CpuPlanes& planes, const Rows& valid, int reduced) {
-  const int above = valid.begin - planes.band->rows.begin, below = planes.band->rows.end - valid.end;
+  const int above = valid.begin - planes.strip->rows.begin, below = planes.strip->rows.end - valid.end;
   return std::max({0, above * reduced, below * reduced});
 }
 
@@ -54,7 +54,7 @@ std::vector<std::string> names_of(const CpuPlanes& planes) {
 }
 
 const Plane* find_whole(const CpuPlanes& planes, const PictureInfo& info, std::string_view name, int version) {
-  const auto& all = planes.band->wholes->planes;
+  const auto& all = planes.strip->wholes->planes;
   const auto found = all.find({info.reduced, std::string(name), version});
   return found != all.end() && found->second.complete ? &found->second.plane : nullptr;
 }
@@ -72,9 +72,9 @@ Rows divided(const Rows& rows, int factor) {
   return {reduced_side(rows.begin, factor), reduced_side(rows.end, factor)};
 }
 
-BandRun prepare_band(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena& arena) {
+StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena& arena) {
   const PictureInfo& info = run.info;
-  BandRun of{.rows = planes.rows};
+  StripRun of{.rows = planes.rows};
   const int version = ++planes.dispatches;
   bool all = run.pixels == PixelSet::kAll;
   for (const std::string_view output : run.dispatch.outputs)
@@ -105,7 +105,7 @@ BandRun prepare_band(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena&
     if (const Held* ao = find_held(planes, run.plane("ao")))
       of.rows = {std::max(of.rows.begin, ao->valid.begin), std::min(of.rows.end, ao->valid.end)};
   if (!wanted.empty()) {
-    const Rows& own = planes.band->rows;
+    const Rows& own = planes.strip->rows;
     of.progression.finished = false;
     for (const std::string& name : wanted) {
       of.progression.missing_rows = missing_margin(planes, find_held(planes, name)->valid, info.reduced);
@@ -113,7 +113,7 @@ BandRun prepare_band(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena&
     }
     for (const std::string& name : wanted) {
       const Held& held = *find_held(planes, name);
-      Plane& whole = planes.band->wholes->planes[{info.reduced, name, held.version}].plane;
+      Plane& whole = planes.strip->wholes->planes[{info.reduced, name, held.version}].plane;
       if (!whole.data()) whole = Plane(info.width, info.height);
       const Plane& from = planes.image.plane(name);
       for_rows(arena, own.count(),
@@ -136,15 +136,15 @@ BandRun prepare_band(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena&
   return of;
 }
 
-float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const BandRun& band, const std::string& name) {
+float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name) {
   const Held* held = find_held(planes, name);
-  const bool far = std::find(band.far.begin(), band.far.end(), name) != band.far.end();
+  const bool far = std::find(strip.far.begin(), strip.far.end(), name) != strip.far.end();
   const bool whole = held && (far || !held->made);
   const Plane* plane = whole ? find_whole(planes, run.info, name, held->version) : find_plane(planes, name);
   return row_zero(const_cast<float*>(plane->data()), plane->stride, whole ? 0 : held ? held->first : planes.rows.begin);
 }
 
-int missing_band_rows(const Frame& frame, const std::vector<std::string>& names) {
+int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names) {
   const CpuPlanes& planes = cpu_planes(frame);
   int missing = 0;
   for (const std::string& name : names)
@@ -153,10 +153,10 @@ int missing_band_rows(const Frame& frame, const std::vector<std::string>& names)
   return missing;
 }
 
-Result<Image> download_band(const Frame& frame, const std::vector<std::string>& names) {
+Result<Image> download_strip(const Frame& frame, const std::vector<std::string>& names) {
   const CpuPlanes& planes = cpu_planes(frame);
   const int guard = frame.info.guard;
-  const Rows& own = planes.band->rows;
+  const Rows& own = planes.strip->rows;
   const Rows rows{std::clamp(own.begin, guard, frame.info.height - guard),
                   std::clamp(own.end, guard, frame.info.height - guard)};
   Image out(frame.info.inner_width(), rows.count());

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/band.h"
 #include "core/device.h"
 #include "core/image.h"
+#include "core/strip.h"
 #include "devices/shared/branches.h"
 #include "devices/shared/dispatches.h"
 
@@ -40,7 +40,7 @@ struct CpuPlanes {
   Branches branches;
   std::shared_ptr<CpuPlanes> last_reduced;  ///< the last reduced frame made of this one
   // For a strip:
-  std::optional<Band> band;
+  std::optional<Strip> strip;
   Rows rows;                                      ///< rows that are held
   std::map<std::string, Held, std::less<>> held;  ///< of every plane
   int dispatches = 0;                             ///< number of dispatches so far
@@ -75,7 +75,7 @@ Rows shrunk(const Rows& rows, int margin, int height);
 Rows divided(const Rows& rows, int factor);
 
 /// The part of a strip that a pass can run on.
-struct BandRun {
+struct StripRun {
   Rows rows;                     ///< rows that the outputs can be computed for
   std::vector<std::string> far;  ///< names of the planes that it reads at any pixel
   bool done = false;             ///< all its outputs exist as whole planes already
@@ -84,16 +84,16 @@ struct BandRun {
 
 /// Determines the rows of a strip that a pass can run on. Copies the strip's rows to whole planes that the pass needs
 /// and that are incomplete.
-BandRun prepare_band(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena& arena);
+StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_arena& arena);
 
 /// Returns the address of row 0 of a plane: of a whole one, or extrapolated for the rows that a strip holds.
-float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const BandRun& band, const std::string& name);
+float* row_zero_of(const DispatchRun& run, const CpuPlanes& planes, const StripRun& strip, const std::string& name);
 
 /// See Device::missing_rows.
-int missing_band_rows(const Frame& frame, const std::vector<std::string>& names);
+int missing_strip_rows(const Frame& frame, const std::vector<std::string>& names);
 
 /// Returns the planes of a strip, without the guard band.
-Result<Image> download_band(const Frame& frame, const std::vector<std::string>& names);
+Result<Image> download_strip(const Frame& frame, const std::vector<std::string>& names);
 
 /// Calls work(y) for all rows of a plane, on all threads.
 template <class Work>

@@ -2,9 +2,9 @@
 #pragma once
 #include <span>
 
-#include "core/band.h"
 #include "core/gbuffer.h"
 #include "core/image.h"
+#include "core/strip.h"
 #include "devices/shared/soften.h"
 
 namespace umbrage {

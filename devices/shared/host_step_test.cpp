@@ -128,7 +128,7 @@ TEST(Vulkan, HostStepsMayFail) {
   expect_failure_told(*device);
 }
 
-TEST(HostStep, RunsOnceForAllBands) {
+TEST(HostStep, RunsOnceForAllStrips) {
   constexpr int kWidth = 60, kHeight = 83, kRows = 16;
   Scene scene = *make_builtin_scene("scene:solids?detail=2000");
   const Camera camera = frame_scene(scene, {}, kWidth, kHeight);
@@ -144,8 +144,8 @@ TEST(HostStep, RunsOnceForAllBands) {
   for (bool finished = false; !finished; ++sweeps) {
     finished = true;
     for (int first = 0; first < kHeight; first += kRows) {
-      const Band band{{first, std::min(first + kRows, kHeight)}, 0, wholes};
-      auto frame = *device->capture(camera, {.width = kWidth, .height = kHeight, .band = band});
+      const Strip strip{{first, std::min(first + kRows, kHeight)}, 0, wholes};
+      auto frame = *device->capture(camera, {.width = kWidth, .height = kHeight, .strip = strip});
       const auto done = device->run(turned(), {}, frame);
       ASSERT_TRUE(done);
       if (!done->finished) {

@@ -61,12 +61,12 @@ Result<void> Dispatcher::dispatch(const GpuWork& work, const PictureInfo& info, 
     if (auto done = commands_->finish(); !done) return done;
   }
   const bool further = end > begin;
-  if (auto done = note_bands(work, columns, 0, begin, further, constants, table); !done) return done;
-  return note_bands(work, columns, end, rows, further, constants, table);
+  if (auto done = note_strips(work, columns, 0, begin, further, constants, table); !done) return done;
+  return note_strips(work, columns, end, rows, further, constants, table);
 }
 
-Result<void> Dispatcher::note_bands(const GpuWork& work, int columns, int row, int end, bool further,
-                                    Constants constants, Table table) {
+Result<void> Dispatcher::note_strips(const GpuWork& work, int columns, int row, int end, bool further,
+                                     Constants constants, Table table) {
   while (row < end) {
     const double ms_of_row =
         std::max(columns * commands_->ms_of_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
@@ -75,9 +75,9 @@ Result<void> Dispatcher::note_bands(const GpuWork& work, int columns, int row, i
       if (auto done = commands_->finish(); !done) return done;
       continue;
     }
-    const int band = int(std::clamp(left_ms / ms_of_row, 1.0, double(end - row)));
-    if (auto done = note_rows(work, columns, row, row + band, further, constants, table); !done) return done;
-    row += band;
+    const int strip = int(std::clamp(left_ms / ms_of_row, 1.0, double(end - row)));
+    if (auto done = note_rows(work, columns, row, row + strip, further, constants, table); !done) return done;
+    row += strip;
     further = true;
   }
   return {};

@@ -63,8 +63,8 @@ class Dispatcher {
 
  private:
   /// Records rows of workgroups whose time is known; submits whenever the recorded work takes too long.
-  Result<void> note_bands(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
-                          Table table);
+  Result<void> note_strips(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
+                           Table table);
 
   Result<void> note_rows(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
                          Table table);

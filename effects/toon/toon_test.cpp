@@ -338,10 +338,10 @@ GBuffer lit_from_all_around(const test::TiltedPlane& plane) {
 }
 
 // Four tone steps of light proportional to `ao`, from black to white.
-const Settings kBandsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
-                             {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
+const Settings kStripsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
+                              {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
 /// Returns the `ao` at which light is `band` tone steps above black.
-float ao_of_band(double band) { return float(0.5 * band); }
+float ao_of_strip(double band) { return float(0.5 * band); }
 
 TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
   // Few rows, so that depth changes by more than a tenth from one to the next.
@@ -350,8 +350,8 @@ TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
     GBuffer g = lit_from_all_around(plane);
     // A tenth of a step per row; the edge is a fifth of a row above the centre of the fourth row.
     for (int y = 0; y < 8; ++y)
-      for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_band(1.02 + 0.1 * (y - 3));
-    test::on_every_target("toon", g, kBandsOfAo, [&](const Image& out) {
+      for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_strip(1.02 + 0.1 * (y - 3));
+    test::on_every_target("toon", g, kStripsOfAo, [&](const Image& out) {
       for (int x = 0; x < 32; ++x) EXPECT_NEAR(out.plane("lit.g").at(x, 3) * 3.0, 0.7, 0.01) << x;
     });
   });
@@ -365,8 +365,8 @@ TEST(Toon, BandsOfGrazingPlanesEndAtSteps) {
     GBuffer g = lit_from_all_around(plane);
     for (int y = 0; y < 256; ++y)
       for (int x = 0; x < 256; ++x)
-        g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_band(1.004 + 0.02 * (x - 127)) : ao_of_band(1.5);
-    test::on_every_target("toon", g, kBandsOfAo, [&](const Image& out) {
+        g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_strip(1.004 + 0.02 * (x - 127)) : ao_of_strip(1.5);
+    test::on_every_target("toon", g, kStripsOfAo, [&](const Image& out) {
       for (int y = 0; y < 256; ++y) ASSERT_NEAR(out.plane("lit.g").at(127, y) * 3.0, 0.7, 0.01) << y;
     });
   });

@@ -1,4 +1,4 @@
-#include "renderer/bands.h"
+#include "renderer/strips.h"
 
 #include <algorithm>
 #include <optional>
@@ -15,9 +15,9 @@ namespace umbrage {
 namespace {
 
 /// Progress over all sweeps over all strips.
-class BandProgress {
+class StripProgress {
  public:
-  BandProgress(const ProgressMonitor& monitor, int frames) : monitor_(monitor), frames_(frames) {}
+  StripProgress(const ProgressMonitor& monitor, int frames) : monitor_(monitor), frames_(frames) {}
 
   ProgressMonitor of_step() {
     return [this](double) { return tell(); };
@@ -51,9 +51,9 @@ class BandProgress {
 };
 
 /// Draws the strips of one sample of a picture.
-class BandDrawer {
+class StripDrawer {
  public:
-  BandDrawer(Device& device, Plan& plan, int rows, BandProgress& progress, StageTimes& times)
+  StripDrawer(Device& device, Plan& plan, int rows, StripProgress& progress, StageTimes& times)
       : device_(device), plan_(plan), rows_(rows), progress_(progress), times_(times) {
     height_ = plan.capture.height + 2 * plan.capture.guard;
     run_ = look_run(plan.recipe);
@@ -76,12 +76,12 @@ class BandDrawer {
       metering_ = false;
       margins_.resize(std::max(margins_.size(), sweep_ + 1), margins_.empty() ? 0 : margins_.back());
       for (int begin = 0; begin < height_; begin += rows_) {
-        const Rows band{begin, std::min(begin + rows_, height_)};
-        const auto done = draw_band(camera, {band, 0, wholes}, planes, finish);
+        const Rows strip{begin, std::min(begin + rows_, height_)};
+        const auto done = draw_strip(camera, {strip, 0, wholes}, planes, finish);
         if (!done) return done.error();
         if (begin > 0 && finished != *done) fail_check("strips of one picture wait for different dispatches");
         finished = *done;
-        progress_.show(double(band.end) / height_);
+        progress_.show(double(strip.end) / height_);
       }
       for (auto& [key, entry] : wholes->planes) entry.complete = true;
       if (metering_) {
@@ -109,15 +109,15 @@ class BandDrawer {
 
   /// Draws a strip, with an increasing margin until it suffices. Returns whether the strip is finished; if not, it
   /// waits for other strips.
-  Result<bool> draw_band(const Camera& camera, Band band, const std::vector<std::string>& planes,
-                         const Finish& finish) {
+  Result<bool> draw_strip(const Camera& camera, Strip strip, const std::vector<std::string>& planes,
+                          const Finish& finish) {
     int& margin = margins_[sweep_];
     for (;;) {
-      keep_planes_of({std::max(band.rows.begin - margin, 0), std::min(band.rows.end + margin, height_)});
-      band.margin = margin;
+      keep_planes_of({std::max(strip.rows.begin - margin, 0), std::min(strip.rows.end + margin, height_)});
+      strip.margin = margin;
       const int guard = plan_.capture.guard;
-      first_ = std::clamp(band.rows.begin, guard, height_ - guard) - guard;
-      const auto done = try_band(camera, band, planes, finish);
+      first_ = std::clamp(strip.rows.begin, guard, height_ - guard) - guard;
+      const auto done = try_strip(camera, strip, planes, finish);
       if (!done) return done.error();
       if (done->finished || done->missing_rows == 0) return done->finished;
       if (margin > height_)
@@ -134,9 +134,9 @@ class BandDrawer {
     kept_rows_ = rows.count();
   }
 
-  Result<Progression> try_band(const Camera& camera, const Band& band, const std::vector<std::string>& planes,
-                               const Finish& finish) {
-    plan_.capture.band = band;
+  Result<Progression> try_strip(const Camera& camera, const Strip& strip, const std::vector<std::string>& planes,
+                                const Finish& finish) {
+    plan_.capture.strip = strip;
     auto frame = device_.capture(camera, plan_.capture, run_.monitor);
     if (!frame) return frame.error();
     times_.done("capture");
@@ -172,7 +172,7 @@ class BandDrawer {
   Device& device_;
   Plan& plan_;
   const int rows_;
-  BandProgress& progress_;
+  StripProgress& progress_;
   StageTimes& times_;
   LookRun run_;
   Metering seen_;
@@ -231,7 +231,7 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
 
 }  // namespace
 
-Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double memory) {
+Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, double memory) {
   constexpr double kBytes = sizeof(float);
   constexpr double kFixed = 150e6;              // the program and a scene
   constexpr double kMargin = 64.0;              // rows above and below a strip
@@ -239,12 +239,12 @@ Result<BandSizes> plan_bands(const Device& device, const Recipe& recipe, double 
   const int layers = *layer_count(recipe.capture);
   const PlaneCount count = count_planes(recipe, layers);
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
-  BandSizes plan;
+  StripSizes plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
   const bool traced = find_named(handed_in(), recipe.occlusion);
   const bool fits = width * height * layers <= double(kMaxPixels);
   if (fits && plan.bytes <= memory) return plan;
-  if (!device.draws_bands() || traced) {
+  if (!device.draws_strips() || traced) {
     if (fits) return plan;
     return usage_error(
         "{} of {} x {} pixels {} too many: together at most {} pixels; larger pictures are drawn in strips, but not {}",
@@ -294,11 +294,11 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
 
 }  // namespace
 
-Result<Lines> draw_bands(Device& device, const Plan& planned, int rows, const std::vector<std::string>& planes,
-                         bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
+Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const std::vector<std::string>& planes,
+                          bool lines, const TakeRows& take, StageTimes& times, const ProgressMonitor& monitor) {
   Plan plan = planned;
-  BandProgress progress(monitor, plan.recipe.frames);
-  BandDrawer drawer(device, plan, rows, progress, times);
+  StripProgress progress(monitor, plan.recipe.frames);
+  StripDrawer drawer(device, plan, rows, progress, times);
   PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
   std::vector<std::string> wanted = planes;  // planes of sample 0
   if (plan.averages())

@@ -45,20 +45,20 @@ struct Progression {
 };
 
 /// The part of a picture that the frame of a strip holds.
-struct Band {
+struct Strip {
   Rows rows;       ///< rows of the strip in the picture, guard band included; begin is a multiple of 4
   int margin = 0;  ///< further rows above and below, as far as the picture has them
   std::shared_ptr<WholePlanes> wholes;
 
-  bool operator==(const Band&) const = default;
+  bool operator==(const Strip&) const = default;
 };
 
 /// Returns the rows that the frame of a strip holds, margin included. `height`: of the picture. The first row is a
 /// multiple of 4.
-inline Rows held_rows(const Band& band, int height) {
+inline Rows held_rows(const Strip& strip, int height) {
   constexpr int kMultiple = 4;
-  return {std::max(0, band.rows.begin - band.margin) / kMultiple * kMultiple,
-          std::min(height, band.rows.end + band.margin)};
+  return {std::max(0, strip.rows.begin - strip.margin) / kMultiple * kMultiple,
+          std::min(height, strip.rows.end + strip.margin)};
 }
 
 }  // namespace umbrage
