@@ -26,7 +26,7 @@ Look look_cartoon() {
                       "denoise.for_height=512",   "gaussian.rounds=4",
                       "gaussian.edges=on",        "outline.width=0.2%",
                       "outline.recede=0.8",       "outline.inner=0.7",
-                      "outline.ids=both",         "toon.bands=5",
+                      "outline.ids=both",         "toon.steps=5",
                       "toon.ambient=0.25",        "toon.extra=0.1",
                       "output.background_r=0.93", "output.background_g=0.91",
                       "output.background_b=0.87"},

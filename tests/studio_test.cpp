@@ -112,7 +112,7 @@ Image silhouette(Scene scene, int frames, const std::vector<std::string>& settin
 // White before black: by the share of it that the model covers a pixel is between the two as square roots of light are.
 TEST(Frames, CartoonMixesAsTheEyeDoes) {
   const Scene scene = *make_builtin_scene("scene:solids?detail=2000");
-  const std::vector<std::string> settings = {"outline.opacity=0", "toon.bands=1", "toon.albedo=clay"};
+  const std::vector<std::string> settings = {"outline.opacity=0", "toon.steps=1", "toon.albedo=clay"};
   const Image shares = silhouette(scene, 16), mixed = silhouette(scene, 16, settings, "cartoon");
   std::vector<std::string> transparent = settings;
   transparent.push_back("output.transparent=on");

@@ -185,7 +185,7 @@ TEST_F(CliRefusals, RefusesValues) {
   bad_option("--camera-position 1,2,3 --camera-focal-point 0,0,0 --camera-direction 1,0,0",
              {"--camera-position", "--camera-focal-point and --camera-direction both"});
   bad_option("--look= studio", {"--look needs a value after its '='"});
-  bad_option("--set toon.bands=2.5", {"toon.bands", "'2.5'", "a whole number from"});
+  bad_option("--set toon.steps=2.5", {"toon.steps", "'2.5'", "a whole number from"});
   bad("tri.obj -o out.bmp", 2, {"'out.bmp'", ".png, .exr or .pfm"});
   bad_option("--camera-zoom-factor 0", {"--camera-zoom-factor", "'0'"});
   bad_option("--camera-azimuth-angle x", {"--camera-azimuth-angle", "'x'"});

@@ -144,11 +144,11 @@ double linear_from_display(double v) { return v > 0.04045 ? std::pow((v + 0.055)
 constexpr std::array kRawValues = {1.0, 1.0 - 25.0 / 64.0, 1.0 - 36.0 / 64.0, 1.0 - 49.0 / 64.0, 0.0};
 
 /// Number of tone steps of the look `cartoon`, green value of the darkest one on white, and distance between two steps.
-constexpr int kOurBands = 5;
-constexpr double kDarkestBand = 0.16, kBandStep = (1.0 - kDarkestBand) / (kOurBands - 1);
-bool in_a_band(double lit) {
-  const double band = (lit - kDarkestBand) / kBandStep;
-  return band > -0.5 && band < kOurBands - 0.5 && std::abs(band - std::round(band)) < 1e-3;
+constexpr int kOurSteps = 5;
+constexpr double kDarkestStep = 0.16, kStepSize = (1.0 - kDarkestStep) / (kOurSteps - 1);
+bool on_a_step(double lit) {
+  const double step = (lit - kDarkestStep) / kStepSize;
+  return step > -0.5 && step < kOurSteps - 0.5 && std::abs(step - std::round(step)) < 1e-3;
 }
 
 const std::vector<std::string> kPlanes = {"object_id", "normal.x", "normal.y", "normal.z", "albedo.g", "ao", "outline"};
@@ -247,9 +247,9 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
           0.1},
          {"6: share of the surface off the lines on a step of a quarter", mean(image, off_lines, shaded), 1.0, 1.0}});
   } else {
-    const auto band_share = [&](const Shot& shot, bool clay) {
+    const auto step_fraction = [&](const Shot& shot, bool clay) {
       return mean(image, off_lines, [&](int x, int y) {
-        return in_a_band(linear_from_display(shot.value("color.g", x, y)) /
+        return on_a_step(linear_from_display(shot.value("color.g", x, y)) /
                          (clay ? 1.0 : shot.value("albedo.g", x, y)));
       });
     };
@@ -258,8 +258,8 @@ Figure buffers(const Preset& preset, const Parts& parts, const Shot& raw, const 
         {{"4: noise left on the open ground; of white noise 0.089",
           noise(image, parts.open) / noise(raw.image, parts.open), 0.0, blurred_noise(kBlurRounds, kDenoiseRounds)},
          {"4: share of the background that occlusion creeps onto", dark_background(both), 0.0, 0.0},
-         {"5: share of the surface in one of five bands", band_share(lighting, true), 0.0, 0.1},
-         {"6: share of the surface off the lines in one of five bands", band_share(both, false), 0.8, 1.0}});
+         {"5: share of the surface in one of five bands", step_fraction(lighting, true), 0.0, 0.1},
+         {"6: share of the surface off the lines in one of five bands", step_fraction(both, false), 0.8, 1.0}});
   }
   return figure;
 }
@@ -274,7 +274,7 @@ Result<std::vector<Figure>> pink_figures(Studio& studio, const Preset& preset) {
   std::vector<std::string> no_blur = {kNoBlur};
   if (!is_paper(preset)) no_blur.push_back("denoise.rounds=0");
   const auto raw = studio.shoot(no_blur, "", kPlanes);
-  const auto lighting = studio.shoot({kNoOutlines, "toon.bands=256", "toon.albedo=clay"}, "none", kPlanes);
+  const auto lighting = studio.shoot({kNoOutlines, "toon.steps=256", "toon.albedo=clay"}, "none", kPlanes);
   for (const auto* shot : {&plain, &occluded, &outlined, &both, &raw, &lighting})
     if (!*shot) return shot->error();
   const Parts parts = parts_of(studio, *both);

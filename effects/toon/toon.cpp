@@ -13,7 +13,7 @@ namespace umbrage {
 namespace {
 
 constexpr double kMaxFactor = 100.0;
-constexpr double kPaperBands = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
+constexpr double kPaperSteps = 4.0, kPaperAmbient = 0.1, kPaperExtra = 0.2;  // listing 2
 // Minimum width of an edge between tone steps, as change of intensity: fifty times the change that rounding causes
 // across a flat face, so that a face whose intensity is at an edge is evenly coloured and not speckled. Surfaces that
 // curve visibly change it faster.
@@ -22,7 +22,7 @@ constexpr float kMinChange = 5e-5f;
 const std::vector<Parameter> kTable = {
     choice_row("mode", &ToonParams::mode, 0, {"ramp", "paper"},
                "a given number of tone steps in a ramp of colours, or the paper's steps of the object's colour"),
-    int_row("bands", &ToonParams::bands, {.initial = kPaperBands, .min = 1, .max = 256},
+    int_row("bands", &ToonParams::steps, {.initial = kPaperSteps, .min = 1, .max = 256},
             "number of tone steps; in mode paper per unit of intensity"),
     real_row("ambient", &ToonParams::ambient, {.initial = kPaperAmbient, .max = kMaxFactor},
              "intensity of the ambient light that occlusion darkens; the key light's is 1"),
@@ -93,24 +93,24 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
 void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConstants& c) {
   c.mode = params.mode;
   c.albedo = params.albedo;
-  c.bands = float(params.bands);
+  c.steps = float(params.steps);
   c.ambient = params.ambient;
   c.extra = params.extra;
   c.shadow = params.shadow;
   c.specular = params.specular;
   // A surface that faces the key light, unoccluded, has the intensity of the whole ramp. Neither this surface nor one
   // that faces away is at an edge between tone steps.
-  c.bands_per_intensity = c.bands / (1.0f + params.ambient + params.extra);
-  c.inverse_bands = 1.0f / c.bands;
-  c.least_width = std::min(kMinChange * c.bands_per_intensity, 1.0f);
+  c.steps_per_intensity = c.steps / (1.0f + params.ambient + params.extra);
+  c.inverse_steps = 1.0f / c.steps;
+  c.least_width = std::min(kMinChange * c.steps_per_intensity, 1.0f);
   c.softness = params.softness;
   // kSpeckHeight: the picture's height per pixel of speck; kMaxSpeck: pixels
   constexpr float kSpeckHeight = 432.0f, kMaxSpeck = 8.0f;
   const float speck_px = std::min(std::round(float(info.inner_height()) / kSpeckHeight), kMaxSpeck);
   c.speck = params.mode == kToonRamp && params.softness == 0.0f ? int(speck_px) : 0;
   c.sharpness = 1.0f / (params.highlight_size * params.highlight_size);
-  const bool flat = params.bands == 1;
-  const float steps = std::max(c.bands - 1.0f, 1.0f);
+  const bool flat = params.steps == 1;
+  const float steps = std::max(c.steps - 1.0f, 1.0f);
   c.light_r = params.light_r;
   c.light_g = params.light_g;
   c.light_b = params.light_b;
@@ -137,7 +137,7 @@ Effect effect_toon() {
        .summary = "light in tone steps, with antialiased edges, coloured shadows and round highlights",
        .source = "Lajzer and Nottingham",
        .variants = {"", "mode=paper"},
-       .quantum = 1.0 / kPaperBands,
+       .quantum = 1.0 / kPaperSteps,
        .dispatches = {{.name = "light",
                        .inputs = {"depth", "normal.x", "normal.y", "normal.z", "specular", "shininess", "shadow", "ao"},
                        .outputs = {"toon_intensity", "toon_highlight"},

@@ -10,7 +10,7 @@ const int kToonTexture = 0, kToonDisplay = 1, kToonClay = 2;
 // One row of the table in toon.cpp per field.
 struct ToonParams {
   int mode;                            // kToonRamp, kToonPaper
-  int bands;                           // ramp: number of tone steps; paper: steps per unit of intensity
+  int steps;                           // ramp: number of tone steps; paper: steps per unit of intensity
   float ambient, extra;                // ambient light: the part that occlusion darkens, and the part that it does not
   int rig;                             // 0 the scene's lights, 1 a head light, 2 a key light
   float shadow;                        // 0 to 1: how much of the key light's shadow is applied
@@ -26,10 +26,10 @@ struct ToonConstants {
   int mode;
   int albedo;
   int light_count;
-  float bands;
+  float steps;
   float ambient, extra, shadow, specular;
-  float bands_per_intensity;    // from intensity to tone steps of the ramp
-  float inverse_bands;          // paper: brightness of a tone step
+  float steps_per_intensity;    // from intensity to tone steps of the ramp
+  float inverse_steps;          // paper: brightness of a tone step
   float least_width, softness;  // of an edge between tone steps, in steps; both at most 1
   int speck;                    // ramp without softness: max width and height of a speck, pixels; 0: specks are kept
   float sharpness;              // 1 over the square of the highlight's size

@@ -48,41 +48,41 @@ FN Real averaged_floor(Real t, Real width) {
 }
 
 // Returns the tone step of an intensity.
-FN Real band_of(Real intensity) {
-  return clamp(floor(intensity * C.bands_per_intensity), Real(0.0f), Real(C.bands - 1.0f));
+FN Real step_of(Real intensity) {
+  return clamp(floor(intensity * C.steps_per_intensity), Real(0.0f), Real(C.steps - 1.0f));
 }
 
-FN Bool is_of(Real band, int i, int j) { return band_of(near_toon_intensity(i, j)) == band; }
+FN Bool is_of(Real step, int i, int j) { return step_of(near_toon_intensity(i, j)) == step; }
 
 // Returns whether a pixel of another tone step is near in one direction.
-FN Bool has_other(Bool asked, Real band, int right, int down) {
+FN Bool has_other(Bool asked, Real step, int right, int down) {
   Bool found = asked && !asked;
   for (int k = 1; k <= C.speck; ++k)
-    if (some(asked && !found)) found = found || (asked && !is_of(band, k * right, k * down));
+    if (some(asked && !found)) found = found || (asked && !is_of(step, k * right, k * down));
   return found;
 }
 
 // Returns whether another tone step begins next to this pixel in one direction, and this one's begins again beyond.
-FN Bool has_narrow(Bool asked, Real band, int right, int down) {
-  Bool other = asked && !is_of(band, right, down);
+FN Bool has_narrow(Bool asked, Real step, int right, int down) {
+  Bool other = asked && !is_of(step, right, down);
   Bool found = asked && !asked;
   for (int k = 2; k <= C.speck; ++k)
-    if (some(other && !found)) found = found || (other && is_of(band, k * right, k * down));
+    if (some(other && !found)) found = found || (other && is_of(step, k * right, k * down));
   return found;
 }
 
 // Returns whether this pixel may be in a speck, or at the antialiased edge of one. Most pixels are not.
 FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
-  Real band = band_of(intensity);
-  Bool within = has_other(surface, band, 1, 0);
-  if (some(within)) within = has_other(within, band, -1, 0);
-  if (some(within)) within = has_other(within, band, 0, 1);
-  if (some(within)) within = has_other(within, band, 0, -1);
-  Bool edge = surface && !within && !(antialiased == band);
+  Real step = step_of(intensity);
+  Bool within = has_other(surface, step, 1, 0);
+  if (some(within)) within = has_other(within, step, -1, 0);
+  if (some(within)) within = has_other(within, step, 0, 1);
+  if (some(within)) within = has_other(within, step, 0, -1);
+  Bool edge = surface && !within && !(antialiased == step);
   Bool beside = surface && !surface;
   if (some(edge)) {
-    beside = has_narrow(edge, band, 1, 0) || has_narrow(edge, band, -1, 0) || has_narrow(edge, band, 0, 1) ||
-             has_narrow(edge, band, 0, -1);
+    beside = has_narrow(edge, step, 1, 0) || has_narrow(edge, step, -1, 0) || has_narrow(edge, step, 0, 1) ||
+             has_narrow(edge, step, 0, -1);
   }
   return within || beside;
 }
@@ -104,7 +104,7 @@ FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal)
     if (!some(ring.on)) continue;
     int left = -1 - at % C.speck;
     int top = -1 - at / C.speck;
-    Real band = band_of(near_toon_intensity(left, top));
+    Real step = step_of(near_toon_intensity(left, top));
     for (int k = 0; k < 4 * side; ++k) {
       if (!some(ring.on)) continue;
       // The four sides in turn.
@@ -115,7 +115,7 @@ FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal)
       ring.least = min(ring.least, intensity);
       ring.most = max(ring.most, intensity);
       Bool here = connected(i, j, px, py, position, normal);
-      ring.on = ring.on && here && band_of(intensity) == band;
+      ring.on = ring.on && here && step_of(intensity) == step;
     }
     found.least = select(ring.on, ring.least, found.least);
     found.most = select(ring.on, ring.most, found.most);
@@ -146,7 +146,7 @@ FN void toon_pixel(Int px, Int py) {
   if (C.albedo == kToonDisplay) albedo = display_from_linear(albedo);
   Real intensity = near_toon_intensity(0, 0);
   if (C.mode == kToonPaper) {
-    Vec3 lit = albedo * (max(floor(intensity * C.bands), Real(0.0f)) * Real(C.inverse_bands));
+    Vec3 lit = albedo * (max(floor(intensity * C.steps), Real(0.0f)) * Real(C.inverse_steps));
     store_lit(select(surface, finite_or_zero(lit), none));
     return;
   }
@@ -159,22 +159,22 @@ FN void toon_pixel(Int px, Int py) {
 
   Real across = change(intensity, near_toon_intensity(-1, 0), near_toon_intensity(1, 0), left, right);
   Real along = change(intensity, near_toon_intensity(0, -1), near_toon_intensity(0, 1), up, down);
-  Real width = sqrt(mad(across, across, along * along)) * Real(C.bands_per_intensity);
+  Real width = sqrt(mad(across, across, along * along)) * Real(C.steps_per_intensity);
   width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
-  Real scaled = clamp(intensity * C.bands_per_intensity, Real(0.0f), Real(C.bands + 1.0f));
-  Real band = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.bands - 1.0f));
+  Real scaled = clamp(intensity * C.steps_per_intensity, Real(0.0f), Real(C.steps + 1.0f));
+  Real step = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.steps - 1.0f));
   // A speck takes the tone step that surrounds it.
   if (C.speck > 0) {
-    Bool ask = may_be_speck(surface, intensity, band);
+    Bool ask = may_be_speck(surface, intensity, step);
     if (some(ask)) {
       Ring ring = ring_around(ask, px, py, position, normal);
-      Real within = clamp(scaled, ring.least * C.bands_per_intensity, ring.most * C.bands_per_intensity);
-      within = averaged_floor(min(within, Real(C.bands + 1.0f)), Real(C.least_width));
-      band = select(ring.on, clamp(within, Real(0.0f), Real(C.bands - 1.0f)), band);
+      Real within = clamp(scaled, ring.least * C.steps_per_intensity, ring.most * C.steps_per_intensity);
+      within = averaged_floor(min(within, Real(C.steps + 1.0f)), Real(C.least_width));
+      step = select(ring.on, clamp(within, Real(0.0f), Real(C.steps - 1.0f)), step);
     }
   }
-  Vec3 tone = Vec3(mad(band, Real(C.step_r), Real(C.shadow_r)), mad(band, Real(C.step_g), Real(C.shadow_g)),
-                   mad(band, Real(C.step_b), Real(C.shadow_b)));
+  Vec3 tone = Vec3(mad(step, Real(C.step_r), Real(C.shadow_r)), mad(step, Real(C.step_g), Real(C.shadow_g)),
+                   mad(step, Real(C.step_b), Real(C.shadow_b)));
   Vec3 lit = albedo * tone;
 
   Real highlight = near_toon_highlight(0, 0);

@@ -186,11 +186,11 @@ TEST(Toon, IntensityAddsLightsInSharesOfTheKey) {
 // ---- tone steps
 // ---------------------------------------------------------------------------------------------------
 
-TEST(Toon, SphereHasAsManyBandsAsAsked) {
+TEST(Toon, SphereHasTheRequestedSteps) {
   const GBuffer g = sphere();
   for (const char* mode : {"ramp", "paper"})
-    for (const int bands : {2, 3, 4, 8}) {
-      const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", bands)}});
+    for (const int steps : {2, 3, 4, 8}) {
+      const Settings settings = joined(kNoAmbient, {{"mode", mode}, {"bands", fmt::format("{}", steps)}});
       test::on_every_target("toon", g, settings, [&](const Image& out) {
         // Values are compared at a resolution that distinguishes values at edges from those of tone steps.
         std::map<long, long> histogram;
@@ -201,15 +201,15 @@ TEST(Toon, SphereHasAsManyBandsAsAsked) {
               ++histogram[std::lround(out.plane("lit.g").at(x, y) * 1e5)], ++pixels;
         int peaks = 0;
         for (const auto& [value, count] : histogram) peaks += count > pixels / 100;
-        EXPECT_EQ(peaks, bands) << mode;
+        EXPECT_EQ(peaks, steps) << mode;
       });
     }
 }
 
-TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
+TEST(Toon, EdgesOfStepsAreAntialiasedWhereTheyBelong) {
   const GBuffer g = sphere();
-  for (const int bands : {2, 4}) {
-    const Settings settings = joined(kNoAmbient, {{"bands", fmt::format("{}", bands)}, {"shadow_g", "0"}});
+  for (const int steps : {2, 4}) {
+    const Settings settings = joined(kNoAmbient, {{"bands", fmt::format("{}", steps)}, {"shadow_g", "0"}});
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       double sum = 0.0, farthest = 0.0, worst_whole = 0.0;
       long between = 0;
@@ -218,25 +218,25 @@ TEST(Toon, EdgesOfBandsAreAntialiasedWhereTheyBelong) {
           const double r = std::hypot(x + 0.5 - 0.5 * kSphereSize, y + 0.5 - 0.5 * kSphereSize);
           if (r > 0.95 * kSphereRadius) continue;  // the limb: a tone step is narrower than a pixel
           const auto scaled = [&](double px, double py) {
-            return bands * std::max(0.0, glm::dot(sphere_normal(px, py), kSphereLight));
+            return steps * std::max(0.0, glm::dot(sphere_normal(px, py), kSphereLight));
           };
           const double t = scaled(x + 0.5, y + 0.5);
-          const double edge = std::min(std::max(std::round(t), 1.0), bands - 1.0);
+          const double edge = std::min(std::max(std::round(t), 1.0), steps - 1.0);
           const double slope =
               std::hypot(scaled(x + 1.0, y + 0.5) - scaled(x, y + 0.5), scaled(x + 0.5, y + 1.0) - scaled(x + 0.5, y));
           const double away = slope > 0.0 ? (t - edge) / slope : 1e9;  // distance from the edge, pixels
-          const double band = out.plane("lit.g").at(x, y) * (bands - 1.0);
-          const double share = band - (edge - 1.0);  // fraction of the pixel beyond the edge
+          const double step = out.plane("lit.g").at(x, y) * (steps - 1.0);
+          const double share = step - (edge - 1.0);  // fraction of the pixel beyond the edge
           if (std::fabs(away) > 1.0) {
-            worst_whole = std::max(worst_whole, std::fabs(band - std::min(std::floor(t), bands - 1.0)));
+            worst_whole = std::max(worst_whole, std::fabs(step - std::min(std::floor(t), steps - 1.0)));
           } else if (share > 1e-4 && share < 1.0 - 1e-4) {
             sum += share - 0.5 - away;
             farthest = std::max(farthest, std::fabs(away));
             ++between;
           }
         }
-      EXPECT_LE(worst_whole, 1e-5) << bands;  // more than a pixel from an edge there is one tone step only
-      EXPECT_GT(between, 150 * (bands - 1));
+      EXPECT_LE(worst_whole, 1e-5) << steps;  // more than a pixel from an edge there is one tone step only
+      EXPECT_GT(between, 150 * (steps - 1));
       EXPECT_LE(std::fabs(sum) / double(between), 0.1);
       EXPECT_GT(farthest, 0.3);
     });
@@ -269,7 +269,7 @@ long left_of(const Spot& s, const Plane& lit) {
   return left;
 }
 
-TEST(Toon, SpecksOfABandAreOfTheBandAround) {
+TEST(Toon, SpecksTakeTheStepAroundThem) {
   // Max speck sizes: five pixels at a picture height of 2160, two at 1024, none at 200. Specks are darker and lighter.
   for (const auto& [height, most] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
     for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 2}, {2, 2}, {3, 2}, {5, 5}, {5, 6}, {6, 1}, {6, 6}, {1, 30}})
@@ -341,9 +341,9 @@ GBuffer lit_from_all_around(const test::TiltedPlane& plane) {
 const Settings kStripsOfAo = {{"bands", "4"},    {"ambient", "1"}, {"extra", "0"},
                               {"shadow_g", "0"}, {"light_g", "1"}, {"albedo", "clay"}};
 /// Returns the `ao` at which light is `band` tone steps above black.
-float ao_of_strip(double band) { return float(0.5 * band); }
+float ao_of_strip(double step) { return float(0.5 * step); }
 
-TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
+TEST(Toon, StepsOfGrazingPlanesAreAntialiased) {
   // Few rows, so that depth changes by more than a tenth from one to the next.
   const test::TiltedPlane few_rows{.width = 32, .height = 8, .error_deg = 2.0, .roll_rad = 0.0, .depth_ratio = 0.6};
   test::at_grazing_angles(few_rows, [](const test::TiltedPlane& plane) {
@@ -357,7 +357,7 @@ TEST(Toon, BandsOfGrazingPlanesAreAntialiased) {
   });
 }
 
-TEST(Toon, BandsOfGrazingPlanesEndAtSteps) {
+TEST(Toon, StepsOfGrazingPlanesEndAtEdges) {
   // Up to the depth step, light rises by 1/50 of a tone step per column, and then suddenly: the edge in the last column
   // before it is as narrow as the others.
   const test::TiltedPlane step{.width = 256, .height = 256, .step_px = 20.0};
@@ -463,9 +463,9 @@ TEST(Toon, FacesAreNotSpeckled) {
     });
     return most;
   };
-  for (const char* bands : {"2", "3", "4", "5", "8", "16"}) {
-    EXPECT_EQ(spread({0, 0, 1}, {{"bands", bands}}), 0.0) << bands;   // turned to the light
-    EXPECT_EQ(spread({0, 0, -1}, {{"bands", bands}}), 0.0) << bands;  // turned away
+  for (const char* steps : {"2", "3", "4", "5", "8", "16"}) {
+    EXPECT_EQ(spread({0, 0, 1}, {{"bands", steps}}), 0.0) << steps;   // turned to the light
+    EXPECT_EQ(spread({0, 0, -1}, {{"bands", steps}}), 0.0) << steps;  // turned away
   }
   // Light exactly at an edge: one colour, between those of both steps.
   const Settings on_edge = joined(kNoAmbient, {{"bands", "2"}, {"shadow_r", "0"}});
@@ -475,12 +475,12 @@ TEST(Toon, FacesAreNotSpeckled) {
 // ---- shadow, highlight, colour
 // ---------------------------------------------------------------------------------------
 
-TEST(Toon, ShadowFallsIntoTheDarkBand) {
+TEST(Toon, ShadowFallsIntoTheDarkStep) {
   GBuffer g = face(32, 8, {0, 0, 1});
   for (int y = 0; y < 8; ++y)
     for (int x = 16; x < 32; ++x) g.layers[0].plane("shadow").at(x, y) = 0.0f;
-  for (const char* bands : {"2", "3", "4"})
-    test::on_every_target("toon", g, {{"bands", bands}, {"shadow_r", "0.25"}, {"light_r", "0.75"}},
+  for (const char* steps : {"2", "3", "4"})
+    test::on_every_target("toon", g, {{"bands", steps}, {"shadow_r", "0.25"}, {"light_r", "0.75"}},
                           [&](const Image& out) {
                             for (int x = 0; x < 32; ++x) {
                               const float r = out.plane("lit.r").at(x, 4);
@@ -609,12 +609,12 @@ TEST(Toon, RampEndsInItsColours) {
   const Settings colors = {{"shadow_r", "0.1"}, {"shadow_g", "0.2"}, {"shadow_b", "0.5"},
                            {"light_r", "0.9"},  {"light_g", "0.8"},  {"light_b", "0.7"}};
   const double dark[] = {0.1, 0.2, 0.5}, bright[] = {0.9, 0.8, 0.7};
-  for (const int bands : {1, 2, 3, 4, 256}) {
-    const Settings settings = joined(joined(colors, {{"bands", fmt::format("{}", bands)}}), kNoAmbient);
+  for (const int steps : {1, 2, 3, 4, 256}) {
+    const Settings settings = joined(joined(colors, {{"bands", fmt::format("{}", steps)}}), kNoAmbient);
     for (const bool towards : {true, false})
       test::on_every_target("toon", face(3, 2, {0, 0, towards ? 1.0f : -1.0f}), settings, [&](const Image& out) {
         for (int c = 0; c < 3; ++c)
-          EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), towards || bands == 1 ? bright[c] : dark[c], 1e-6) << bands;
+          EXPECT_NEAR(out.plane(kLit[c]).at(1, 1), towards || steps == 1 ? bright[c] : dark[c], 1e-6) << steps;
       });
   }
   // The middle one of three steps has the mean colour.
@@ -625,7 +625,7 @@ TEST(Toon, RampEndsInItsColours) {
                         });
 }
 
-TEST(Toon, AlbedoScalesBands) {
+TEST(Toon, AlbedoScalesSteps) {
   GBuffer g = face(16, 4, {0, 0, 1});
   for (int x = 0; x < 16; ++x)
     for (int y = 0; y < 4; ++y)
