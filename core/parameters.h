@@ -25,10 +25,10 @@ enum class ParameterType {
 struct Parameter {
   std::string_view name, help;
   ParameterType type = ParameterType::kReal;
-  std::size_t offset = 0;          ///< bytes from the start of the struct
-  double initial = 0.0;            ///< default (index of the choice; absolute length)
-  double least = 0.0, most = 0.0;  ///< inclusive range; of the number before % for a relative length: 0 to 1000
-  std::string_view unit = {};      ///< "px", "deg", "" for a plain number
+  std::size_t offset = 0;       ///< bytes from the start of the struct
+  double initial = 0.0;         ///< default (index of the choice; absolute length)
+  double min = 0.0, max = 0.0;  ///< inclusive range; of the number before % for a relative length: 0 to 1000
+  std::string_view unit = {};   ///< "px", "deg", "" for a plain number
   std::vector<std::string_view> choices = {};  ///< for kChoice
   bool initially_relative = false;             ///< for kLength: `initial` is in percent
   bool above_zero = false;                     ///< 0 itself is refused, also as 0%
@@ -80,8 +80,8 @@ Parameter length_row(std::string_view name, Length Params::*field, const LengthR
           .type = ParameterType::kLength,
           .offset = offset_of(field),
           .initial = share ? range.initial_percent : range.initial,
-          .least = range.min,
-          .most = range.max,
+          .min = range.min,
+          .max = range.max,
           .unit = range.unit,
           .initially_relative = share,
           .above_zero = range.above_zero,

@@ -120,13 +120,13 @@ TEST_P(BuiltinScenes, FollowsDetail) {
   const Scene coarse = make(uri + "1000");
   expect_sound(coarse);
   // Below its minimum a scene stays at its minimum, which exceeds a thousand for all but the simplest scenes.
-  const double least = double(coarse.triangle_count());
-  EXPECT_GE(least, 500.0);
+  const double min = double(coarse.triangle_count());
+  EXPECT_GE(min, 500.0);
   for (const double wanted : {3e4, 1e6}) {
     const Scene scene = make(uri + std::to_string(int(wanted)));
     const double count = double(scene.triangle_count());
     EXPECT_GE(count, 0.5 * wanted);
-    EXPECT_LE(count, std::max(2.0 * wanted, least));
+    EXPECT_LE(count, std::max(2.0 * wanted, min));
     if (wanted > 5e5) expect_sound(scene);
   }
 }

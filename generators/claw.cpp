@@ -71,12 +71,12 @@ struct Horn {
   float operator()(vec3 p) const {
     // The nearest of a few points, then Newton steps on the derivative of the squared distance.
     constexpr int kStarts = 6;
-    float best = 0.0f, least = 1e30f;
+    float best = 0.0f, min = 1e30f;
     for (int i = 0; i <= kStarts; ++i) {
       const float t = float(i) / float(kStarts);
       const vec3 d = at(t) - p;
-      if (glm::dot(d, d) < least) {
-        least = glm::dot(d, d);
+      if (glm::dot(d, d) < min) {
+        min = glm::dot(d, d);
         best = t;
       }
     }

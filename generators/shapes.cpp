@@ -789,7 +789,7 @@ int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_o
   return object;
 }
 
-int Detail::operator()(float base, int least) const { return std::max(least, int(std::lround(base * scale))); }
+int Detail::operator()(float base, int min) const { return std::max(min, int(std::lround(base * scale))); }
 
 Scene build_to_count(int triangles, const std::function<Scene(const Detail&)>& build) {
   constexpr float kNear = 1.2f;  // a factor of 2 is promised; 1.2 leaves a margin and is met at the second attempt

@@ -185,7 +185,7 @@ int add_mesh(Scene& scene, std::string name, Mesh mesh, int material, int part_o
 struct Detail {
   float scale = 1.0f;
   /// Returns a count that is `base` at scale 1, at least `least`.
-  int operator()(float base, int least = 1) const;
+  int operator()(float base, int min = 1) const;
 };
 
 /// Builds a scene with about the requested number of triangles: builds it at scale 1, counts the triangles, and adjusts

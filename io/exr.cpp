@@ -68,8 +68,8 @@ constexpr std::string_view kSmallLetters = "rgbaxyz", kCapitals = "RGBAXYZ";
 
 /// Returns the requested number of threads, 0 being all, but at most the number of the machine.
 int thread_count(int wish) {
-  const int most = tbb::info::default_concurrency();
-  return wish > 0 ? std::min(wish, most) : most;
+  const int max = tbb::info::default_concurrency();
+  return wish > 0 ? std::min(wish, max) : max;
 }
 
 /// Returns the last letter if a dot precedes it, else 0.

@@ -86,13 +86,13 @@ std::vector<Run> runs_of(const std::vector<Knot>& knots) {
   std::vector<Run> runs;
   for (std::size_t first = 0;;) {
     Run run{first, first, knots[first].at.width};
-    float least = run.width, most = least, length = 0.0f;
+    float min = run.width, max = min, length = 0.0f;
     for (std::size_t k = first + 1; k < knots.size(); ++k) {
       const float width = knots[k].at.width;
       length += distance(knots[k - 1].at, knots[k].at);
-      least = std::min(least, width), most = std::max(most, width);
-      if (run.last > first && length > kMinRun && most - least > 2.0f * tolerance_of(0.5f * (least + most))) break;
-      if (!knots[k].corner || k + 1 == knots.size()) run.last = k, run.width = 0.5f * (least + most);
+      min = std::min(min, width), max = std::max(max, width);
+      if (run.last > first && length > kMinRun && max - min > 2.0f * tolerance_of(0.5f * (min + max))) break;
+      if (!knots[k].corner || k + 1 == knots.size()) run.last = k, run.width = 0.5f * (min + max);
     }
     runs.push_back(run);
     if (run.last + 1 >= knots.size()) return runs;

@@ -116,8 +116,8 @@ OP Real max(Real a, Real b) { return hn::IfThenElse(hn::Lt(b.v, a.v), a.v, b.v);
 #endif
 OP Int min(Int a, Int b) { return hn::Min(a.v, b.v); }
 OP Int max(Int a, Int b) { return hn::Max(a.v, b.v); }
-OP Real clamp(Real x, Real least, Real most) { return min(max(x, least), most); }
-OP Int clamp(Int x, Int least, Int most) { return min(max(x, least), most); }
+OP Real clamp(Real x, Real min_value, Real max_value) { return min(max(x, min_value), max_value); }
+OP Int clamp(Int x, Int min_value, Int max_value) { return min(max(x, min_value), max_value); }
 OP Real abs(Real a) { return hn::Abs(a.v); }
 OP Real floor(Real a) { return hn::Floor(a.v); }
 OP Real fract(Real a) { return hn::Sub(a.v, hn::Floor(a.v)); }

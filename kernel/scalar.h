@@ -19,8 +19,8 @@ inline Real min(Real a, Real b) { return a < b ? a : b; }
 inline Real max(Real a, Real b) { return a > b ? a : b; }
 inline Int min(Int a, Int b) { return a < b ? a : b; }
 inline Int max(Int a, Int b) { return a > b ? a : b; }
-inline Real clamp(Real x, Real least, Real most) { return min(max(x, least), most); }
-inline Int clamp(Int x, Int least, Int most) { return min(max(x, least), most); }
+inline Real clamp(Real x, Real min_value, Real max_value) { return min(max(x, min_value), max_value); }
+inline Int clamp(Int x, Int min_value, Int max_value) { return min(max(x, min_value), max_value); }
 inline Real abs(Real a) { return std::fabs(a); }
 inline Real floor(Real a) { return std::floor(a); }
 inline Real fract(Real a) { return a - std::floor(a); }

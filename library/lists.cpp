@@ -111,8 +111,8 @@ UmbParameter parameter_of(const Effect& effect, const Parameter& row) {
           kept_text(row.type == ParameterType::kBool ? (parameter_text(row, initial) == "on" ? "true" : "false")
                                                      : parameter_text(row, initial)),
           kept_text(joined(row.choices)),
-          row.least,
-          row.most};
+          row.min,
+          row.max};
 }
 
 Result<std::vector<UmbParameter>> parameters_of(const std::string& owner) {

@@ -38,10 +38,10 @@ TEST(Public, DrawsAPicture) {
   EXPECT_EQ(picture.width, 48);
   EXPECT_EQ(picture.height, 32);
   ASSERT_EQ(picture.rgba.size(), 48u * 32u * 4u);
-  float least = 1.0f, most = 0.0f;
-  for (const float v : picture.rgba) least = std::min(least, v), most = std::max(most, v);
-  EXPECT_LT(least, 0.5f);
-  EXPECT_GT(most, 0.9f);
+  float min = 1.0f, max = 0.0f;
+  for (const float v : picture.rgba) min = std::min(min, v), max = std::max(max, v);
+  EXPECT_LT(min, 0.5f);
+  EXPECT_GT(max, 0.9f);
 }
 
 TEST(Public, SaysWhatIsWrongAndLeavesThePicture) {
@@ -140,9 +140,9 @@ TEST(Public, TakesTheCommandLinesOptions) {
   EXPECT_EQ(drawn({.look = "cartoon", .anti_aliasing = 4}), cartoon);
   EXPECT_NE(drawn({.look = "cartoon", .anti_aliasing = 1}), cartoon);
   const auto cut = drawn({.transparent = true});
-  float least = 1.0f;
-  for (std::size_t k = 3; k < cut.size(); k += 4) least = std::min(least, cut[k]);
-  EXPECT_LT(least, 1e-6f);
+  float min = 1.0f;
+  for (std::size_t k = 3; k < cut.size(); k += 4) min = std::min(min, cut[k]);
+  EXPECT_LT(min, 1e-6f);
 }
 
 /// A rendered picture, and a request that shades its depth and normals.
@@ -288,12 +288,12 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
     const auto outcome = umb::shade(request, picture);
     ASSERT_EQ(outcome.code, 0) << look << ": " << outcome.message;
     ASSERT_EQ(picture.rgba.size(), std::size_t(side) * side * 4);
-    float least = 1.0f, most = 0.0f;
+    float min = 1.0f, max = 0.0f;
     for (std::size_t k = 0; k < picture.rgba.size(); k += 4) {
       ASSERT_TRUE(std::isfinite(picture.rgba[k])) << look;
-      least = std::min(least, picture.rgba[k]), most = std::max(most, picture.rgba[k]);
+      min = std::min(min, picture.rgba[k]), max = std::max(max, picture.rgba[k]);
     }
-    EXPECT_GT(most - least, 0.1f) << look;
+    EXPECT_GT(max - min, 0.1f) << look;
     if (look != std::string("studio") && look != std::string("bleeding")) continue;
     // The wall next to the sphere is darker than the wall in the corner.
     const auto& ao = pass(picture, "ao", 1);

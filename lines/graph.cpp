@@ -40,12 +40,12 @@ void EdgeGraph::fill_steps(std::vector<Edge>& edges) {
     for (const Node node : {first_node(edges[k]), last_node(edges[k])}) {
       if (at_border(node) || degree(node) != 1) continue;
       const int from = std::countr_zero(ways(node));
-      int best = -1, least = 2 * kWays + 1;
+      int best = -1, min = 2 * kWays + 1;
       for (int turn = 1; turn < kWays; ++turn) {
         const int way = (from + turn) % kWays, met = degree(next(node, way));
         const int cost = met + (turn == 2 ? 0 : 1);  // prefers straight on
-        if (met == 0 || cost >= least) continue;
-        least = cost;
+        if (met == 0 || cost >= min) continue;
+        min = cost;
         best = way;
       }
       if (best < 0) continue;

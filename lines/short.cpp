@@ -22,7 +22,7 @@ void drop_empty(Tracing& t) {
 
 }  // namespace
 
-void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& least_px) {
+void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& min_px) {
   std::vector<float> share;                                   // length of each chain, relative to its min length
   for (std::size_t before = 0; t.chains.size() != before;) {  // removed chains can leave others free
     before = t.chains.size();
@@ -30,8 +30,8 @@ void drop_short(Tracing& t, const std::function<float(const Chain& chain, int fr
     share.assign(before, kAllLong);
     for (std::size_t k = 0; k < before; ++k) {
       Chain& chain = t.chains[k];
-      const float least = least_px(chain, free[2 * k] + free[2 * k + 1]);
-      if (least > 0.0f) share[k] = length_of(chain) / least;
+      const float min = min_px(chain, free[2 * k] + free[2 * k + 1]);
+      if (min > 0.0f) share[k] = length_of(chain) / min;
       if (share[k] <= 1.0f) chain.points.clear();
     }
     drop_empty(t);

@@ -42,9 +42,9 @@ void keep_clear_parts(Tracing& t, const Clarity& clarity);
 /// steeply. If the depths are unknown (all 0), `pixel.perspective` must be false.
 void bridge_gaps(Tracing& t, float reach, const PixelSize& pixel);
 
-/// Drops chains of at most `least_px` pixels, which depends on the number of free ends (0: any length is kept), and
+/// Drops chains of at most `min_px` pixels, which depends on the number of free ends (0: any length is kept), and
 /// repeats this for the chains whose ends it frees. Chains that are hardly longer get less weight.
-void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& least_px);
+void drop_short(Tracing& t, const std::function<float(const Chain& chain, int free_ends)>& min_px);
 
 /// Moves points to parabolas fitted to their neighbours: straight parts become straight, round parts round, and corners
 /// stay.

@@ -142,21 +142,21 @@ TEST(LineTracing, EndsGoOnToTheSideThatTheyFace) {
   EXPECT_EQ(count_free(t), 0);
   smooth_chains(t);
   meet(t);
-  float most = 0.0f;
+  float max = 0.0f;
   for (const Chain& chain : t.chains)
     if (chain.joined[0] >= 0 || chain.joined[1] >= 0)
-      for (const ChainPoint& p : chain.points) most = std::max(most, p.x);
-  EXPECT_NEAR(most, 32.0f, 0.01f);
+      for (const ChainPoint& p : chain.points) max = std::max(max, p.x);
+  EXPECT_NEAR(max, 32.0f, 0.01f);
 }
 
 // A short bar is dropped, and then the branch that ended at it.
 TEST(LineTracing, ShortChainsGoAndWhatTheyFree) {
-  const auto least = [](const Chain&, int free_ends) { return free_ends == 2 ? 24.0f : 6.0f; };
+  const auto min = [](const Chain&, int free_ends) { return free_ends == 2 ? 24.0f : 6.0f; };
   Tracing t = joined(together({column(20, 20, 12), row(21, 25, 10), row(5, 50, 30), row(30, 5, 24)}));
   ASSERT_EQ(t.chains.size(), 4u);
   drop_short(t, [](const Chain&, int) { return 0.0f; });
   ASSERT_EQ(t.chains.size(), 4u);
-  drop_short(t, least);
+  drop_short(t, min);
   ASSERT_EQ(t.chains.size(), 1u);
   EXPECT_EQ(t.chains[0].points.size(), 30u);
   EXPECT_NEAR(t.chains[0].weight, 2.0f * (29.7f / 24.0f - 1.0f), 1e-4f);

@@ -49,15 +49,15 @@ float median_depth(const TracedScene& traced, const PictureInfo& info) {
 }
 
 /// Returns the depths at which the axis meets surfaces, up to `most`.
-std::vector<float> crossings_of(const TracedScene& traced, glm::vec3 start, glm::vec3 axis, float most) {
+std::vector<float> crossings_of(const TracedScene& traced, glm::vec3 start, glm::vec3 axis, float max) {
   constexpr int kMaxCrossings = 16;
   constexpr float kStep = 1e-4f;  // offset behind a surface for the next search, as a fraction of `most`
   std::vector<float> crossings;
   for (float from = 0.0f; int(crossings.size()) < kMaxCrossings;) {
     const float depth = from + free_distance(traced, traced.unit_of(start + axis * from), axis * traced.scale);
-    if (!(depth < most)) break;
+    if (!(depth < max)) break;
     crossings.push_back(depth);
-    from = depth + kStep * most;
+    from = depth + kStep * max;
   }
   return crossings;
 }

@@ -29,17 +29,17 @@ constexpr float kTolerancePx = 1.0f;
 // Silhouettes extend 2 pixels to either side of a discontinuity in a picture 1024 pixels high: the width over which a
 // screen-space technique mixes both sides when it filters or lacks a neighbour.
 constexpr double kSilhouetteShare = 2.0 / 1024.0;
-constexpr int kSilhouetteLeast = 1;
+constexpr int kSilhouetteMin = 1;
 
 // Thin is a tenth of a usual radius (a tenth of the height): samples step over it or take it for a wall.
 constexpr double kThinShare = 0.01;
-constexpr int kThinLeast = 2;
+constexpr int kThinMin = 2;
 
 // The picture's border: as wide as the inner half of a usual radius, where the samples with the largest weight lie.
 constexpr double kBorderShare = 0.04;
-constexpr int kBorderLeast = 1;
+constexpr int kBorderMin = 1;
 
-int share_of(int size, double share, int least) { return std::max(least, int(std::lround(size * share))); }
+int share_of(int size, double share, int min) { return std::max(min, int(std::lround(size * share))); }
 
 /// The visible surface point of a pixel, view space.
 struct Surfel {
@@ -188,7 +188,7 @@ std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
 }
 
 /// Marks runs of at most `most` pixels along the step that begin with a kUp and end with a kDown.
-void mark_runs(const JumpMap& map, int step, int most, std::vector<char>& marked) {
+void mark_runs(const JumpMap& map, int step, int max, std::vector<char>& marked) {
   const auto [dx, dy] = kSteps[step];
   for (int y0 = 0; y0 < map.height; ++y0)
     for (int x0 = 0; x0 < map.width; ++x0) {
@@ -198,7 +198,7 @@ void mark_runs(const JumpMap& map, int step, int most, std::vector<char>& marked
       for (int i = 0; map.inside(x0 + i * dx, y0 + i * dy); ++i) {
         const Jump jump = map.at(step, x0 + i * dx, y0 + i * dy);
         if (jump == Jump::kNone) continue;
-        if (jump == Jump::kDown && begin != kNoRun && i - begin < most)
+        if (jump == Jump::kDown && begin != kNoRun && i - begin < max)
           for (int j = begin; j <= i; ++j) marked[std::size_t(y0 + j * dy) * map.width + x0 + j * dx] = 1;
         begin = jump == Jump::kUp ? i + 1 : kNoRun;
       }
@@ -224,9 +224,9 @@ ClassMap classify(const GBuffer& gbuffer) {
 
   const SurfelRows surfels(gbuffer);
   const JumpMap jumps = find_jumps(surfels, width, height);
-  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteShare, kSilhouetteLeast));
-  const auto thin = mark_thin(jumps, share_of(height, kThinShare, kThinLeast));
-  const int border = share_of(std::min(width, height), kBorderShare, kBorderLeast);
+  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteShare, kSilhouetteMin));
+  const auto thin = mark_thin(jumps, share_of(height, kThinShare, kThinMin));
+  const int border = share_of(std::min(width, height), kBorderShare, kBorderMin);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       if (!surfels.is_surface(x, y)) continue;

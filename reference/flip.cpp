@@ -291,9 +291,9 @@ float feature_error(const Seen& a, const Seen& b, int x) {
   const auto strength = [x](const std::array<std::vector<float>, 2>& feature) {
     return std::sqrt(feature[0][x] * feature[0][x] + feature[1][x] * feature[1][x]);
   };
-  const float most =
+  const float max =
       std::max(std::abs(strength(a.edge) - strength(b.edge)), std::abs(strength(a.point) - strength(b.point)));
-  return std::pow(most / std::numbers::sqrt2_v<float>, kFeatureExponent);
+  return std::pow(max / std::numbers::sqrt2_v<float>, kFeatureExponent);
 }
 
 }  // namespace

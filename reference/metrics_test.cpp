@@ -468,7 +468,7 @@ Matrix literal_ycxcz(const Image& image, const ClassMap& map) {
 double flip_difference(const Image& picture, const Image& truth, const ClassMap& map) {
   const Plane fast = flip_map(picture, truth, map);
   const Matrix a = literal_ycxcz(picture, map), b = literal_ycxcz(truth, map);
-  double most = 0.0;
+  double max = 0.0;
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
       if (map.row(y)[x] == PixelClass::kBackground) {
@@ -479,9 +479,9 @@ double flip_difference(const Image& picture, const Image& truth, const ClassMap&
       const double point = std::abs(literal_feature(a, x, y, 2) - literal_feature(b, x, y, 2));
       const double feature = std::sqrt(std::max(edge, point) / std::sqrt(2.0));
       const double error = std::pow(literal_colour_error(literal_seen(a, x, y), literal_seen(b, x, y)), 1.0 - feature);
-      most = std::max(most, std::abs(error - fast.at(x, y)));
+      max = std::max(max, std::abs(error - fast.at(x, y)));
     }
-  return most;
+  return max;
 }
 
 TEST(Metrics, FlipIsThePaper) {

@@ -58,11 +58,11 @@ struct Tally {
 };
 
 /// Expects that the mean is `expected`, within three standard errors and rounding. The standard error must be below
-/// `most_error`; otherwise the test would prove nothing.
-void expect_mean(const Tally& tally, double expected, double most_error, std::string_view what) {
+/// `max_error`; otherwise the test would prove nothing.
+void expect_mean(const Tally& tally, double expected, double max_error, std::string_view what) {
   constexpr double kFloats = 1e-6;
   ASSERT_GE(tally.count, 30) << what;
-  EXPECT_LT(tally.standard_error(), most_error) << what;
+  EXPECT_LT(tally.standard_error(), max_error) << what;
   EXPECT_NEAR(tally.mean(), expected, 3.0 * tally.standard_error() + kFloats)
       << what << ": " << (tally.mean() - expected) / tally.standard_error() << " standard errors";
 }
@@ -177,14 +177,14 @@ long differing_pixels(const Plane& a, const Plane& b, double bound = 0.0) {
 void expect_equal(const Image& a, const Image& b, std::string_view what) {
   ASSERT_EQ(a.names, b.names) << what;
   for (std::size_t p = 0; p < a.planes.size(); ++p)
-    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << what << ": " << a.names[p];
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0) << what << ": " << a.names[p];
 }
 
 /// Traces occlusion and compares it with `truth` at the floor point of each pixel. `sees_floor` excludes pixels in
 /// which something else covers the floor.
 void expect_occlusion(
     const Stage& stage, const PictureInfo& info, const OcclusionSettings& settings,
-    const std::function<double(glm::dvec3)>& truth, std::string_view what, double most_error = 1e-3,
+    const std::function<double(glm::dvec3)>& truth, std::string_view what, double max_error = 1e-3,
     const std::function<bool(const PixelRay&)>& sees_floor = [](const PixelRay&) { return true; }) {
   const Image image = occlusion(stage, info, settings);
   Tally error;
@@ -192,7 +192,7 @@ void expect_occlusion(
     const PixelRay ray = ray_of(info, x, y);
     if (sees_floor(ray)) error.add(image.plane("ao").at(x, y) - truth(on_floor(ray)));
   });
-  expect_mean(error, 0.0, most_error, what);
+  expect_mean(error, 0.0, max_error, what);
 }
 
 // ---- ground truth ---- The cosine-weighted fraction of the hemisphere of a set of directions is the area of its
@@ -648,7 +648,7 @@ TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
     const auto image = trace_light(**traced, frame->info, {.samples = 1, .bounce = false});
     ASSERT_TRUE(image);
     for (const char* name : {"direct.r", "direct.g", "direct.b"}) {
-      EXPECT_LT(test::difference(image->plane(name), expected.plane(name), 0.0).most, 1e-4) << name;
+      EXPECT_LT(test::difference(image->plane(name), expected.plane(name), 0.0).max, 1e-4) << name;
       EXPECT_GT(expected.plane(name).at(30, 30), 0.1f);
     }
   }
@@ -893,11 +893,11 @@ TEST(Reference, BounceAloneIsTheSameBounce) {
   const PictureInfo info = stage.info(from_above(3, 3), 16, 16);
   const Image both = light(stage, info, {.samples = 16}), alone = light(stage, info, {.samples = 16, .direct = false});
   EXPECT_EQ(alone.names, (std::vector<std::string>{"indirect.r", "indirect.g", "indirect.b"}));
-  double most = 0.0;
+  double max = 0.0;
   for (const std::string& name : alone.names)
-    EXPECT_EQ(test::difference(alone.plane(name), both.plane(name), 0.0).most, 0.0) << name;
-  for_each_pixel(info, [&](int x, int y) { most = std::max(most, color_at(alone, "indirect", x, y).g); });
-  EXPECT_GT(most, 0.1);
+    EXPECT_EQ(test::difference(alone.plane(name), both.plane(name), 0.0).max, 0.0) << name;
+  for_each_pixel(info, [&](int x, int y) { max = std::max(max, color_at(alone, "indirect", x, y).g); });
+  EXPECT_GT(max, 0.1);
 }
 
 TEST(Reference, CapturedShadowsAreTheCaptures) {
@@ -1114,10 +1114,10 @@ TEST(Reference, TheBouncesTwoChoicesAreIndependent) {
 TEST(Reference, TheMostSamplesComeNearestToTheTruth) {
   const Stage stage = stage_of(scene_of({level_square(4.0f), wall_x(1.5f, 3.0f, 6.0f)}));
   const PictureInfo info = stage.info(from_above(0.8f, 0.8f, {0.9f, 0}), 8, 8);
-  for (const auto& [samples, most] : {std::pair{64, 0.06}, {kMaxSamples, 3e-3}}) {
+  for (const auto& [samples, max] : {std::pair{64, 0.06}, {kMaxSamples, 3e-3}}) {
     const Image image = occlusion(stage, info, {.samples = samples, .radius = 1.3f});
     for_each_pixel(info, [&](int x, int y) {
-      EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - on_floor(ray_of(info, x, y)).x) / 1.3), most);
+      EXPECT_NEAR(image.plane("ao").at(x, y), 1.0 - segment((1.5 - on_floor(ray_of(info, x, y)).x) / 1.3), max);
     });
   }
 }

@@ -88,8 +88,8 @@ Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info
   std::atomic<int> done = 0;
   std::atomic<bool> ended = false;
   std::mutex telling;
-  const int most = tbb::info::default_concurrency();
-  tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, most) : most);
+  const int max = tbb::info::default_concurrency();
+  tbb::task_arena arena(control.threads > 0 ? std::min(control.threads, max) : max);
   arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range<int>(0, rows * columns, 1),

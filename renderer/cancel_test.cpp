@@ -64,27 +64,27 @@ void expect_ends(const Work& work, const char* what) {
   EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
   EXPECT_GE(told.front(), 0.0);
   EXPECT_LE(told.back(), 1.0);
-  double most = 0.0, most_told = 0.0;
+  double max = 0.0, max_told = 0.0;
   for (const double share : {0.0, 0.3, 0.7}) {
     const Clock::time_point start = Clock::now();
     Clock::time_point ended;
     bool said = false;
     const auto done = work([&](double at) {
       EXPECT_FALSE(said) << "nothing is asked after false";
-      most_told = std::max(most_told, at);
+      max_told = std::max(max_told, at);
       if (seconds_since(start) < share * whole) return true;
       said = true;
       ended = Clock::now();
       return false;
     });
     if (!said) continue;  // it finished first
-    most = std::max(most, seconds_since(ended));
+    max = std::max(max, seconds_since(ended));
     ASSERT_FALSE(done);
     EXPECT_EQ(done.error().kind, ErrorKind::kInterrupted);
   }
-  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * most, told.size());
+  std::printf("%s: %.0f ms, ends within %.0f ms, asked %zu times\n", what, 1e3 * whole, 1e3 * max, told.size());
   constexpr double kAtOnce = 0.3;
-  EXPECT_LT(most, std::max(kAtOnce, 0.1 * whole));
+  EXPECT_LT(max, std::max(kAtOnce, 0.1 * whole));
 }
 
 class Cancel : public test::ProgramTest {

@@ -190,13 +190,13 @@ TEST(Environment, NothingIsLost) {
     const dvec3 expected = mean_radiance(image);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(mean[c], expected[c], 2e-4 * expected[c]) << c;
     // By normal: as closely as second-degree harmonics and a few lights can represent.
-    double most = 0.0, worst = 0.0;
-    for (const dvec3& n : normals_all_around()) most = std::max(most, luminance(irradiance(image, n)));
+    double max = 0.0, worst = 0.0;
+    for (const dvec3& n : normals_all_around()) max = std::max(max, luminance(irradiance(image, n)));
     for (const dvec3& n : normals_all_around())
       worst = std::max(worst, std::abs(luminance(irradiance(image, n)) - luminance(irradiance(light, n))));
-    EXPECT_LT(worst, (&image == &images[3] ? 0.07 : 0.04) * most);
-    EXPECT_GE(light.brightest * kPi, 0.97 * most);
-    EXPECT_LE(light.brightest * kPi, 1.1 * most);
+    EXPECT_LT(worst, (&image == &images[3] ? 0.07 : 0.04) * max);
+    EXPECT_GE(light.brightest * kPi, 0.97 * max);
+    EXPECT_LE(light.brightest * kPi, 1.1 * max);
   }
 }
 
@@ -336,8 +336,8 @@ TEST_F(HdriFile, ReadsWhatDecodersRead) {
   const auto expected = values(sky_image());
   ASSERT_EQ(hdr->rgb.size(), expected.size());
   for (std::size_t k = 0; k < expected.size(); k += 3) {
-    const float most = std::max({expected[k], expected[k + 1], expected[k + 2]});
-    for (std::size_t c = k; c < k + 3; ++c) EXPECT_NEAR(hdr->rgb[c], expected[c], most / 120.0f);
+    const float max = std::max({expected[k], expected[k + 1], expected[k + 2]});
+    for (std::size_t c = k; c < k + 3; ++c) EXPECT_NEAR(hdr->rgb[c], expected[c], max / 120.0f);
   }
   // Other formats are sRGB: 188 is half the light.
   ASSERT_TRUE(stbi_write_jpg(path("grey.jpg").c_str(), 32, 16, 3, grey(32, 16, 188).data(), 95));
@@ -524,17 +524,17 @@ TEST_F(HdriPicture, LooksAreExposedForAnyStrength) {
       good(fmt::format("ball.obj --look {} --resolution 64x64 --hdri-file sun.pfm -o out.png", look));
       const Image picture = image("out.png");
       if (first.planes.empty()) first = picture;
-      float most = 0.0f, least = 1.0f;
+      float max = 0.0f, min = 1.0f;
       for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x) {
           ASSERT_NEAR(picture.planes[1].at(x, y), first.planes[1].at(x, y), 0.012f) << look;
           if (x > 14 && x < 50 && y > 14 && y < 50) {
-            most = std::max(most, picture.planes[1].at(x, y));
-            least = std::min(least, picture.planes[1].at(x, y));
+            max = std::max(max, picture.planes[1].at(x, y));
+            min = std::min(min, picture.planes[1].at(x, y));
           }
         }
-      EXPECT_GT(most, 0.75f) << look;
-      EXPECT_LT(least, 0.75f * most) << look << " shows no form";
+      EXPECT_GT(max, 0.75f) << look;
+      EXPECT_LT(min, 0.75f * max) << look << " shows no form";
     }
   }
 }
@@ -597,15 +597,15 @@ TEST_F(HdriPicture, TheGroundOfALowLightHasNoEdge) {
       "--camera-elevation-angle 10 "
       "--passes cover -o cover.exr");
   const Image cover = image("cover.exr");
-  float most = 0.0f, steepest = 0.0f;
+  float max = 0.0f, steepest = 0.0f;
   for (int y = 1; y < 120; ++y)
     for (int x = 0; x < 160; ++x) {
       // Skip the sphere and the area behind it.
       if (std::abs(x - 80) < 30 && std::abs(y - 60) < 30) continue;
-      most = std::max(most, cover.planes[0].at(x, y));
+      max = std::max(max, cover.planes[0].at(x, y));
       steepest = std::max(steepest, std::abs(cover.planes[0].at(x, y) - cover.planes[0].at(x, y - 1)));
     }
-  EXPECT_GT(most, 0.05f);
+  EXPECT_GT(max, 0.05f);
   EXPECT_LT(steepest, 0.1f);
 }
 

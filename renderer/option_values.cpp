@@ -253,14 +253,14 @@ Result<void> check_option(const Option& option, Request& request) {
   return std::visit(CheckValue(option, request), option.where);
 }
 
-Result<void> check_request(const Request& request, long most_pixels) {
+Result<void> check_request(const Request& request, long max_pixels) {
   // Field accessors need a mutable request; it is only read here.
   auto& fields = const_cast<Request&>(request);
   for (const Option& option : options())
     if (auto fine = std::visit(CheckValue(option, fields), option.where); !fine) return fine;
-  if (long(request.width) * request.height > most_pixels)
+  if (long(request.width) * request.height > max_pixels)
     return usage_error("a picture cannot have {} x {} pixels: the max is {} in total", request.width, request.height,
-                       most_pixels);
+                       max_pixels);
   return check_together(request);
 }
 
@@ -274,7 +274,7 @@ std::vector<std::string> split(std::string_view text) {
   return words;
 }
 
-Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long most_pixels) {
+Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long max_pixels) {
   const std::size_t part = text.find_first_of(",x");
   const auto side = [&](std::string_view number) {
     int pixels = 0;
@@ -282,9 +282,9 @@ Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view 
     return error == std::errc() && end == number.data() + number.size() && pixels <= kMaxSide ? pixels : 0;
   };
   const int width = side(text.substr(0, part)), height = part == text.npos ? 0 : side(text.substr(part + 1));
-  if (width >= 1 && height >= 1 && long(width) * height <= most_pixels) return std::pair(width, height);
+  if (width >= 1 && height >= 1 && long(width) * height <= max_pixels) return std::pair(width, height);
   return usage_error("`{}` cannot be '{}': it takes width,height from 1 to {} pixels, together at most {}", field, text,
-                     kMaxSide, std::min(most_pixels, long(kMaxSide) * kMaxSide));
+                     kMaxSide, std::min(max_pixels, long(kMaxSide) * kMaxSide));
 }
 
 Result<Length> parse_length(std::string_view field, std::string_view text) {

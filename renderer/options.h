@@ -92,13 +92,13 @@ void reset_option(const Option& option, Request& request);
 Result<void> check_option(const Option& option, Request& request);
 
 /// Checks everything in a request that can be checked without the registries: ranges, choices and contradictions, but
-/// not names. `most_pixels`: max number of pixels of the picture. Errors: kUsage.
-Result<void> check_request(const Request& request, long most_pixels);
+/// not names. `max_pixels`: max number of pixels of the picture. Errors: kUsage.
+Result<void> check_request(const Request& request, long max_pixels);
 
 /// Splits a list at commas.
 std::vector<std::string> split(std::string_view text);
 /// Parses "640,480" or "640x480". `field` is named in errors, here and below. Errors: kUsage.
-Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long most_pixels);
+Result<std::pair<int, int>> parse_size(std::string_view field, std::string_view text, long max_pixels);
 /// Parses "0.3" or "5%", > 0. Errors: kUsage.
 Result<Length> parse_length(std::string_view field, std::string_view text);
 /// Parses "full", "half" or "quarter". Returns the downsampling factor: 1, 2 or 4. Errors: kUsage.

@@ -220,7 +220,7 @@ Result<ImportSettings> import_settings(const Request& request) {
   return settings;
 }
 
-Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows, long most_pixels) {
+Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows, long max_pixels) {
   const int guard = int(std::ceil(request.guard_band / 100.0f * float(std::max(request.width, request.height))));
   const long width = request.width + 2L * guard, height = request.height + 2L * guard;
   const Quality* quality = quality_of(request, look);
@@ -240,15 +240,15 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
   while (!request.layers && settings.layers > look.layers && !layer_count(settings)) --settings.layers;
   const auto layers = layer_count(settings);
   if (!layers) return layers.error();
-  if (width * height * *layers > most_pixels)
+  if (width * height * *layers > max_pixels)
     return usage_error("{} of {} x {} pixels {} too many: together at most {} pixels",
                        *layers == 1 ? "one layer" : fmt::format("{} layers", *layers), width, height,
-                       *layers == 1 ? "is" : "are", most_pixels);
+                       *layers == 1 ? "is" : "are", max_pixels);
   return settings;
 }
 
-Result<Recipe> make_recipe(const Request& request, long most_pixels) {
-  if (auto fine = check_request(request, most_pixels); !fine) return fine.error();
+Result<Recipe> make_recipe(const Request& request, long max_pixels) {
+  if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
   Recipe recipe{.width = request.width, .height = request.height};
   if (auto found = find_names(request, recipe); !found) return found.error();
   const Look& look = *recipe.look;
@@ -274,7 +274,7 @@ Result<Recipe> make_recipe(const Request& request, long most_pixels) {
   if (recipe.occlusion == reference_effect().name && gathers_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
   if (auto done = apply_request(request, recipe); !done) return done.error();
-  const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), most_pixels);
+  const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), max_pixels);
   if (!capture) return capture.error();
   recipe.capture = *capture;
   if (auto fine = take_passes(request, recipe); !fine) return fine.error();

@@ -57,8 +57,8 @@ std::span<const Effect* const> handed_in();
 /// Returns all effects and the techniques of handed_in.
 std::vector<const Effect*> every_effect();
 
-/// Resolves a request. Errors: kUsage, also for more than `most_pixels` pixels in all layers, guard band included.
-Result<Recipe> make_recipe(const Request& request, long most_pixels = kMaxPixels);
+/// Resolves a request. Errors: kUsage, also for more than `max_pixels` pixels in all layers, guard band included.
+Result<Recipe> make_recipe(const Request& request, long max_pixels = kMaxPixels);
 
 /// Resolves a request to shade a G-buffer: one sample, a look or a list of effects, no lights and no framing.
 /// Errors: kUsage.
@@ -73,7 +73,7 @@ Result<ImportSettings> import_settings(const Request& request);
 
 /// Returns what the device captures for a look. Errors: kUsage for too many layers or pixels.
 Result<CaptureSettings> capture_settings(const Request& request, const Look& look, int shadows,
-                                         long most_pixels = kMaxPixels);
+                                         long max_pixels = kMaxPixels);
 
 /// Returns the default settings of all effects with these assignments, "effect.parameter=value", applied.
 /// Errors: kUsage.

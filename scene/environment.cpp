@@ -309,8 +309,8 @@ Panorama resampled(const Panorama& panorama, int width, int height) {
 
 }  // namespace
 
-Panorama reduced_panorama(const Panorama& panorama, int most_width, int most_height) {
-  return resampled(panorama, std::min(panorama.width, most_width), std::min(panorama.height, most_height));
+Panorama reduced_panorama(const Panorama& panorama, int max_width, int max_height) {
+  return resampled(panorama, std::min(panorama.width, max_width), std::min(panorama.height, max_height));
 }
 
 glm::mat3 panorama_axes(glm::vec3 up, float rotation_deg) {

@@ -28,7 +28,7 @@ std::size_t clean_panorama(Panorama& panorama);
 
 /// Downsamples a panorama to at most that size: each pixel is the mean of the pixels it covers, weighted by solid
 /// angle. Never enlarges.
-Panorama reduced_panorama(const Panorama& panorama, int most_width, int most_height);
+Panorama reduced_panorama(const Panorama& panorama, int max_width, int max_height);
 
 /// Returns the orientation of a panorama in world space. The columns of the matrix are the world directions of the
 /// panorama's centre, of the point a quarter turn to the right of it, and of its upper edge. The centre is +x (+y where

@@ -349,9 +349,9 @@ class VertexMaker {
 bool is_smooth(std::span<const Index> corners, const std::vector<Face>& faces, float half_crease_cos) {
   glm::vec3 mean(0.0f);
   for (const Index corner : corners) mean += faces[corner / 3].normal;
-  const float least = half_crease_cos * glm::length(mean);
-  return least > 0.0f && std::all_of(corners.begin(), corners.end(),
-                                     [&](Index corner) { return glm::dot(mean, faces[corner / 3].normal) >= least; });
+  const float min = half_crease_cos * glm::length(mean);
+  return min > 0.0f && std::all_of(corners.begin(), corners.end(),
+                                   [&](Index corner) { return glm::dot(mean, faces[corner / 3].normal) >= min; });
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ Plan plan_of(const Scene& scene) {
 
 /// The bounds of the model in the axes right, up and front of the plan.
 struct Extent {
-  glm::vec3 least{std::numeric_limits<float>::infinity()}, most{-std::numeric_limits<float>::infinity()};
+  glm::vec3 min{std::numeric_limits<float>::infinity()}, max{-std::numeric_limits<float>::infinity()};
 };
 
 Extent extent_of(const Scene& scene, const Plan& plan) {
@@ -34,8 +34,8 @@ Extent extent_of(const Scene& scene, const Plan& plan) {
   for (const Mesh& mesh : scene.meshes)
     for (const glm::vec3& p : mesh.positions) {
       const glm::vec3 q(glm::dot(p, plan.right), glm::dot(p, plan.up), glm::dot(p, plan.front));
-      extent.least = glm::min(extent.least, q);
-      extent.most = glm::max(extent.most, q);
+      extent.min = glm::min(extent.min, q);
+      extent.max = glm::max(extent.max, q);
     }
   return extent;
 }
@@ -44,7 +44,7 @@ Extent extent_of(const Scene& scene, const Plan& plan) {
 class FromAbove {
  public:
   FromAbove(const Plan& plan, const Extent& extent)
-      : plan_(plan), least_(extent.least), scale_(float(kCells) / glm::max(extent.most - extent.least, 1e-30f)) {}
+      : plan_(plan), min_(extent.min), scale_(float(kCells) / glm::max(extent.max - extent.min, 1e-30f)) {}
 
   void add_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, bool floor) {
     const glm::vec3 p = cell_of(a), q = cell_of(b), r = cell_of(c);
@@ -75,11 +75,10 @@ class FromAbove {
   }
 
   /// Returns the fraction of the plan whose top surface is at most `height` high and level: its cosine is at least
-  /// `least_cosine`.
-  float share(float height, float least_cosine) const {
+  /// `min_cosine`.
+  float share(float height, float min_cosine) const {
     int count = 0;
-    for (const Top& top : tops_)
-      count += std::isfinite(top.height) && top.height <= height && top.cosine >= least_cosine;
+    for (const Top& top : tops_) count += std::isfinite(top.height) && top.height <= height && top.cosine >= min_cosine;
     return float(count) / float(kCells * kCells);
   }
 
@@ -100,7 +99,7 @@ class FromAbove {
   /// Converts to grid coordinates: x and z in cells, y unchanged.
   glm::vec3 cell_of(glm::vec3 p) const {
     const glm::vec3 q(glm::dot(p, plan_.right), glm::dot(p, plan_.up), glm::dot(p, plan_.front));
-    return {(q.x - least_.x) * scale_.x, q.y, (q.z - least_.z) * scale_.z};
+    return {(q.x - min_.x) * scale_.x, q.y, (q.z - min_.z) * scale_.z};
   }
   /// Returns the first or last cell with its centre not before or not after `x`.
   static int first(float x) { return int(std::ceil(std::clamp(x - 0.5f, 0.0f, float(kCells)))); }
@@ -115,7 +114,7 @@ class FromAbove {
   }
 
   Plan plan_;
-  glm::vec3 least_, scale_;
+  glm::vec3 min_, scale_;
   std::vector<Top> tops_ = std::vector<Top>(std::size_t(kCells * kCells));
 };
 
@@ -134,7 +133,7 @@ bool lacks_ground(const Scene& scene) {
   if (scene.meshes.empty()) return false;
   const Plan plan = plan_of(scene);
   const Extent extent = extent_of(scene, plan);
-  const glm::vec3 size = extent.most - extent.least;
+  const glm::vec3 size = extent.max - extent.min;
   const float width = std::max(size.x, size.z);
   if (!(width > 0.0f) || !std::isfinite(width)) return false;
   FromAbove seen(plan, extent);
@@ -149,11 +148,11 @@ bool lacks_ground(const Scene& scene) {
       seen.add_triangle(a, b, c, glm::dot(n, plan.up) > 0.0f);
     }
   }
-  const bool filled = seen.share(extent.most.y, 0.0f) > kFilled;
+  const bool filled = seen.share(extent.max.y, 0.0f) > kFilled;
   if (filled && size.y < kFlat * width) return false;
   // In a hilly landscape low ground is a valley, not a floor under a roof.
   const bool hills = filled && seen.share_under_roofs(kLow * width) < kMaxUnderRoofs;
-  return seen.share(extent.least.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanShare);
+  return seen.share(extent.min.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanShare);
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
@@ -170,7 +169,7 @@ void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
     wide = std::clamp(kUsual + longest, kUsual, kMaxWidth);
     scene.ground_fades = wide * radius;
   }
-  const float height = extent.least.y - kBelow * radius;
+  const float height = extent.min.y - kBelow * radius;
   const glm::vec3 middle = scene.center() + plan.up * (height - glm::dot(scene.center(), plan.up));
   scene.ground_middle = middle;
   Mesh disc;

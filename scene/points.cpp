@@ -143,11 +143,11 @@ Thinnest thinnest_of(const glm::dmat3& m) {
   }
   const double cosine = std::clamp(glm::determinant(deviation) / (2.0 * spread * spread * spread), -1.0, 1.0);
   const double angle = std::acos(cosine) / 3.0;
-  const double least = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
-  thinnest.share = float(std::max(0.0, (1.0 + least) / 3.0));
+  const double min = 2.0 * spread * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
+  thinnest.share = float(std::max(0.0, (1.0 + min) / 3.0));
   // The eigenvector is perpendicular to the rows of the matrix without the smallest eigenvalue: take the
   // best-conditioned cross product of two rows.
-  const glm::dmat3 left = deviation - glm::dmat3(least);
+  const glm::dmat3 left = deviation - glm::dmat3(min);
   glm::dvec3 best(0.0);
   for (const auto& [i, j] : {std::pair(0, 1), std::pair(1, 2), std::pair(2, 0)}) {
     const glm::dvec3 across = glm::cross(left[i], left[j]);
@@ -358,8 +358,8 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
     return;
   }
   mesh.radii = std::move(around.cover);
-  const float most = kMaxRatioToQuantile * nth_of(mesh.radii, kMax);
-  for (float& radius : mesh.radii) radius = kSlack * std::min(radius, most);
+  const float max = kMaxRatioToQuantile * nth_of(mesh.radii, kMax);
+  for (float& radius : mesh.radii) radius = kSlack * std::min(radius, max);
 }
 
 }  // namespace umbrage

@@ -57,14 +57,14 @@ ParameterBytes variant_of(const Effect& effect, unsigned variant) {
         text = r % 2 ? "on" : "off";
         break;
       case ParameterType::kLength:
-        text = fmt::format("{}", 1 + r % int(std::min(kMaxWindow, row.most)));
+        text = fmt::format("{}", 1 + r % int(std::min(kMaxWindow, row.max)));
         break;
       case ParameterType::kInt:
-        text = fmt::format("{}", row.least + r % int(std::min(row.most - row.least, 8.0) + 1));
+        text = fmt::format("{}", row.min + r % int(std::min(row.max - row.min, 8.0) + 1));
         break;
       default: {
-        const double most = std::min(row.most, row.least + kMaxNumber);
-        text = fmt::format("{}", r % 4 == 0 ? row.initial : row.least + (most - row.least) * (r % 1000) / 999.0);
+        const double max = std::min(row.max, row.min + kMaxNumber);
+        text = fmt::format("{}", r % 4 == 0 ? row.initial : row.min + (max - row.min) * (r % 1000) / 999.0);
       }
     }
     EXPECT_TRUE(set_parameter(effect.name, row, text, bytes)) << row.name << " = " << text;
@@ -146,9 +146,9 @@ TEST_P(Differential, LanesAgreeWithScalarOnEveryTarget) {
                                              variant, size.width, size.height);
         if (effect.quantum > 0.0) {
           EXPECT_LE(d.share_over, kMaxFlips) << what;
-          EXPECT_LE(d.most, 2.0 * effect.quantum * scale) << what;
+          EXPECT_LE(d.max, 2.0 * effect.quantum * scale) << what;
         } else {
-          EXPECT_LE(d.most, 1e-4 * scale) << what;
+          EXPECT_LE(d.max, 1e-4 * scale) << what;
           EXPECT_LE(d.mean, 1e-6 * scale) << what;
         }
       }
@@ -170,7 +170,7 @@ TEST_P(Differential, TunedKernelsAreEqualToTheBit) {
       const Image plain = outputs(effect, params, gbuffer, {.tuned = false});
       const Image tuned = outputs(effect, params, gbuffer, {.tuned = true});
       for (std::size_t p = 0; p < plain.planes.size(); ++p)
-        EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).most, 0.0)
+        EXPECT_EQ(test::difference(plain.planes[p], tuned.planes[p], 0.0).max, 0.0)
             << effect.name << ' ' << plain.names[p] << ' ' << target << " variant " << variant << " at " << size.width
             << 'x' << size.height;
     }
@@ -186,7 +186,7 @@ TEST_P(Differential, ThreadsAndRunsDoNotMatter) {
   for (int threads : {1, 2, 5}) {
     const Image many = outputs(effect, params, gbuffer, {.threads = threads});
     for (std::size_t p = 0; p < one.planes.size(); ++p)
-      EXPECT_EQ(test::difference(one.planes[p], many.planes[p], 0.0).most, 0.0) << effect.name << ' ' << threads;
+      EXPECT_EQ(test::difference(one.planes[p], many.planes[p], 0.0).max, 0.0) << effect.name << ' ' << threads;
   }
 }
 
@@ -223,7 +223,7 @@ TEST_P(Differential, VulkanAgreesWithScalar) {
       const double bound = std::max(kSeen, effect.quantum) * test::scale_of(oracle.planes[p]);
       const auto d = test::difference(oracle.planes[p], image.planes[p], bound);
       EXPECT_LE(d.share_over, kMaxOver) << effect.name << ' ' << oracle.names[p] << " variant " << variant << " at "
-                                        << size.width << 'x' << size.height << ", most " << d.most;
+                                        << size.width << 'x' << size.height << ", most " << d.max;
     }
   }
 }
@@ -240,7 +240,7 @@ TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
     const Image again = outputs(effect, variant_of(effect, variant), gbuffer, *device);
     for (std::size_t p = 0; p < once.planes.size(); ++p) {
       EXPECT_EQ(undefined_pixels(once, p), 0) << effect.name << ' ' << once.names[p] << " variant " << variant;
-      EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).most, 0.0) << effect.name << once.names[p];
+      EXPECT_EQ(test::difference(once.planes[p], again.planes[p], 0.0).max, 0.0) << effect.name << once.names[p];
     }
   }
 }
@@ -275,7 +275,7 @@ TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {
         const Image a = outputs(effect, all[k], gbuffer, *plain), b = outputs(effect, all[k], gbuffer, *tuned);
         ASSERT_EQ(a.names, b.names);
         for (std::size_t p = 0; p < a.planes.size(); ++p)
-          EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0)
+          EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0)
               << effect.name << ' ' << a.names[p] << " setting " << k << " at " << size.width << 'x' << size.height;
       }
 }
@@ -296,7 +296,7 @@ TEST_P(Differential, PlanesTooLargeToBindAreEqualToTheBit) {
     const Image a = outputs(effect, params, gbuffer, *bound), b = outputs(effect, params, gbuffer, *unbound);
     ASSERT_EQ(a.names, b.names);
     for (std::size_t p = 0; p < a.planes.size(); ++p)
-      EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0)
+      EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0)
           << effect.name << ' ' << a.names[p] << " variant " << variant;
   }
 }

@@ -25,7 +25,7 @@ struct BenchOptions : CommonOptions {
 
 /// Times over several runs, milliseconds.
 struct Times {
-  double median = 0.0, least = 0.0;
+  double median = 0.0, min = 0.0;
   std::optional<double> gpu_median;  ///< median of the dispatches alone, if the device measures them
 };
 
@@ -149,13 +149,13 @@ class Bench {
                         {"height", size_.second},
                         {"threads", device_.threads()},
                         {"ms", t.median},
-                        {"ms_min", t.least}});
+                        {"ms_min", t.min}});
     if (plan_.every > 1) records_.back()["scale"] = plan_.scale;
     if (t.gpu_median) records_.back()["gpu_ms"] = *t.gpu_median;
     line_.wipe();
     if (!o_.json)
       fmt::print("{:<10} {:<28} {:>11} {:9.2f} {:9.2f}{}\n", effect, setting,
-                 fmt::format("{}x{}", size_.first, size_.second), t.median, t.least,
+                 fmt::format("{}x{}", size_.first, size_.second), t.median, t.min,
                  t.gpu_median ? fmt::format(" {:9.3f} on the GPU", *t.gpu_median) : "");
   }
 

@@ -44,11 +44,11 @@ TEST_F(Cli, DrawsABuiltInSceneInEveryFormat) {
     ASSERT_EQ(picture.width, 64);
     ASSERT_EQ(picture.height, 64);
     const Plane& grey = picture.plane("color.r");
-    float least = 1.0f, most = 0.0f;
+    float min = 1.0f, max = 0.0f;
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x) least = std::min(least, grey.at(x, y)), most = std::max(most, grey.at(x, y));
-    EXPECT_LT(least, 0.8f) << name << ": nothing is occluded";
-    EXPECT_GT(most, 0.95f) << name << ": nothing is open";
+      for (int x = 0; x < 64; ++x) min = std::min(min, grey.at(x, y)), max = std::max(max, grey.at(x, y));
+    EXPECT_LT(min, 0.8f) << name << ": nothing is occluded";
+    EXPECT_GT(max, 0.95f) << name << ": nothing is open";
   }
 }
 
@@ -119,7 +119,7 @@ TEST_F(Cli, PassesArePlanes) {
   const Image two = image("two.exr");
   EXPECT_EQ(std::set<std::string>(two.names.begin(), two.names.end()),
             (std::set<std::string>{"depth", "normal.x", "normal.y", "normal.z"}));
-  EXPECT_EQ(test::difference(two.plane("depth"), all.plane("depth"), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(two.plane("depth"), all.plane("depth"), 0.0).max, 0.0);
   EXPECT_TRUE(*read_camera(folder_ / "two.exr")) << "the camera is missing";
 }
 
@@ -198,7 +198,7 @@ TEST_F(Cli, OptionsChangeThePicture) {
   }
   good(line + "none.exr --ao none");
   const Image none = image("none.exr");
-  EXPECT_EQ(test::difference(none.plane("ao"), Plane(64, 64, 1.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(none.plane("ao"), Plane(64, 64, 1.0f), 0.0).max, 0.0);
 }
 
 TEST_F(Cli, BitsAndHalfAreWritten) {
@@ -209,7 +209,7 @@ TEST_F(Cli, BitsAndHalfAreWritten) {
   const Image exact = image("float.exr"), eight = image("eight.png"), sixteen = image("sixteen.png"),
               half = image("half.exr");
   const auto off = [&](const Image& other) {
-    return test::difference(exact.plane("color.r"), other.plane("color.r"), 0.0).most;
+    return test::difference(exact.plane("color.r"), other.plane("color.r"), 0.0).max;
   };
   EXPECT_LE(off(eight), 0.5 / 255 + 1e-6);
   EXPECT_GT(off(eight), 1e-3);

@@ -65,8 +65,8 @@ std::string report_of(const Paper& paper, const std::vector<Figure>& figures, co
       text += fmt::format("* [{}]({}): `{}`\n", picture.caption, picture.file, picture.command);
     text += "\n| number | value | bound | holds |\n| --- | --- | --- | --- |\n";
     for (const FigureNumber& number : figure.numbers) {
-      const std::string bound = number.most > 1e29 ? fmt::format("at least {:g}", number.least)
-                                                   : fmt::format("{:g} to {:g}", number.least, number.most);
+      const std::string bound = number.max > 1e29 ? fmt::format("at least {:g}", number.min)
+                                                  : fmt::format("{:g} to {:g}", number.min, number.max);
       text +=
           fmt::format("| {} | {:.4g} | {} | {} |\n", number.what, number.value, bound, number.holds() ? "yes" : "no");
     }

@@ -82,7 +82,7 @@ std::vector<std::string> beside(const Parameter& row, const ParameterBytes& byte
   std::from_chars(now.data(), now.data() + now.size(), value);
   if (value == 0.0) return {};
   for (double next : stepped(value, row.type == ParameterType::kInt)) {
-    if (!share) next = std::clamp(next, row.least, row.most);
+    if (!share) next = std::clamp(next, row.min, row.max);
     std::string text = fmt::format("{:.3g}{}", next, share ? "%" : "");
     if (text != now) texts.push_back(std::move(text));
   }
@@ -110,9 +110,9 @@ Result<void> attempt(Search& search, Candidate candidate) {
   std::string name = scale_name(candidate.every);
   for (const std::string& setting : settings) name += ' ' + setting;
   if (!search.known.insert(name).second) return {};
-  const int most = search.settings.trials;
-  const double tried = double(search.trials.size()) / double(most);
-  if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, most),
+  const int max = search.settings.trials;
+  const double tried = double(search.trials.size()) / double(max);
+  if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, max),
                                 kTruthShare + (1.0 - kTruthShare) * tried))
     return interrupted();
 

@@ -111,18 +111,18 @@ Image positions(const Shot& shot) {
 /// Returns the depth as an image: near is bright.
 Image depths(const Shot& shot) {
   Image out = blank_paper(shot.image.width, shot.image.height);
-  float least = 1e30f, most = 0.0f;
+  float min = 1e30f, max = 0.0f;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
       if (shot.surface(x, y)) {
-        least = std::min(least, shot.value("depth", x, y));
-        most = std::max(most, shot.value("depth", x, y));
+        min = std::min(min, shot.value("depth", x, y));
+        max = std::max(max, shot.value("depth", x, y));
       }
   for (Plane& plane : out.planes)
     for (int y = 0; y < out.height; ++y)
       for (int x = 0; x < out.width; ++x)
         plane.at(x, y) =
-            shot.surface(x, y) ? 1.0f - (shot.value("depth", x, y) - least) / std::max(most - least, 1e-6f) : 0.0f;
+            shot.surface(x, y) ? 1.0f - (shot.value("depth", x, y) - min) / std::max(max - min, 1e-6f) : 0.0f;
   return out;
 }
 
@@ -346,7 +346,7 @@ FigurePicture angles_diagram(const Gathered& g, const Tap& tap, int size) {
 Gathered best_section(const Shot& folds, const HemisphereConstants& c) {
   const int size = folds.info.width;
   Gathered best;
-  float most = 0.0f;
+  float max = 0.0f;
   for (int y = size / 4; y < size * 3 / 4; y += std::max(1, size / 64))
     for (int x = 0; x < size; x += std::max(1, size / 128)) {
       if (!folds.surface(x, y)) continue;
@@ -358,8 +358,8 @@ Gathered best_section(const Shot& folds, const HemisphereConstants& c) {
         if (tap.sends() && near_section(g, tap, c.radius))
           worth += tap.cos_emitter * (1.0f - std::abs(glm::dot(tap.facing, off)));
       worth *= 1.0f - std::abs(glm::dot(g.normal, off));
-      if (worth <= most) continue;
-      most = worth;
+      if (worth <= max) continue;
+      max = worth;
       best = std::move(g);
     }
   return best;

@@ -211,7 +211,7 @@ Result<Figure> tangents(Studio& studio) {
     };
     long repeated = 0, all = 0;
     double off = 0.0;
-    std::set<std::tuple<float, float, float>> most;
+    std::set<std::tuple<float, float, float>> max;
     for (int y = 0; y + 2 * kTile < image.height; y += kTile)
       for (int x = 0; x + 2 * kTile < image.width; x += kTile) {
         if (!flat(x, y)) continue;
@@ -225,13 +225,13 @@ Result<Figure> tangents(Studio& studio) {
                 {off, double(std::abs(glm::length(t) - 1.0f)), double(std::abs(glm::dot(t, normal.at(x + i, y + j))))});
             ++all;
           }
-        if (seen.size() > most.size()) most = seen;
+        if (seen.size() > max.size()) max = seen;
       }
     figure.numbers.insert(
         figure.numbers.end(),
         {{fmt::format("flat faces: share that repeats after four pixels ({})", preset.name),
           all ? double(repeated) / double(all) : 0.0, 1.0, 1.0},
-         {fmt::format("different tangents in a tile of 4 x 4 ({})", preset.name), double(most.size()), 16.0, 16.0},
+         {fmt::format("different tangents in a tile of 4 x 4 ({})", preset.name), double(max.size()), 16.0, 16.0},
          {fmt::format("largest deviation from a unit vector in the surface ({})", preset.name), off, 0.0, 1e-5}});
   }
   return figure;

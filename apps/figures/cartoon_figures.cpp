@@ -68,9 +68,9 @@ Parts parts_of(const Studio& studio, const Shot& shot) {
   Plane of_character(image.width, image.height, kFar), nearness(image.width, image.height);
   each(image, &character, [&](int x, int y) { of_character.at(x, y) = depth.at(x, y); });
   each(image, nullptr, [&](int x, int y) { nearness.at(x, y) = -depth.at(x, y); });
-  const Plane beside = least_near(of_character, radius_px(image), radius_px(image));
+  const Plane beside = min_near(of_character, radius_px(image), radius_px(image));
   // The max depth of a pixel and its four neighbours.
-  const Plane across = least_near(nearness, 1, 0), along = least_near(nearness, 0, 1);
+  const Plane across = min_near(nearness, 1, 0), along = min_near(nearness, 0, 1);
   const auto behind = [&](int x, int y) { return -std::min(across.at(x, y), along.at(x, y)); };
   const auto among = [&](const Mask& mask, const auto& test) {
     return mask_of(image, [&](int x, int y) { return mask[std::size_t(y) * image.width + x] && test(x, y); });
@@ -167,7 +167,7 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
   // Min darkening. Paper: half a tone step on average over that ground, since the paper darkens a halo. Ours: a
   // quarter, since half of that ground is in the character's shadow already. A tone step is a quarter of the meadow's
   // 0.58 in the paper's preset and 0.08 in ours.
-  const double least = is_paper(preset) ? 0.07 : 0.02;
+  const double min = is_paper(preset) ? 0.07 : 0.02;
   const double silhouette = is_paper(preset) ? 1.0 : 0.9;  // ours: less, since some fringes are thinner than the line
   constexpr double kDeep = 0.005;                          // fringes that occlude each other may be black
   // Our lines are centred on an edge and cover pixels of both sides.
@@ -183,8 +183,8 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
     });
   };
   const char* line = is_paper(preset) ? "that is black" : "at least a quarter under a line, or beside one";
-  figure.numbers = {{"a to b: fall of the ground beside the body", fall(a, b, parts.beside), least, kAnything},
-                    {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), least, kAnything},
+  figure.numbers = {{"a to b: fall of the ground beside the body", fall(a, b, parts.beside), min, kAnything},
+                    {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), min, kAnything},
                     {"a to b: share of the background that changes", changed_share(a, b, parts.background), 0.0, 0.0},
                     {"a: share of the silhouette that is black", black_share(a, parts.silhouette), 0.0, 0.0},
                     {"b: share of the silhouette that is black", black_share(b, parts.silhouette), 0.0, kDeep},

@@ -109,10 +109,10 @@ void write_text(Image& image, int x, int y, int scale, std::string text, vec3 co
 
 int text_width(std::string text, int scale) { return stb_easy_font_width(text.data()) * scale; }
 
-void put(Image& image, const Image& picture, int left, int top, int most) {
+void put(Image& image, const Image& picture, int left, int top, int max) {
   for (const char* name : kChannels)
-    for (int y = 0; y < std::min(most, picture.height); ++y)
-      for (int x = 0; x < std::min(most, picture.width); ++x)
+    for (int y = 0; y < std::min(max, picture.height); ++y)
+      for (int x = 0; x < std::min(max, picture.width); ++x)
         if (left + x >= 0 && left + x < image.width && top + y >= 0 && top + y < image.height)
           image.plane(name).at(left + x, top + y) = std::clamp(picture.plane(name).at(x, y), 0.0f, 1.0f);
 }

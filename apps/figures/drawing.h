@@ -29,6 +29,6 @@ void write_text(Image& image, int x, int y, int scale, std::string text, glm::ve
 int text_width(std::string text, int scale);
 
 /// Copies at most `most` rows and columns of a picture to (left, top), with values clamped to [0, 1].
-void put(Image& image, const Image& picture, int left, int top, int most);
+void put(Image& image, const Image& picture, int left, int top, int max);
 
 }  // namespace umbrage

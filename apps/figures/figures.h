@@ -22,8 +22,8 @@ struct FigurePicture {
 struct FigureNumber {
   std::string what;
   double value = 0.0;
-  double least = 0.0, most = 0.0;  ///< bounds, inclusive
-  bool holds() const { return value >= least && value <= most; }
+  double min = 0.0, max = 0.0;  ///< bounds, inclusive
+  bool holds() const { return value >= min && value <= max; }
 };
 
 struct Figure {

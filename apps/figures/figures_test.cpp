@@ -19,7 +19,7 @@ void expect_figures(const Result<std::vector<Figure>>& figures, std::size_t coun
     EXPECT_FALSE(figure.numbers.empty()) << figure.id;
     for (const FigureNumber& number : figure.numbers)
       EXPECT_TRUE(number.holds()) << "figure " << figure.id << ": " << number.what << " is " << number.value
-                                  << ", not within " << number.least << " and " << number.most;
+                                  << ", not within " << number.min << " and " << number.max;
     for (const FigurePicture& picture : figure.pictures) {
       EXPECT_EQ(picture.image.width, size);
       EXPECT_EQ(picture.command.rfind("umbrage ", 0), 0u);

@@ -48,7 +48,7 @@ struct VectorPlanes {
 };
 
 /// Returns, for each pixel, the min of a plane within `columns` columns and `rows` rows.
-Plane least_near(const Plane& plane, int columns, int rows);
+Plane min_near(const Plane& plane, int columns, int rows);
 
 /// Returns the pixels of a mask that have only pixels of the mask within `reach` rows and columns.
 Mask eroded(const Image& image, const Mask& mask, int reach);

@@ -31,8 +31,8 @@ void take_every(const float* from, float* to, int count) {
 
 /// Returns `wish` threads, at most as many as the machine has; 0: all.
 int thread_count(int wish) {
-  const int most = tbb::info::default_concurrency();
-  return wish > 0 ? std::min(wish, most) : most;
+  const int max = tbb::info::default_concurrency();
+  return wish > 0 ? std::min(wish, max) : max;
 }
 
 class CpuDevice final : public Device {

@@ -245,7 +245,7 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
                                orthographic_camera({2, 3, 4}, {0, 0, 0}, {0, 1, 0}, 3.0f, 1.0f),
                                perspective_camera({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 80.0f, 1.0f)}) {  // inside
     const Picture picture = capture_with({60, 60, false, kMaxLayers}, scene, camera);
-    long compared = 0, most = 0;
+    long compared = 0, max = 0;
     for (int y = 0; y < 60; ++y)
       for (int x = 0; x < 60; ++x) {
         const PixelRay ray = ray_of(picture.info, x, y);
@@ -267,14 +267,14 @@ TEST(CaptureLayers, TriangleSoupMatchesALiteralSearch) {
         for (std::size_t k = 1; k < depths.size(); ++k) clear = clear && depths[k] - depths[k - 1] > kApart;
         if (!clear) continue;
         ++compared;
-        most = std::max(most, long(depths.size()));
+        max = std::max(max, long(depths.size()));
         ASSERT_EQ(surfaces_at(picture, kMaxLayers, x, y), int(std::min(depths.size(), std::size_t(kMaxLayers))))
             << x << ',' << y;
         for (std::size_t k = 0; k < depths.size() && k < std::size_t(kMaxLayers); ++k)
           ASSERT_NEAR(picture[layer_plane(int(k), "depth")].at(x, y), depths[k], 1e-4);
       }
     EXPECT_GT(compared, 2000);
-    EXPECT_GT(most, 8);
+    EXPECT_GT(max, 8);
   }
 }
 
@@ -287,7 +287,7 @@ TEST(CaptureLayers, TheNumberOfLayersChangesNoLayer) {
     ASSERT_EQ(fewer.planes.planes.size(), std::size_t(layers) * 12u);
     for (std::size_t p = 0; p < fewer.planes.planes.size(); ++p) {
       ASSERT_EQ(fewer.planes.names[p], four.planes.names[p]);
-      EXPECT_EQ(test::difference(fewer.planes.planes[p], four.planes.planes[p], 0.0).most, 0.0)
+      EXPECT_EQ(test::difference(fewer.planes.planes[p], four.planes.planes[p], 0.0).max, 0.0)
           << layers << ": " << fewer.planes.names[p];
     }
   }
@@ -334,7 +334,7 @@ TEST(CaptureLayers, PowersOfTwoScaleDepthsAlone) {
       if (name.ends_with("depth"))
         for (int y = 0; y < 70; ++y)
           for (int x = 0; x < 70; ++x) plane.at(x, y) /= scale;
-      EXPECT_EQ(test::difference(plane, plain.planes.planes[p], 0.0).most, 0.0) << name << " at " << scale;
+      EXPECT_EQ(test::difference(plane, plain.planes.planes[p], 0.0).max, 0.0) << name << " at " << scale;
     }
   }
 }

@@ -87,8 +87,8 @@ TEST(Capture, EachLightHasItsOwnShadow) {
   };
   const Picture both = shadows({sun, plain, key_lamp(lamp)}, kMaxShadows);
   EXPECT_EQ(both.planes.find("shadow1"), nullptr) << "a light that casts none has no plane";
-  EXPECT_EQ(test::difference(both["shadow"], shadows({sun}, kMaxShadows)["shadow"], 0.0).most, 0.0);
-  EXPECT_EQ(test::difference(both["shadow2"], shadows({key_lamp(lamp)}, kMaxShadows)["shadow"], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(both["shadow"], shadows({sun}, kMaxShadows)["shadow"], 0.0).max, 0.0);
+  EXPECT_EQ(test::difference(both["shadow2"], shadows({key_lamp(lamp)}, kMaxShadows)["shadow"], 0.0).max, 0.0);
   const auto inside = [&](glm::dvec3 p) {
     return inside_square(p + (glm::dvec3(lamp) - p) * ((2.0 - p.z) / (lamp.z - p.z)));
   };
@@ -100,11 +100,11 @@ TEST(Capture, EachLightHasItsOwnShadow) {
   // Traces at most as many lights as requested, and as there are planes.
   const Picture first = shadows({sun, plain, key_lamp(lamp)}, 1);
   EXPECT_EQ(first.planes.find("shadow2"), nullptr);
-  EXPECT_EQ(test::difference(first["shadow"], both["shadow"], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(first["shadow"], both["shadow"], 0.0).max, 0.0);
   const Picture many = shadows(std::vector<Light>(12, sun), kMaxShadows);
   EXPECT_NE(many.planes.find("shadow7"), nullptr);
   EXPECT_EQ(many.planes.find("shadow8"), nullptr);
-  EXPECT_EQ(test::difference(many["shadow7"], both["shadow"], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(many["shadow7"], both["shadow"], 0.0).max, 0.0);
 }
 
 TEST(Capture, EmissionIsAPlaneWhereAnyMaterialShines) {
@@ -224,10 +224,10 @@ TEST(Capture, OnlyAKeyLightThatCastsHasAShadow) {
   const auto darkest = [&](const std::vector<Light>& lights) {
     scene.lights = lights;
     const Picture picture = capture(scene, from_above(10.0f), 64, 64);
-    float least = 1.0f;
+    float min = 1.0f;
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 64; ++x) least = std::min(least, picture["shadow"].at(x, y));
-    return least;
+      for (int x = 0; x < 64; ++x) min = std::min(min, picture["shadow"].at(x, y));
+    return min;
   };
   EXPECT_EQ(darkest({light}), 0.0f);
   Light plain = light;
@@ -245,7 +245,7 @@ TEST(Capture, ShadowsCanBeLeftOut) {
   ASSERT_TRUE(device->prepare(scene));
   const auto frame = device->capture(from_above(10.0f), {32, 32, false});
   const Image image = *device->download(*frame, {"shadow"});
-  EXPECT_EQ(test::difference(image.planes[0], Plane(32, 32, 1.0f), 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(image.planes[0], Plane(32, 32, 1.0f), 0.0).max, 0.0);
 }
 
 TEST(Capture, MasksCutHoles) {

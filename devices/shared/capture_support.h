@@ -118,7 +118,7 @@ inline float linear(int srgb_byte) {
 inline void expect_equal(const Image& a, const Image& b, std::string_view what) {
   ASSERT_EQ(a.names, b.names) << what;
   for (std::size_t p = 0; p < a.planes.size(); ++p)
-    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << what << ": " << a.names[p];
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0) << what << ": " << a.names[p];
 }
 
 inline Texture texture_of(int width, int height, const std::function<glm::ivec4(int x, int y)>& texel) {

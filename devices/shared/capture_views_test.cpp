@@ -77,7 +77,7 @@ TEST(CaptureBackSides, LayersInFrontStayAsTheyAre) {
   ASSERT_EQ(more.planes.planes.size(), plain.planes.planes.size() / 3 * 8);
   for (std::size_t p = 0; p < plain.planes.planes.size(); ++p) {
     ASSERT_EQ(plain.planes.names[p], more.planes.names[p]);
-    EXPECT_EQ(test::difference(plain.planes.planes[p], more.planes.planes[p], 0.0).most, 0.0) << plain.planes.names[p];
+    EXPECT_EQ(test::difference(plain.planes.planes[p], more.planes.planes[p], 0.0).max, 0.0) << plain.planes.names[p];
   }
 }
 
@@ -179,7 +179,7 @@ TEST(CaptureExtraViews, TheirNumberTheLayersAndTheGuardBandDoNotMoveThem) {
   const Picture two = capture_with({.width = 90, .height = 60, .layers = 2, .extra_views = 2}, scene, camera);
   for (int view = 0; view < 2; ++view)
     for (const char* name : {"depth", "normal.x", "albedo.g", "object_id"})
-      EXPECT_EQ(test::difference(four[layer_plane(1 + view, name)], two[layer_plane(2 + view, name)], 0.0).most, 0.0);
+      EXPECT_EQ(test::difference(four[layer_plane(1 + view, name)], two[layer_plane(2 + view, name)], 0.0).max, 0.0);
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
   const auto wide = device->capture(camera, {.width = 90, .height = 60, .extra_views = 4, .guard = 7});

@@ -4,7 +4,7 @@
 
 const int kSoftenBlock = 4;  // pixels; the shadow rays of a block go to as many points on the light as it has pixels
 // Min and max half width of the filter, pixels; the min is that of the first filter.
-const float kSoftenLeast = 2.0f, kSoftenMost = 14.0f;
+const float kSoftenMin = 2.0f, kSoftenMax = 14.0f;
 const int kSoftenBlocks = 4;  // reach of the widest filter, blocks
 
 struct SoftenConstants {

@@ -34,8 +34,8 @@ FN void soften_pixel(Int px, Int py) {
   if (C.second == 0) {
     for (int k = -2; k <= 2; ++k) {
       if (k == 0) continue;
-      float most = k == -2 || k == 2 ? 0.5f : 1.0f;  // any four in a row count equally
-      Real weight = alike(k * C.dx, k * C.dy, px, py, position, normal) * most;
+      float max_value = k == -2 || k == 2 ? 0.5f : 1.0f;  // any four in a row count equally
+      Real weight = alike(k * C.dx, k * C.dy, px, py, position, normal) * max_value;
       change = mad(weight, near_soften_from(k * C.dx, k * C.dy) - own, change);
       weights = weights + weight;
     }
@@ -43,7 +43,7 @@ FN void soften_pixel(Int px, Int py) {
     Real reach = block_soften_reach(kSoftenBlock, 0, 0);
     for (int k = 1; k < kSoftenBlocks; ++k) {
       // A neighbour represents four pixels, of which the filter reaches a fraction: the nearest ones, hence its square.
-      Real share = clamp((reach + kSoftenLeast) * 0.25f - float(k), Real(0.0f), Real(1.0f));
+      Real share = clamp((reach + kSoftenMin) * 0.25f - float(k), Real(0.0f), Real(1.0f));
       if (some(share > 0.0f)) {
         int right = k * kSoftenBlock * C.dx;
         int down = k * kSoftenBlock * C.dy;

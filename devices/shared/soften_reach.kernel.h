@@ -8,15 +8,15 @@ OUT_REAL(soften_reach)
 CONST float kShare = 0.2f;
 
 FN void soften_reach_pixel(Int px, Int py) {
-  Real reach = Real(kSoftenMost);
+  Real reach = Real(kSoftenMax);
   for (int j = -kSoftenBlocks; j <= kSoftenBlocks; ++j)
     for (int i = -kSoftenBlocks; i <= kSoftenBlocks; ++i) {
       int right = i < 0 ? -i : i;
       int down = j < 0 ? -j : j;
       int away = kSoftenBlock * (right < down ? down : right);
       // The taps, every fourth pixel, must not lie where the first filter has spread an edge beyond its block.
-      float ends_before = float(away - kSoftenBlock) - kSoftenLeast;
+      float ends_before = float(away - kSoftenBlock) - kSoftenMin;
       reach = min(reach, max(near_penumbra(i, j) * kShare, Real(ends_before)));
     }
-  store_soften_reach(max(reach, Real(kSoftenLeast)));
+  store_soften_reach(max(reach, Real(kSoftenMin)));
 }

@@ -43,7 +43,7 @@ TEST(Soften, GrazingPlanesAreAsFacingOnes) {
   EXPECT_GT(test::difference(expected, shadow, 0.0).mean, 0.1);
   test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
     softened(test::seen(plane), shadow,
-             [&](const Plane& out) { EXPECT_LE(test::difference(out, expected, 0.0).most, 1e-5); });
+             [&](const Plane& out) { EXPECT_LE(test::difference(out, expected, 0.0).max, 1e-5); });
   });
 }
 
@@ -53,7 +53,7 @@ TEST(Soften, NothingCrossesAStep) {
     for (int x = 0; x < 32; ++x) shadow.at(x, y) = 1.0f;
   test::at_grazing_angles({.step_px = 150.0, .depth_ratio = 0.1}, [&](const test::TiltedPlane& plane) {
     softened(test::seen(plane), shadow,
-             [&](const Plane& out) { EXPECT_EQ(test::difference(out, shadow, 0.0).most, 0.0); });
+             [&](const Plane& out) { EXPECT_EQ(test::difference(out, shadow, 0.0).max, 0.0); });
   });
 }
 

@@ -24,8 +24,8 @@ std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std
 
 Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const PictureInfo& info, Constants block,
                                     VkDeviceSize bytes, std::span<const DevicePlane* const> planes) {
-  const VkDeviceSize most = gpu_->properties.limits.maxStorageBufferRange;
-  const auto pipeline = pipelines_->of(step, block, bytes <= most);
+  const VkDeviceSize max = gpu_->properties.limits.maxStorageBufferRange;
+  const auto pipeline = pipelines_->of(step, block, bytes <= max);
   if (!pipeline) return pipeline.error();
   std::vector<VkDeviceAddress> table;
   for (const DevicePlane* plane : planes) table.push_back(plane ? plane->address : 0);
@@ -36,7 +36,7 @@ Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const Pic
   std::array<VkDescriptorBufferInfo, kBoundPlanes> bound;
   for (std::size_t k = 0; k < bound.size(); ++k) {
     const DevicePlane* plane = k < planes.size() && planes[k] ? planes[k] : *any;
-    bound[k] = {plane->buffer, plane->offset, std::min(bytes, most)};
+    bound[k] = {plane->buffer, plane->offset, std::min(bytes, max)};
   }
   work.pipeline = *pipeline;
   work.group_width = step.group_width;

@@ -8,11 +8,11 @@ namespace {
 
 /// Fills in the properties and limits of the device.
 void learn(Gpu& gpu) {
-  VkPhysicalDeviceMaintenance3Properties most{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
-  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &most};
+  VkPhysicalDeviceMaintenance3Properties max{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &max};
   gpu.vk.GetPhysicalDeviceProperties2(gpu.physical, &properties);
   gpu.properties = properties.properties;
-  gpu.largest_allocation = most.maxMemoryAllocationSize;
+  gpu.largest_allocation = max.maxMemoryAllocationSize;
   gpu.vk.GetPhysicalDeviceMemoryProperties(gpu.physical, &gpu.memory);
   std::uint32_t count = 0;
   gpu.vk.GetPhysicalDeviceQueueFamilyProperties(gpu.physical, &count, nullptr);

@@ -138,13 +138,13 @@ test::Difference difference_between(std::array<Device*, 2> devices, Request sett
     EXPECT_TRUE(frame) << frame.error().message;
     images.push_back(*device->download(*frame, {"color.r", "color.g", "color.b"}));
   }
-  test::Difference most;
+  test::Difference max;
   for (std::size_t p = 0; p < 3; ++p) {
     const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
-    most.most = std::max(most.most, d.most);
-    most.share_over = std::max(most.share_over, d.share_over);
+    max.max = std::max(max.max, d.max);
+    max.share_over = std::max(max.share_over, d.share_over);
   }
-  return most;
+  return max;
 }
 
 TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
@@ -157,14 +157,14 @@ TEST_P(VulkanCaptureWays, EveryLookGivesTheSamePicture) {
     settings.look = std::string(look->name);
     if (settings.look == "cartoon") settings.settings = {"outline.opacity=0"};
     const auto d = difference_between({gpu, cpu.get()}, settings);
-    EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.most;
+    EXPECT_LE(d.share_over, 2e-3) << look->name << ", most " << d.max;
   }
   // Lines are smooth: where one pixel of a line differs, all of it is shifted by a few hundredths of a pixel.
   Request with_lines;
   with_lines.look = "cartoon";
   const auto d = difference_between({gpu, cpu.get()}, with_lines);
   EXPECT_LE(d.share_over, 1e-2);
-  EXPECT_LE(d.most, 0.1);
+  EXPECT_LE(d.max, 0.1);
 }
 
 TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
@@ -180,7 +180,7 @@ TEST_P(VulkanCaptureWays, TakesOneSceneAfterTheOtherWithoutGrowth) {
     const Image image = test::captured(*gpu, scene, camera, {.width = 48, .height = 32});
     if (k < 2) first[k] = image;
     for (std::size_t p = 0; p < image.planes.size(); ++p)
-      ASSERT_EQ(test::difference(image.planes[p], first[k % 2].planes[p], 0.0).most, 0.0) << k << image.names[p];
+      ASSERT_EQ(test::difference(image.planes[p], first[k % 2].planes[p], 0.0).max, 0.0) << k << image.names[p];
     if (k == 3) after_both = vulkan_memory(*gpu);
   }
   EXPECT_EQ(vulkan_memory(*gpu).device_bytes, after_both.device_bytes);
@@ -215,7 +215,7 @@ TEST(VulkanCapture, DrawsTrianglesWhereItCan) {
   ASSERT_TRUE(computes);
   EXPECT_FALSE(drew(*computes, *scene, camera, settings, &image));
   for (std::size_t p = 0; p < image.planes.size(); ++p)
-    EXPECT_EQ(test::difference(image.planes[p], by_rays.planes[p], 0.0).most, 0.0) << image.names[p];
+    EXPECT_EQ(test::difference(image.planes[p], by_rays.planes[p], 0.0).max, 0.0) << image.names[p];
   // Points among triangles are drawn too.
   Scene mixed = *scene;
   Mesh points;
@@ -393,7 +393,7 @@ TEST(VulkanCapture, PicturesThatNeedTheMemoryGetWhatTrianglesWereDrawnInto) {
   ASSERT_TRUE(again);
   const auto after = gpu->download(*again, {"depth"});
   ASSERT_TRUE(after);
-  EXPECT_EQ(test::difference(before->plane("depth"), after->planes[0], 0.0).most, 0.0);
+  EXPECT_EQ(test::difference(before->plane("depth"), after->planes[0], 0.0).max, 0.0);
 }
 
 }  // namespace

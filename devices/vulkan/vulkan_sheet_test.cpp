@@ -89,21 +89,21 @@ TEST_P(VulkanSheet, DISABLED_LooksOfAllScenes) {
       settings.look = std::string(look->name);
       const std::string name = fmt::format("scene:{}?detail=20000", scene.name);
       const Image a = picture(*cpu, name, settings), b = picture(gpu, name, settings);
-      double most = 0.0, sum = 0.0;
+      double max = 0.0, sum = 0.0;
       long over = 0;
       for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
           double worst = 0.0;
           for (std::size_t c = 0; c < 3; ++c)
             worst = std::max(worst, std::fabs(double(a.planes[c].at(x, y)) - double(b.planes[c].at(x, y))));
-          most = std::max(most, worst);
+          max = std::max(max, worst);
           sum += worst;
           over += worst > kSeen;
         }
       over_all += over;
-      table += fmt::format("| {} | {} | {:.1f} | {:.4f} | {:.2f} |\n", look->name, scene.name, most * 255.0,
+      table += fmt::format("| {} | {} | {:.1f} | {:.4f} | {:.2f} |\n", look->name, scene.name, max * 255.0,
                            sum * 255.0 / (kWidth * kHeight), 1e4 * double(over) / (kWidth * kHeight));
-      fmt::print("{} {}: most {:.1f}/255, {} over\n", look->name, scene.name, most * 255.0, over);
+      fmt::print("{} {}: most {:.1f}/255, {} over\n", look->name, scene.name, max * 255.0, over);
       std::fflush(stdout);
       put(pictures, column, row, kSmaller, [&](int c, int x, int y) {
         double all = 0.0;

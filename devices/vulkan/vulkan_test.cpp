@@ -54,7 +54,7 @@ void expect_equal(const Image& a, const Image& b) {
   ASSERT_EQ(a.width, b.width);
   ASSERT_EQ(a.height, b.height);
   for (std::size_t p = 0; p < a.planes.size(); ++p)
-    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).most, 0.0) << a.names[p];
+    EXPECT_EQ(test::difference(a.planes[p], b.planes[p], 0.0).max, 0.0) << a.names[p];
 }
 
 // ---- planes and results ----
@@ -181,7 +181,7 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
     }
     for (std::size_t p = 0; p < 3; ++p) {
       const auto d = test::difference(images[0].planes[p], images[1].planes[p], 2.0 / 255.0);
-      EXPECT_LE(d.share_over, 1e-3) << look->name << ", most " << d.most;
+      EXPECT_LE(d.share_over, 1e-3) << look->name << ", most " << d.max;
     }
   }
 }

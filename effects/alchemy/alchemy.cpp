@@ -12,7 +12,7 @@ namespace umbrage {
 namespace {
 
 const std::vector<Parameter> kTable = {
-    int_row("samples", &AlchemyParams::samples, {.initial = 12, .min = 1, .max = kAlchemyMostSamples},
+    int_row("samples", &AlchemyParams::samples, {.initial = 12, .min = 1, .max = kAlchemyMaxSamples},
             "points of the disc per pixel"),
     int_row("turns", &AlchemyParams::turns, {.initial = 7, .min = 1, .max = 255},
             "turns of the spiral of points; best coprime to `samples`"),

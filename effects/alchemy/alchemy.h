@@ -15,7 +15,7 @@ struct AlchemyParams {
   float epsilon;   // in squared radii
 };
 
-const int kAlchemyMostSamples = 256;
+const int kAlchemyMaxSamples = 256;
 
 struct AlchemyConstants {
   int samples;
@@ -25,8 +25,8 @@ struct AlchemyConstants {
   int scalable;           // 0 or 1
   float factor;           // factor of the sum
   float contrast, bias;
-  float epsilon;                          // scene units squared
-  float points[2 * kAlchemyMostSamples];  // x, y of each sample in the unit disc
+  float epsilon;                         // scene units squared
+  float points[2 * kAlchemyMaxSamples];  // x, y of each sample in the unit disc
 };
 
 #endif

@@ -72,10 +72,10 @@ constexpr double kQuantum = 0.5;
 /// Fills in the layers of the first camera, nearest first, and for each the layer that shows its back sides, or -1.
 void fill_layers(const BitmaskParams& params, const PictureInfo& info, BitmaskConstants& c) {
   const int there = std::min(int(info.more_layers.size()) + 1, kLayersRead);
-  const int most = params.mode != kBitmaskLayers ? 1 : params.layers > 0 ? params.layers : kLayersRead;
+  const int max = params.mode != kBitmaskLayers ? 1 : params.layers > 0 ? params.layers : kLayersRead;
   const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
   int behind = 0;  // the layer that the next one must be behind
-  for (int layer = 0; layer < there && c.layer_count < most; ++layer) {
+  for (int layer = 0; layer < there && c.layer_count < max; ++layer) {
     if (layer > 0 && (info_of(layer).kind != LayerKind::kBehind || info_of(layer).of != behind)) continue;
     behind = layer;
     const int i = c.layer_count++;
@@ -86,9 +86,9 @@ void fill_layers(const BitmaskParams& params, const PictureInfo& info, BitmaskCo
   }
 }
 
-/// Chooses as many mip levels, up to kBitmaskMostMips, as fit below each other into one plane of the picture's size.
+/// Chooses as many mip levels, up to kBitmaskMaxMips, as fit below each other into one plane of the picture's size.
 void fill_mips(const PictureInfo& info, BitmaskConstants& c) {
-  for (int levels = kBitmaskMostMips; levels > 0; --levels) {
+  for (int levels = kBitmaskMaxMips; levels > 0; --levels) {
     const int multiple = 1 << (levels - 1);  // every level begins at an integer row
     const int rows = (info.height / 2 + multiple - 1) / multiple * multiple;
     if (2 * rows - rows / multiple > info.height || info.width >> levels == 0 || info.height >> levels == 0) continue;

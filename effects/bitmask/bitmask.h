@@ -30,7 +30,7 @@ const int kBitmaskStep1 = 0, kBitmaskStep15 = 1, kBitmaskStep2 = 2, kBitmaskStep
 const int kBitmaskThick = 0, kBitmaskInfinite = 1, kBitmaskLayers = 2;
 const int kBitmaskExact = 0, kBitmaskUniform = 1, kBitmaskSectors = 2;
 const int kBitmaskHilbert = 0, kBitmaskTile = 1, kBitmaskHash = 2, kBitmaskNone = 3;
-const int kBitmaskMostMips = 5;
+const int kBitmaskMaxMips = 5;
 
 struct BitmaskConstants {
   int slices, steps;

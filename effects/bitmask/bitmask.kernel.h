@@ -143,13 +143,13 @@ FN Way way_to(Origin from, Side side, Real x, Real y, Real depth) {
 FN Real cosine_of(Way way) { return way.to_eye * rsqrt(way.squared); }
 
 // Returns the bits that an occluder covers, with the assumed thickness but at most `most`.
-FN Uint covered_bits(Way way, Side side, Real most) {
+FN Uint covered_bits(Way way, Side side, Real max_value) {
   Real one_over = rsqrt(way.squared);
   Real front = max(way.to_eye * one_over, side.low);
   Real back = side.low;
   if (C.infinite == 0) {
     Real thick = max(way.squared * one_over * Real(C.slope), Real(C.thickness));
-    if (kLayers) thick = min(thick, most);
+    if (kLayers) thick = min(thick, max_value);
     Real to_eye = way.to_eye - thick;
     back = max(to_eye * rsqrt(mad(to_eye, to_eye, way.across2)), side.low);
   }
@@ -316,13 +316,13 @@ FN Found found_at(Origin from, Side side, Real off, Real size, bool near_border,
     Way way = way_to(from, side, tap.x, tap.y, depth);
     Bool counts = is_near(way, depth) && tap.inside;
     Real next = depth;
-    Real most = Real(3e38f);
+    Real max_value = Real(3e38f);
     if (kLayers && i + 1 < count) {
       next = depth_of(C.layer[i + 1], place_of(tap.x, tap.y));
       // The occluder ends where the next surface begins, at the latest.
-      most = select(next > depth, next - depth, most);
+      max_value = select(next > depth, next - depth, max_value);
     }
-    Uint fresh = select(counts, covered_bits(way, side, most), Uint(0u));
+    Uint fresh = select(counts, covered_bits(way, side, max_value), Uint(0u));
     if (kLight) light = light + light_of(i, fresh & ~(covered | bits), from, tap, depth, position);
     bits = bits | fresh;
     depth = next;

@@ -17,12 +17,11 @@ using namespace test;
 GBuffer light_and_occlusion() {
   constexpr int kWidth = 67, kHeight = 29;
   GBuffer g = test::empty_gbuffer(kWidth, kHeight);
-  const auto fill = [&](const char* name, double least, double most, unsigned seed) {
+  const auto fill = [&](const char* name, double min, double max, unsigned seed) {
     Plane& plane = g.layers[0].add(name);
     for (int y = 0; y < kHeight; ++y)
       for (int x = 0; x < kWidth; ++x)
-        plane.at(x, y) =
-            float(least + (most - least) * (test::hash(seed * 7919u + 31u * x + 4099u * y) / 4294967295.0));
+        plane.at(x, y) = float(min + (max - min) * (test::hash(seed * 7919u + 31u * x + 4099u * y) / 4294967295.0));
   };
   for (int c = 0; c < 3; ++c) {
     fill(kDirect[c], 0.0, 3.0, 1 + c);

@@ -58,8 +58,8 @@ bool light_too(const ParameterBytes& bytes) {
 }
 int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   const auto& params = as<DenoiseParams>(bytes);
-  const int most = light_too(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
-  return grown(most, params, info);
+  const int max = light_too(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
+  return grown(max, params, info);
 }
 bool ao_alone(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);

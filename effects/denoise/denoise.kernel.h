@@ -17,17 +17,17 @@ CONST float kDarker = 0.75f;
 
 // Returns the weight of the neighbour (i, j) pixels right and down, from 0 to `most`: full up to the distance and the
 // angle that users set.
-FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, float most) {
+FN Real weight_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, float max_value) {
   Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
   Vec3 other_normal = near_normal(i, j);
   Real turned = (1.0f - dot(normal, other_normal)) * Real(C.turn);
   Real joint = joint_of(max(turned, surface_distance(position, normal, there, other_normal, C.distance)));
   // max may drop a NaN.
-  return select(is_finite(turned) && near_inside(i, j), joint * Real(most), Real(0.0f));
+  return select(is_finite(turned) && near_inside(i, j), joint * Real(max_value), Real(0.0f));
 }
 
 // Returns the max weight of the tap at k, -2 to 2.
-FN float most_weight(int k) { return k == -1 || k == 1 ? C.near_weight : C.far_weight; }
+FN float max_weight(int k) { return k == -1 || k == 1 ? C.near_weight : C.far_weight; }
 
 // Returns whether neither the pixel at (i, j) right and down nor that at (-i, -j) lies on the surface of this pixel.
 FN Bool is_alone(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
@@ -43,14 +43,14 @@ FN Real at_most(Real light, Real before, Real after, Bool has_before, Bool has_a
 
 // Returns light, limited to kBrighter times the brighter of the pixels before and after.
 FN Vec3 light_beside(Vec3 light, Vec3 before, Vec3 after, Bool has_before, Bool has_after) {
-  Vec3 most = Vec3(at_most(light.x, before.x, after.x, has_before, has_after),
-                   at_most(light.y, before.y, after.y, has_before, has_after),
-                   at_most(light.z, before.z, after.z, has_before, has_after));
-  return select(has_before || has_after, most, light);
+  Vec3 max_value = Vec3(at_most(light.x, before.x, after.x, has_before, has_after),
+                        at_most(light.y, before.y, after.y, has_before, has_after),
+                        at_most(light.z, before.z, after.z, has_before, has_after));
+  return select(has_before || has_after, max_value, light);
 }
 
 // Returns `ao`, limited to at least kDarker times the lower of the pixels before and after.
 FN Real ao_beside(Real ao, Real before, Real after, Bool has_before, Bool has_after) {
-  Real least = min(select(has_before, before, Real(1.0f)), select(has_after, after, Real(1.0f))) * kDarker;
-  return select(has_before || has_after, max(ao, least), ao);
+  Real min_value = min(select(has_before, before, Real(1.0f)), select(has_after, after, Real(1.0f))) * kDarker;
+  return select(has_before || has_after, max(ao, min_value), ao);
 }

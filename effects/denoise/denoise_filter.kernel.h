@@ -29,7 +29,7 @@ FN Filtered filtered(Int px, Int py) {
     if (k == 0) continue;
     int right = k * step * to_right;
     int down = k * step * to_below;
-    Real weight = weight_of(right, down, px, py, position, normal, most_weight(k));
+    Real weight = weight_of(right, down, px, py, position, normal, max_weight(k));
     change = mad(weight, ao_at(right, down) - own, change);
     joined = joined + weight;
     if (kLight) light_change = light_change + (light_at(right, down) - own_light) * weight;

@@ -145,7 +145,7 @@ TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
     for (const char* name : kMade) g.layers[0].add(name) = facing.layers[0].plane(name);
     test::on_every_target("denoise", g, both(2), [&](const Image& image) {
       for (const char* name : kMade)
-        EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).most, 1e-6) << name;
+        EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).max, 1e-6) << name;
     });
   });
   test::at_grazing_angles({.step_px = 60.0, .depth_ratio = 0.1}, [](const test::TiltedPlane& plane) {
@@ -157,7 +157,7 @@ TEST(Denoise, GrazingPlanesAreAsFacingOnesAndStepsAreNot) {
     }
     test::on_every_target("denoise", g, both(2), [&](const Image& image) {
       for (const char* name : kMade)
-        EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).most, 0.0) << name;
+        EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).max, 0.0) << name;
     });
   });
 }
@@ -184,7 +184,7 @@ TEST(Denoise, ConstantsStayConstantAndMeansStay) {
       for (const char* name : kMade) g.layers[0].add(name) = Plane(191, 63, 0.3f);
       test::on_every_target("denoise", g, both(rounds), [&](const Image& image) {
         for (const char* name : kMade)
-          EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).most, 0.0);
+          EXPECT_EQ(test::difference(image.plane(name), g.layers[0].plane(name), 0.0).max, 0.0);
       });
     }
     // Bumpy surfaces with many holes and steps, and a gradient over the whole picture.
@@ -323,7 +323,7 @@ TEST(Denoise, LightMayTakeOtherRoundsThanOcclusion) {
   };
   const Image one = run("1", "0"), three = run("3", "0"), more_light = run("1", "3"), less_light = run("3", "1");
   const auto same = [](const Image& a, const Image& b, const char* name) {
-    return test::difference(a.plane(name), b.plane(name), 0.0).most == 0.0;
+    return test::difference(a.plane(name), b.plane(name), 0.0).max == 0.0;
   };
   EXPECT_FALSE(same(one, three, "ao"));
   EXPECT_FALSE(same(one, three, "indirect.g"));
@@ -372,7 +372,7 @@ TEST(Denoise, HigherPicturesTakeMoreRounds) {
     const Settings grown = {{"rounds", "1"}, {"indirect", "1"}, {"for_height", "16"}};
     const Image image = test::run_effect(*find_effect("denoise"), g, grown, {});
     for (const char* name : kMade)
-      EXPECT_EQ(test::difference(image.plane(name), expected.plane(name), 0.0).most, 0.0) << name << ' ' << reduced;
+      EXPECT_EQ(test::difference(image.plane(name), expected.plane(name), 0.0).max, 0.0) << name << ' ' << reduced;
   }
 }
 

@@ -73,10 +73,10 @@ TEST(Hbao, PlanesAreOpenUpToTheBias) {
   for (const double tilt : {0.0, 0.25, 0.5}) {
     const GBuffer g = tilted_plane(96, 64, tilt);
     const Plane ao = run_effect(*find_effect("hbao"), g, {{"radius", "2"}, {"angle_bias", "30"}}, {}).planes[0];
-    double least = 1.0;
+    double min = 1.0;
     for (int y = 0; y < 64; ++y)
-      for (int x = 0; x < 96; ++x) least = std::min(least, double(ao.at(x, y)));
-    EXPECT_EQ(least, 1.0) << tilt;
+      for (int x = 0; x < 96; ++x) min = std::min(min, double(ao.at(x, y)));
+    EXPECT_EQ(min, 1.0) << tilt;
   }
 }
 

@@ -29,7 +29,7 @@ constexpr float kOpenness = 0.7f;         // visibility of ambient light where i
 constexpr float kMinNearShare = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
-    int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMostSamples},
+    int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMaxSamples},
             "sample points per pixel"),
     choice_row("shape", &HemisphereParams::shape, 0, {"hemisphere", "sphere"},
                "sample the hemisphere above the surface, or the whole sphere"),
@@ -98,7 +98,7 @@ double share_of_one(double v) { return v - std::floor(v); }
 /// tutorial that it follows, 0.1 + 0.9 (i/N)^2 [learnopengl.com, "SSAO"].
 void fill_paper_points(const HemisphereParams& params, float* points) {
   std::mt19937 random(std::uint32_t(params.seed) + 1u);
-  const auto uniform = [&](double least, double most) { return least + (most - least) * (random() * 0x1p-32); };
+  const auto uniform = [&](double min, double max) { return min + (max - min) * (random() * 0x1p-32); };
   for (int i = 0; i < params.samples; ++i) {
     const double x = uniform(-1.0, 1.0), y = uniform(-1.0, 1.0);
     const double z = params.shape == 0 ? uniform(0.05, 1.0) : uniform(-1.0, 1.0);
@@ -140,7 +140,7 @@ void fill_even_points(const HemisphereParams& params, double inner, float* point
 /// Fills in the layers to search, their order and their cameras.
 void fill_layers(const HemisphereParams& params, const PictureInfo& info, HemisphereConstants& c) {
   const int there = std::min(int(info.more_layers.size()) + 1, params.layers > 0 ? params.layers : kLayersRead);
-  const int most = std::min(there, kLayersRead);
+  const int max = std::min(there, kLayersRead);
   const auto info_of = [&](int layer) -> const LayerInfo& { return info.more_layers[std::size_t(layer) - 1]; };
   // Returns the layer that defines the camera of `layer`: 0 for the first camera, or a layer of kind kOther.
   const auto view_of = [&](int layer) {
@@ -149,13 +149,13 @@ void fill_layers(const HemisphereParams& params, const PictureInfo& info, Hemisp
     return layer;
   };
   int view_before = -1;
-  for (int view = 0; view < most; ++view)  // layers of one camera are consecutive
-    for (int layer = 0; layer < most; ++layer) {
+  for (int view = 0; view < max; ++view)  // layers of one camera are consecutive
+    for (int layer = 0; layer < max; ++layer) {
       if (view_of(layer) != view || (layer > 0 && info_of(layer).kind == LayerKind::kBack)) continue;
       const int i = c.layer_count++;
       c.layer[i] = layer;
       c.back[i] = -1;
-      for (int k = 1; k < most; ++k)
+      for (int k = 1; k < max; ++k)
         if (info_of(k).kind == LayerKind::kBack && info_of(k).of == layer) c.back[i] = k;
       c.other[i] = view > 0 ? 1 : 0;
       c.new_view[i] = view != view_before ? 1 : 0;
@@ -196,7 +196,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.log_inner = std::log(c.inner);
   const double inner = std::max(double(c.inner) * c.radius, 1e-18), radius = std::max(double(c.radius), 1e-18);
   c.one_over_inner2 = float(std::min(1.0 / (inner * inner), 1e30));
-  c.least_b2 = float(std::max(kMinShareOfInner * kMinShareOfInner * inner * inner, 1e-30));
+  c.min_b2 = float(std::max(kMinShareOfInner * kMinShareOfInner * inner * inner, 1e-30));
   const double even_share = double(params.samples / 2) / params.samples;
   c.log_share = float((1.0 - even_share) / -double(c.log_inner));
   c.even_share_by_radius = float(even_share / radius);
@@ -222,8 +222,8 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   const bool whole = params.shape != 0;
   c.above = whole ? 0 : 1;
   c.rises = !whole && params.bias_of == 0 ? 1 : 0;
-  c.least_height = c.rises ? params.bias * c.radius : 0.0f;
-  c.least_nearer = c.rises ? 0.0f : params.bias * c.radius;
+  c.min_height = c.rises ? params.bias * c.radius : 0.0f;
+  c.min_nearer = c.rises ? 0.0f : params.bias * c.radius;
   c.weight = params.weight;
   c.clamp_border = params.border;
   c.occlusion = params.occlusion;
@@ -234,7 +234,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.area_factor = float(c.area == kHemisphereAreaPaper   ? params.fragment_area * r2
                         : c.area == kHemisphereAreaEqual ? r2 / params.samples
                                                          : (whole ? 4.0 : 2.0) / params.samples);
-  c.least_distance = std::max(params.floor * c.radius, c.radius * 1e-6f);
+  c.min_distance = std::max(params.floor * c.radius, c.radius * 1e-6f);
   c.ambient_bounce = params.ambient_bounce;
   c.openness = kOpenness;
   fill_layers(params, info, c);

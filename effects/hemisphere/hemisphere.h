@@ -36,7 +36,7 @@ const int kHemisphereEven = 0, kHemispherePaper = 1;
 const int kHemisphereRangeNone = 0, kHemisphereRangeConstant = 1, kHemisphereRangeLinear = 2;
 const int kHemisphereRangeQuadratic = 3, kHemisphereRangeSmoothstep = 4;
 const int kHemisphereAreaMeasured = 0, kHemisphereAreaEqual = 1, kHemisphereAreaPaper = 2;
-const int kHemisphereMostSamples = 256;
+const int kHemisphereMaxSamples = 256;
 
 struct HemisphereConstants {
   int samples;
@@ -50,7 +50,7 @@ struct HemisphereConstants {
   float one_over_inner2;                   // inverse of the square of that length, scene units
   float log_share;                         // fraction of log samples, divided by the log of their range
   float even_share_by_radius;              // fraction of even samples, divided by the radius in scene units
-  float least_b2;                          // square of the minimum distance from the pixel to a view ray, scene units
+  float min_b2;                            // square of the minimum distance from the pixel to a view ray, scene units
   int range, window;                       // window, 0 or 1: the range limits window depth
   // Limit of a difference in depth; depth at which limits that fall with depth have this value
   float limit, depth_at_limit;
@@ -58,15 +58,15 @@ struct HemisphereConstants {
   float window_one, window_inverse;  // window depth = window_one - window_inverse / depth
   int rises;                         // 0 or 1: an occluder must rise above the surface's plane
   // Scene units: minimum height above the surface's plane; minimum distance in front of the sample
-  float least_height, least_nearer;
+  float min_height, min_nearer;
   float weight;
   int clamp_border;  // 0 or 1
   int occlusion;     // 0 or 1
   float bleeding;
-  int area;              // as in HemisphereParams
-  float area_factor;     // factor of what a hit represents, besides cosines and lengths
-  int above;             // 0 or 1: samples lie above the surface's plane
-  float least_distance;  // scene units: minimum of the distance in equation 1
+  int area;            // as in HemisphereParams
+  float area_factor;   // factor of what a hit represents, besides cosines and lengths
+  int above;           // 0 or 1: samples lie above the surface's plane
+  float min_distance;  // scene units: minimum of the distance in equation 1
   float ambient_bounce;
   float openness;  // assumed visibility of ambient light where it is unknown
   // Layers in which occluders are searched, in this order. Entries of one camera are consecutive.
@@ -86,7 +86,7 @@ struct HemisphereConstants {
   // row: three factors and a translation each.
   float move[12 * kLayersRead];
   // Per sample point: x and y perpendicular to the normal, z along it, length, weight.
-  float points[5 * kHemisphereMostSamples];
+  float points[5 * kHemisphereMaxSamples];
 };
 
 #endif

@@ -119,7 +119,7 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
   Real share = cos_receiver * min(cos_emitter, Real(1.0f)) * Real(C.area_factor);
   if (C.area == kHemisphereAreaMeasured) {
     Real t = dot(way, sight);
-    Real b2 = max(squared - t * t, Real(C.least_b2));
+    Real b2 = max(squared - t * t, Real(C.min_b2));
     Real end2 = max(Real(C.radius * C.radius) - b2, Real(0.0f));
     Real end = end2 * rsqrt(max(end2, Real(1e-30f)));
     if (C.above != 0) {
@@ -143,7 +143,7 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     share = min(share, Real(C.area_factor * kMaxFind));
     sees = sees && squared <= Real(C.radius * C.radius);
   } else {
-    share = share / max(squared, Real(C.least_distance * C.least_distance));
+    share = share / max(squared, Real(C.min_distance * C.min_distance));
   }
   return select(sees, share, Real(0.0f));
 }
@@ -261,11 +261,11 @@ struct Hiding {
 struct Looking {
   Vec3 position, normal;
   Real depth, limit;  // view depth and range limit for the first camera
-  Real rounding, least_height, least_nearer;
+  Real rounding, min_height, min_nearer;
 };
 
 FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_depth, Bool hideable) {
-  Bool before = tap > 0.0f && point_depth - tap > from.least_nearer;
+  Bool before = tap > 0.0f && point_depth - tap > from.min_nearer;
   Vec3 seen = seen_position(i, x, y, tap);
   Vec3 occluder = seen;
   Real own_depth = from.depth;
@@ -280,7 +280,7 @@ FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_de
   before = before && weight > 0.0f;
   Bool hides = before;
   if (C.other[i] != 0) hides = hides && hideable && dot(way, way) <= Real(C.radius * C.radius);
-  if (C.rises != 0) hides = hides && dot(way, from.normal) > from.least_height;
+  if (C.rises != 0) hides = hides && dot(way, from.normal) > from.min_height;
   if (kGathersLight) {
     // Whether it faces the pixel and what it emits is looked up later.
     before = before && dot(way, from.normal) > from.rounding;
@@ -317,10 +317,10 @@ FN void gather(Int px, Int py) {
   Real shorter = C.even != 0 ? exp_of(noise.z * Real(C.log_inner)) : Real(1.0f);
 
   Real rounding = depth * kDepthRounding;
-  Real least_height = rounding + Real(C.least_height);
-  Real least_nearer = rounding + Real(C.least_nearer);
-  Real least_depth = depth * kMinDepth;
-  Looking from = Looking(position, normal, depth, range_limit(depth), rounding, least_height, least_nearer);
+  Real min_height = rounding + Real(C.min_height);
+  Real min_nearer = rounding + Real(C.min_nearer);
+  Real min_depth = depth * kMinDepth;
+  Looking from = Looking(position, normal, depth, range_limit(depth), rounding, min_height, min_nearer);
   Int own_place = place_of(to_real(px), to_real(py));
   int found_count = 0;
   Real hidden = Real(0.0f);
@@ -365,7 +365,7 @@ FN void gather(Int px, Int py) {
         if (C.new_view[i] != 0) {
           Vec3 there = point;
           if (C.other[i] != 0) there = turned_to(i, point) + added_to(i);
-          point_depth = max(-there.z, least_depth);
+          point_depth = max(-there.z, min_depth);
           Real shrunk = Real(1.0f);
           if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
           x = mad(there.x * shrunk, Real(C.scale_x[i]), Real(C.offset_x[i]));
@@ -381,7 +381,7 @@ FN void gather(Int px, Int py) {
           known = known || inside;
         }
         Real tap = select(inside, layers == 1 ? read_depth(place) : read_depth_of(C.layer[i], place), Real(0.0f));
-        Bool before = tap > 0.0f && point_depth - tap > least_nearer;
+        Bool before = tap > 0.0f && point_depth - tap > min_nearer;
         if (i == 0) open = inside && !before;
         if (kLanes == 1) {
           // With a single lane the tap is evaluated at once.

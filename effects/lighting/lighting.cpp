@@ -50,7 +50,7 @@ void fill_constants(const LightingParams& params, const PictureInfo& info, Light
     std::copy_n(factors, kLightingShape, color == 0 ? c.shape_r : color == 1 ? c.shape_g : c.shape_b);
   }
   c.shadow = rig.shadows ? params.shadow : 0.0f;
-  static_assert(kLightingMostLights == kMaxRigLights);
+  static_assert(kLightingMaxLights == kMaxRigLights);
   c.light_count = int(rig.lights.size());
   for (int k = 0; k < c.light_count; ++k) {
     const RigLight& light = rig.lights[k];

@@ -1,7 +1,7 @@
 // Parameters and kernel constants of `lighting`. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_LIGHTING_H
 #define UMBRAGE_EFFECTS_LIGHTING_H
-const int kLightingMostLights = 16;
+const int kLightingMaxLights = 16;
 const int kLightingShape = 9;
 
 // Each field has one row in the parameter table of lighting.cpp.
@@ -22,11 +22,11 @@ struct LightingConstants {
   float shape_r[kLightingShape], shape_g[kLightingShape], shape_b[kLightingShape];
   float diffuse, specular, emission, shadow;
   // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
-  int kind[kLightingMostLights];
-  float x[kLightingMostLights], y[kLightingMostLights], z[kLightingMostLights];
-  float r[kLightingMostLights], g[kLightingMostLights], b[kLightingMostLights];
+  int kind[kLightingMaxLights];
+  float x[kLightingMaxLights], y[kLightingMaxLights], z[kLightingMaxLights];
+  float r[kLightingMaxLights], g[kLightingMaxLights], b[kLightingMaxLights];
   // Point light: squared distance at which its colour is r, g, b; 0: no falloff.
-  float reach_squared[kLightingMostLights];
+  float reach_squared[kLightingMaxLights];
 };
 
 #endif

@@ -47,17 +47,17 @@ dvec2 place(const LinePoint& p) { return {p.x, p.y}; }
 
 /// Returns the distance to a line.
 double distance_to_line(dvec2 p, const Line& line) {
-  double least = kInfinity;
+  double min = kInfinity;
   for (std::size_t k = 0; k + 1 < line.points.size(); ++k)
-    least = std::min(least, distance_to_segment(p, place(line.points[k]), place(line.points[k + 1])));
-  return least;
+    min = std::min(min, distance_to_segment(p, place(line.points[k]), place(line.points[k + 1])));
+  return min;
 }
 
 double distance_to_lines(dvec2 p, const Lines& lines, const Line* but = nullptr) {
-  double least = kInfinity;
+  double min = kInfinity;
   for (const Line& line : lines.lines)
-    if (&line != but) least = std::min(least, distance_to_line(p, line));
-  return least;
+    if (&line != but) min = std::min(min, distance_to_line(p, line));
+  return min;
 }
 
 /// Returns the ends of lines that meet no other line and not the picture's border.
@@ -339,7 +339,7 @@ TEST(OutlineLines, TakeAnyEdgesInBoundedTime) {
 TEST(OutlineLines, AreTheSameAtAnyNumberOfThreads) {
   const GBuffer g = random_gbuffer(200, 2);
   const Traced one = traced(g, {}, {.threads = 1}), two = traced(g, {}, {.threads = 2});
-  EXPECT_EQ(difference(one.planes.plane("outline"), two.planes.plane("outline"), 0.0).most, 0.0);
+  EXPECT_EQ(difference(one.planes.plane("outline"), two.planes.plane("outline"), 0.0).max, 0.0);
 }
 
 TEST(OutlineLines, OfNoWidthCoverNothing) {

@@ -157,8 +157,8 @@ inline RayScene ground(double elevation_deg, double error_deg, double depth = kF
     Hit hit = plane(origin, direction);
     if (error_deg > 0.0 && hit.distance < kInfinity) {
       const dvec3 p = origin + direction * hit.distance;
-      const double angle = 5.0 * p.x + 1.7 * p.z, most = std::tan(radians(error_deg));
-      hit.normal = glm::normalize(hit.normal + most * dvec3(std::cos(angle), 0.0, std::sin(angle)));
+      const double angle = 5.0 * p.x + 1.7 * p.z, max = std::tan(radians(error_deg));
+      hit.normal = glm::normalize(hit.normal + max * dvec3(std::cos(angle), 0.0, std::sin(angle)));
     }
     return hit;
   };

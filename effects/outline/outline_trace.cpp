@@ -78,7 +78,7 @@ void describe(const Edge& e, const HostPlane& depth, const HostPlane& object, co
 }
 
 /// Returns the min length of a line in pixels. Between objects it may be short, unless both its ends are free.
-float least_length(const Chain& chain, int free_ends, float scale) {
+float min_length(const Chain& chain, int free_ends, float scale) {
   const bool alone = free_ends == 2 || chain.closed;
   if (std::any_of(chain.points.begin(), chain.points.end(), [](const auto& p) { return p.kind == kOutlineId; }))
     return alone ? 2.0f * kBranch * scale : 0.0f;
@@ -101,7 +101,7 @@ Lines trace_lines(const HostFrame& frame, const OutlineConstants& c) {
   join_at_junctions(t);
   keep_clear_parts(t, {kFaint, kClear, kFull, std::max(1, int(std::lround(kMean * c.scale)))});
   bridge_gaps(t, kGap * c.scale, pixel);
-  drop_short(t, [&](const Chain& chain, int free_ends) { return least_length(chain, free_ends, c.scale); });
+  drop_short(t, [&](const Chain& chain, int free_ends) { return min_length(chain, free_ends, c.scale); });
   const std::vector<std::uint8_t> free_ends = t.free_ends();
   smooth_chains(t);
   meet(t);

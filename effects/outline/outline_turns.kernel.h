@@ -58,13 +58,13 @@ FN Real break_load(Int px, Int py, Int s, int i, int j) {
 FN Real turn_at(Int px, Int py, int i, int j) {
   Bool maybe = break_beside(0, i, j) == 0.0f && near_inside(i, j) && is_surface(near_depth(0, 0));
   if (!some(maybe)) return Real(0.0f);
-  Real most = Real(0.0f);
+  Real max_value = Real(0.0f);
   for (int h = 0; h <= C.max_window; h = wider(h)) {
     Vec3 across = near_normal((1 + h) * i, (1 + h) * j) - near_normal(-h * i, -h * j);
-    most = max(most, dot(across, across));
+    max_value = max(max_value, dot(across, across));
   }
-  Real least = Real(C.crease_chord);
-  maybe = maybe && most >= least * least * (kOutlineMinStrength * kOutlineMinStrength);
+  Real min_value = Real(C.crease_chord);
+  maybe = maybe && max_value >= min_value * min_value * (kOutlineMinStrength * kOutlineMinStrength);
   if (!some(maybe)) return Real(0.0f);
   // Number of pixels of the surface on either side, and whether it ends there in its own silhouette.
   int reach = 2 * C.max_window + 1;
@@ -92,7 +92,7 @@ FN Real turn_at(Int px, Int py, int i, int j) {
     Vec3 a = near_normal(-h * i, -h * j);
     Vec3 b = near_normal((1 + h) * i, (1 + h) * j);
     Real turn2 = square(b - a);
-    Real bound = least * max(best, Real(kOutlineMinStrength));
+    Real bound = min_value * max(best, Real(kOutlineMinStrength));
     Int left = min(before - Int(h), Int(h + 1));
     Int right = min(after - Int(h), Int(h + 1));
     Int rim_room = Int(h < 4 ? 1 : h / 2);

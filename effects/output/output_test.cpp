@@ -26,22 +26,22 @@ GBuffer row_of(const std::vector<float>& values) {
   return g;
 }
 
-std::vector<float> ramp(double least, double most, int count) {
+std::vector<float> ramp(double min, double max, int count) {
   std::vector<float> values(count);
-  for (int i = 0; i < count; ++i) values[i] = float(least + (most - least) * i / (count - 1));
+  for (int i = 0; i < count; ++i) values[i] = float(min + (max - min) * i / (count - 1));
   return values;
 }
 
 TEST(Output, FollowsTheSrgbCurve) {
   // The whole range, and the dark end where the curve is steepest and changes its formula.
-  for (const double most : {1.0, 0.01, 0.0032}) {
-    const auto values = ramp(0.0, most, 5000);
+  for (const double max : {1.0, 0.01, 0.0032}) {
+    const auto values = ramp(0.0, max, 5000);
     const GBuffer g = row_of(values);
     test::on_every_target("output", g, {}, [&](const Image& image) {
       double worst = 0.0;
       for (int x = 0; x < image.width; ++x)
         worst = std::max(worst, std::fabs(image.plane("color.g").at(x, 0) - srgb(values[x])));
-      EXPECT_LE(worst, 1e-6) << "up to " << most;
+      EXPECT_LE(worst, 1e-6) << "up to " << max;
     });
   }
 }

@@ -22,7 +22,7 @@ constexpr std::string_view kOurs =
 constexpr float kMinNearShare = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
-    int_row("samples", &SphereParams::samples, {.initial = 8, .min = 1, .max = kSphereMostSamples},
+    int_row("samples", &SphereParams::samples, {.initial = 8, .min = 1, .max = kSphereMaxSamples},
             "sample points per pixel"),
     length_row("radius", &SphereParams::radius, {.initial_percent = kRadiusPercent, .max = kMaxRadius, .unit = "px"},
                "radius of the sphere, in pixels or in percent of the picture's width"),

@@ -27,7 +27,7 @@ struct SphereParams {
 const int kSphereWindow = 0, kSphereLinear = 1;
 const int kSphereReflectRandom = 0, kSphereReflectNormal = 1, kSphereReflectNone = 2;
 const int kSphereRangeOff = 0, kSphereRangeHard = 1, kSphereRangeSmooth = 2;
-const int kSphereMostSamples = 256;
+const int kSphereMaxSamples = 256;
 
 struct SphereConstants {
   int samples;
@@ -50,7 +50,7 @@ struct SphereConstants {
   float bias;        // fraction of the radius
   int skip_outside;  // 0 or 1
   float strength;
-  float points[3 * kSphereMostSamples];  // x, y, z of each sample point in the unit sphere, view space
+  float points[3 * kSphereMaxSamples];  // x, y, z of each sample point in the unit sphere, view space
 };
 
 #endif

@@ -82,7 +82,7 @@ FN Real open_at(Int px, Int py, Real depth) {
   Real rounding = C.linear != 0 ? depth * kDepthRounding : Real(kWindowRounding);
   Real limit = clamp((C.linear != 0 ? radius : radius_x) * Real(C.limit), Real(1e-30f), Real(1e30f));
   // A surface that rises less than this above the pixel's plane does not occlude.
-  Real least_height = mad(radius, Real(C.bias), depth * kDepthRounding);
+  Real min_height = mad(radius, Real(C.bias), depth * kDepthRounding);
   Real hidden = Real(0.0f);
   Real count = Real(float(C.samples));
   for (int i = 0; i < C.samples; ++i) {
@@ -114,7 +114,7 @@ FN Real open_at(Int px, Int py, Real depth) {
       Int inner_column = clamp(column, Int(0), Int(F.width - 1));  // where a clamped sample was read
       Int inner_row = clamp(row, Int(0), Int(F.height - 1));
       Vec3 to_tap = view_position(inner_column, inner_row, tap) - position;
-      occludes = occludes && dot(to_tap, normal) > least_height;
+      occludes = occludes && dot(to_tap, normal) > min_height;
     }
     Real weight = C.range == kSphereRangeOff ? Real(1.0f) : range_weight(own - tap_depth, limit);
     if (C.skip_outside != 0) {

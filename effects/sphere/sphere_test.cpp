@@ -172,17 +172,17 @@ TEST(Sphere, PointsAreSpreadEvenlyInTheUnitBall) {
       const auto all = points(g, {{"samples", std::to_string(n)}, {"shape", shape}});
       ASSERT_EQ(all.size(), std::size_t(n));
       glm::dvec3 sum(0.0);
-      double cubes = 0.0, least_apart = 2.0;
+      double cubes = 0.0, min_apart = 2.0;
       for (int i = 0; i < n; ++i) {
         EXPECT_LE(glm::length(all[i]), 1.0 + 1e-6);
         sum += all[i];
         cubes += std::pow(glm::length(all[i]), 3.0);
-        for (int k = 0; k < i; ++k) least_apart = std::min(least_apart, glm::length(all[i] - all[k]));
+        for (int k = 0; k < i; ++k) min_apart = std::min(min_apart, glm::length(all[i] - all[k]));
       }
       if (n < 8) continue;
       EXPECT_LT(glm::length(sum) / n, 0.15) << n;
       EXPECT_NEAR(cubes / n, 0.5, 0.15) << n;  // uniform in volume
-      EXPECT_GT(least_apart, 0.3 / std::cbrt(double(n))) << n << shape;
+      EXPECT_GT(min_apart, 0.3 / std::cbrt(double(n))) << n << shape;
     }
 }
 
@@ -525,7 +525,7 @@ TEST(Sphere, BackgroundIsOpenAndHidesNothing) {
     for (int x = 0; x < kStep; ++x) g.layers[0].planes[0].at(x, y) = kInfinity;
   for (const Settings& settings : {kPlainShare, kOurs})
     test::on_every_target("sphere", g, settings, [&](const Image& image) {
-      EXPECT_EQ(test::difference(image.plane("ao"), Plane(kStepWidth, kStepHeight, 1.0f), 0.0).most, 0.0);
+      EXPECT_EQ(test::difference(image.plane("ao"), Plane(kStepWidth, kStepHeight, 1.0f), 0.0).max, 0.0);
     });
 }
 
@@ -535,7 +535,7 @@ TEST(Sphere, DepthThatIsNoneIsBackground) {
   for (int y = 0; y < kStepHeight; ++y)
     for (int x = 0; x < kStep; ++x) g.layers[0].planes[0].at(x, y) = odd[(x + y) % 4];
   test::on_every_target("sphere", g, kPlainShare, [&](const Image& image) {
-    EXPECT_EQ(test::difference(image.plane("ao"), Plane(kStepWidth, kStepHeight, 1.0f), 0.0).most, 0.0);
+    EXPECT_EQ(test::difference(image.plane("ao"), Plane(kStepWidth, kStepHeight, 1.0f), 0.0).max, 0.0);
   });
 }
 

@@ -68,17 +68,17 @@ void fill_lights(const ToonParams& params, const PictureInfo& info, ToonConstant
   if (!rig.shadows) c.shadow = 0.0f;
   // The paper has one light, without falloff.
   const bool paper = params.mode == kToonPaper;
-  static_assert(kToonMostLights == kMaxRigLights);
-  c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMostLights);
+  static_assert(kToonMaxLights == kMaxRigLights);
+  c.light_count = std::min(int(rig.lights.size()), paper ? 1 : kToonMaxLights);
   if (rig.lights.empty() && !rig.ambient_shape.even()) {
     // A sky without a sun: tone steps by the direction from which most of its light comes.
     c.light_count = 1;
     c.shadow = 0.0f;
     c.share[0] = 1.0f;
-    const glm::vec3 most = brightest_direction(rig.ambient_shape);
-    c.x[0] = most.x;
-    c.y[0] = most.y;
-    c.z[0] = most.z;
+    const glm::vec3 max = brightest_direction(rig.ambient_shape);
+    c.x[0] = max.x;
+    c.y[0] = max.y;
+    c.z[0] = max.z;
     return;
   }
   const float key = rig.lights.empty() ? 0.0f : luminance(rig.lights[0].color);
@@ -102,7 +102,7 @@ void fill_constants(const ToonParams& params, const PictureInfo& info, ToonConst
   // that faces away is at an edge between tone steps.
   c.steps_per_intensity = c.steps / (1.0f + params.ambient + params.extra);
   c.inverse_steps = 1.0f / c.steps;
-  c.least_width = std::min(kMinChange * c.steps_per_intensity, 1.0f);
+  c.min_width = std::min(kMinChange * c.steps_per_intensity, 1.0f);
   c.softness = params.softness;
   // kSpeckHeight: the picture's height per pixel of speck; kMaxSpeck: pixels
   constexpr float kSpeckHeight = 432.0f, kMaxSpeck = 8.0f;

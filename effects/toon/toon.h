@@ -1,7 +1,7 @@
 // User parameters of `toon` and the constants of its kernels. Shared by C++ and GLSL: 4-byte scalars only.
 #ifndef UMBRAGE_EFFECTS_TOON_H
 #define UMBRAGE_EFFECTS_TOON_H
-const int kToonMostLights = 16;
+const int kToonMaxLights = 16;
 
 // Values of ToonParams::mode and albedo.
 const int kToonRamp = 0, kToonPaper = 1;
@@ -28,19 +28,19 @@ struct ToonConstants {
   int light_count;
   float steps;
   float ambient, extra, shadow, specular;
-  float steps_per_intensity;    // from intensity to tone steps of the ramp
-  float inverse_steps;          // paper: brightness of a tone step
-  float least_width, softness;  // of an edge between tone steps, in steps; both at most 1
-  int speck;                    // ramp without softness: max width and height of a speck, pixels; 0: specks are kept
-  float sharpness;              // 1 over the square of the highlight's size
+  float steps_per_intensity;  // from intensity to tone steps of the ramp
+  float inverse_steps;        // paper: brightness of a tone step
+  float min_width, softness;  // of an edge between tone steps, in steps; both at most 1
+  int speck;                  // ramp without softness: max width and height of a speck, pixels; 0: specks are kept
+  float sharpness;            // 1 over the square of the highlight's size
   float shadow_r, shadow_g, shadow_b;
   float step_r, step_g, step_b;  // difference between the colours of adjacent tone steps
   float light_r, light_g, light_b;
   // Lights in view space, the key light first. kind: 0 directional (x, y, z towards the light), 1 point (at x, y, z)
-  int kind[kToonMostLights];
-  float x[kToonMostLights], y[kToonMostLights], z[kToonMostLights];
-  float share[kToonMostLights];          // intensity relative to the key light
-  float reach_squared[kToonMostLights];  // of a point light: squared distance at which its share applies; 0: no falloff
+  int kind[kToonMaxLights];
+  float x[kToonMaxLights], y[kToonMaxLights], z[kToonMaxLights];
+  float share[kToonMaxLights];          // intensity relative to the key light
+  float reach_squared[kToonMaxLights];  // of a point light: squared distance at which its share applies; 0: no falloff
 };
 
 #endif

@@ -90,7 +90,7 @@ FN Bool may_be_speck(Bool surface, Real intensity, Real antialiased) {
 // Min and max intensity on a square ring of pixels around this one, all of one tone step.
 struct Ring {
   Bool on;
-  Real least, most;
+  Real min, max;
 };
 
 // Returns the first such ring, on this pixel's surface, among those around a square of C.speck x C.speck pixels that
@@ -112,13 +112,13 @@ FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal)
       int i = k % 4 == 0 ? left + m : k % 4 == 1 ? left + side - m : k % 4 == 2 ? left + side : left;
       int j = k % 4 == 0 ? top : k % 4 == 1 ? top + side : k % 4 == 2 ? top + m : top + side - m;
       Real intensity = near_toon_intensity(i, j);
-      ring.least = min(ring.least, intensity);
-      ring.most = max(ring.most, intensity);
+      ring.min = min(ring.min, intensity);
+      ring.max = max(ring.max, intensity);
       Bool here = connected(i, j, px, py, position, normal);
       ring.on = ring.on && here && step_of(intensity) == step;
     }
-    found.least = select(ring.on, ring.least, found.least);
-    found.most = select(ring.on, ring.most, found.most);
+    found.min = select(ring.on, ring.min, found.min);
+    found.max = select(ring.on, ring.max, found.max);
     found.on = found.on || ring.on;
   }
   return found;
@@ -160,7 +160,7 @@ FN void toon_pixel(Int px, Int py) {
   Real across = change(intensity, near_toon_intensity(-1, 0), near_toon_intensity(1, 0), left, right);
   Real along = change(intensity, near_toon_intensity(0, -1), near_toon_intensity(0, 1), up, down);
   Real width = sqrt(mad(across, across, along * along)) * Real(C.steps_per_intensity);
-  width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
+  width = clamp(max(width, Real(C.softness)), Real(C.min_width), Real(1.0f));
   Real scaled = clamp(intensity * C.steps_per_intensity, Real(0.0f), Real(C.steps + 1.0f));
   Real step = clamp(averaged_floor(scaled, width), Real(0.0f), Real(C.steps - 1.0f));
   // A speck takes the tone step that surrounds it.
@@ -168,8 +168,8 @@ FN void toon_pixel(Int px, Int py) {
     Bool ask = may_be_speck(surface, intensity, step);
     if (some(ask)) {
       Ring ring = ring_around(ask, px, py, position, normal);
-      Real within = clamp(scaled, ring.least * C.steps_per_intensity, ring.most * C.steps_per_intensity);
-      within = averaged_floor(min(within, Real(C.steps + 1.0f)), Real(C.least_width));
+      Real within = clamp(scaled, ring.min * C.steps_per_intensity, ring.max * C.steps_per_intensity);
+      within = averaged_floor(min(within, Real(C.steps + 1.0f)), Real(C.min_width));
       step = select(ring.on, clamp(within, Real(0.0f), Real(C.steps - 1.0f)), step);
     }
   }
@@ -187,14 +187,15 @@ FN void toon_pixel(Int px, Int py) {
     along = change(highlight, above, below, up, down);
     width = sqrt(mad(across, across, along * along));
     Real narrow = clamp(width - 1.0f, Real(0.0f), Real(1.0f));
-    width = clamp(max(width, Real(C.softness)), Real(C.least_width), Real(1.0f));
+    width = clamp(max(width, Real(C.softness)), Real(C.min_width), Real(1.0f));
     Real inside = clamp(highlight / width + 0.5f, Real(0.0f), Real(1.0f));
     // A highlight narrower than a pixel, as on a bevel, covers at most the fraction of the pixel that it is wide, and
     // nothing of a pixel that it does not reach; otherwise it would be a row of dots.
-    Real most = min(reach_along(highlight, before, after, left, right), reach_along(highlight, above, below, up, down));
+    Real max_value =
+        min(reach_along(highlight, before, after, left, right), reach_along(highlight, above, below, up, down));
     Bool reached = highlight > 0.0f || (left && before > 0.0f) || (right && after > 0.0f) || (up && above > 0.0f) ||
                    (down && below > 0.0f);
-    inside = inside + (min(inside, select(reached, most, Real(0.0f))) - inside) * narrow;
+    inside = inside + (min(inside, select(reached, max_value, Real(0.0f))) - inside) * narrow;
     // Square root of the material's specular value: highlights of typical materials, 0.05 to 0.5, stay visible and
     // differ.
     Real strength = sqrt(clamp(near_specular(0, 0), Real(0.0f), Real(1.0f))) * Real(C.specular);

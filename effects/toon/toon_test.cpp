@@ -271,13 +271,13 @@ long left_of(const Spot& s, const Plane& lit) {
 
 TEST(Toon, SpecksTakeTheStepAroundThem) {
   // Max speck sizes: five pixels at a picture height of 2160, two at 1024, none at 200. Specks are darker and lighter.
-  for (const auto& [height, most] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
+  for (const auto& [height, max] : {std::pair(2160, 5), {1024, 2}, {200, 0}})
     for (const glm::ivec2 size : {glm::ivec2(1, 1), {1, 2}, {2, 2}, {3, 2}, {5, 5}, {5, 6}, {6, 1}, {6, 6}, {1, 30}})
       for (const float ao : {0.1f, 0.4f, 0.9f}) {
         const Spot spot{20, 20, size.x, size.y, ao};
         test::on_every_target("toon", face_with(height, {spot}), kNoAmbient, [&](const Image& out) {
           const long left = left_of(spot, out.plane("lit.g"));
-          EXPECT_EQ(left, size.x <= most && size.y <= most ? 0 : size.x * size.y)
+          EXPECT_EQ(left, size.x <= max && size.y <= max ? 0 : size.x * size.y)
               << size.x << " x " << size.y << " of " << height << ", " << ao;
         });
       }
@@ -451,7 +451,7 @@ TEST(Toon, FacesAreNotSpeckled) {
       for (int x = 0; x < 64; ++x)
         set_normal(g, x, y,
                    normal + 1e-7 * glm::dvec3(test::hash(x + 64 * y) % 5 - 2.0, 0, test::hash(y + 64 * x) % 5 - 2.0));
-    double most = 0.0;
+    double max = 0.0;
     test::on_every_target("toon", g, settings, [&](const Image& out) {
       float low = 1e9f, high = -1e9f;
       for (int y = 0; y < 64; ++y)
@@ -459,9 +459,9 @@ TEST(Toon, FacesAreNotSpeckled) {
           low = std::min(low, out.plane("lit.r").at(x, y));
           high = std::max(high, out.plane("lit.r").at(x, y));
         }
-      most = std::max(most, double(high - low));
+      max = std::max(max, double(high - low));
     });
-    return most;
+    return max;
   };
   for (const char* steps : {"2", "3", "4", "5", "8", "16"}) {
     EXPECT_EQ(spread({0, 0, 1}, {{"bands", steps}}), 0.0) << steps;   // turned to the light
@@ -561,11 +561,11 @@ TEST(Toon, HighlightsThinnerThanAPixelAreNoBrighterThanTheyAreWide) {
       const double wide = 2.0 * std::acos(1.0 - std::log(2.0) / shininess) / (turn_deg * std::numbers::pi / 180.0);
       test::on_every_target("toon", g, {}, [&](const Image& out) {
         const std::string what = fmt::format("{} degrees, shininess {}, {:.2f} pixels", turn_deg, shininess, wide);
-        double most = 0.0;
+        double max = 0.0;
         for (int y = 1; y < kHeight - 1; ++y)
-          for (int x = 1; x < kWidth - 1; ++x) most = std::max(most, double(out.plane("lit.r").at(x, y)));
-        EXPECT_LT(most, std::min(wide, 1.0) + 0.05) << what;
-        EXPECT_GT(most, 0.2 * wide) << what;
+          for (int x = 1; x < kWidth - 1; ++x) max = std::max(max, double(out.plane("lit.r").at(x, y)));
+        EXPECT_LT(max, std::min(wide, 1.0) + 0.05) << what;
+        EXPECT_GT(max, 0.2 * wide) << what;
       });
     }
 }

@@ -107,7 +107,7 @@ bool has_no_threshold(const void* constants) {
 bool has_blocks(const void* constants) {
   const auto& c = *static_cast<const UnsharpConstants*>(constants);
   const bool few_outside = c.border == kUnsharpBorderSkip || c.border == kUnsharpBorderZero;
-  return c.gaussian == 0 && few_outside && c.last_column - c.first_column + 1 >= kUnsharpLeastBlocks;
+  return c.gaussian == 0 && few_outside && c.last_column - c.first_column + 1 >= kUnsharpMinBlocks;
 }
 
 /// Alternatives for a box window on a GPU, whose cost hardly grows with the window.
@@ -126,24 +126,23 @@ const std::vector<GpuWay> kGpuWays = {
                 .group_width = kUnsharpStripWidth,
                 .group_height = kUnsharpStripHeight}}},
     {.fits = has_blocks,
-     .steps = {
-         {.name = "blocks of 4",
-          .inputs = {"unsharp_depth"},
-          .outputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
-          .spirv = unsharp_blocks4_spirv()},
-         {.name = "blocks of 8",
-          .inputs = {"unsharp_least4", "unsharp_greatest4", "unsharp_sum4"},
-          .outputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
-          .spirv = unsharp_blocks8_spirv()},
-         {.name = "blocks of 16",
-          .inputs = {"unsharp_least8", "unsharp_greatest8", "unsharp_sum8"},
-          .outputs = {"unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
-          .spirv = unsharp_blocks16_spirv()},
-         {.name = "unsharp",
-          .inputs = {"depth", "unsharp_depth", "unsharp_least4", "unsharp_greatest4", "unsharp_sum4", "unsharp_least8",
-                     "unsharp_greatest8", "unsharp_sum8", "unsharp_least16", "unsharp_greatest16", "unsharp_sum16"},
-          .outputs = {"ao"},
-          .spirv = unsharp_blocks_spirv()}}}};
+     .steps = {{.name = "blocks of 4",
+                .inputs = {"unsharp_depth"},
+                .outputs = {"unsharp_min4", "unsharp_max4", "unsharp_sum4"},
+                .spirv = unsharp_blocks4_spirv()},
+               {.name = "blocks of 8",
+                .inputs = {"unsharp_min4", "unsharp_max4", "unsharp_sum4"},
+                .outputs = {"unsharp_min8", "unsharp_max8", "unsharp_sum8"},
+                .spirv = unsharp_blocks8_spirv()},
+               {.name = "blocks of 16",
+                .inputs = {"unsharp_min8", "unsharp_max8", "unsharp_sum8"},
+                .outputs = {"unsharp_min16", "unsharp_max16", "unsharp_sum16"},
+                .spirv = unsharp_blocks16_spirv()},
+               {.name = "unsharp",
+                .inputs = {"depth", "unsharp_depth", "unsharp_min4", "unsharp_max4", "unsharp_sum4", "unsharp_min8",
+                           "unsharp_max8", "unsharp_sum8", "unsharp_min16", "unsharp_max16", "unsharp_sum16"},
+                .outputs = {"ao"},
+                .spirv = unsharp_blocks_spirv()}}}};
 
 }  // namespace
 

@@ -161,25 +161,24 @@ void RunOpen(const KernelFrame& frame, const Tile& tile, Formulas& formulas, con
 // Min, max and sum of the size x size samples right and down of every sample of a patch. Sums wrap around where samples
 // are absent; they are read only where none is.
 struct Level {
-  std::vector<std::int32_t> least, greatest, sum;
+  std::vector<std::int32_t> min, max, sum;
 };
 
 // Computes one level from the next finer one, whose blocks are half as large.
-void coarser(const std::int32_t* least, const std::int32_t* greatest, const std::int32_t* sum, int stride, int height,
+void coarser(const std::int32_t* min, const std::int32_t* max, const std::int32_t* sum, int stride, int height,
              int half, Level& out) {
   const DI di;
   const std::size_t count = std::size_t(stride) * height;
-  for (auto* plane : {&out.least, &out.greatest, &out.sum}) plane->resize(count);
+  for (auto* plane : {&out.min, &out.max, &out.sum}) plane->resize(count);
   // Blocks that extend past the patch are never read: the last rows and columns are undefined.
   const std::size_t down = std::size_t(half) * stride;
   const std::size_t end = count > down + half + kSlack ? count - down - half - kSlack : 0;
   for (std::size_t i = 0; i < end; i += kLanes) {
     const auto at = [&](const std::int32_t* p, std::size_t k) { return hn::LoadU(di, p + i + k); };
-    hn::StoreU(hn::Min(hn::Min(at(least, 0), at(least, half)), hn::Min(at(least, down), at(least, down + half))), di,
-               out.least.data() + i);
-    hn::StoreU(
-        hn::Max(hn::Max(at(greatest, 0), at(greatest, half)), hn::Max(at(greatest, down), at(greatest, down + half))),
-        di, out.greatest.data() + i);
+    hn::StoreU(hn::Min(hn::Min(at(min, 0), at(min, half)), hn::Min(at(min, down), at(min, down + half))), di,
+               out.min.data() + i);
+    hn::StoreU(hn::Max(hn::Max(at(max, 0), at(max, half)), hn::Max(at(max, down), at(max, down + half))), di,
+               out.max.data() + i);
     hn::StoreU(hn::Add(hn::Add(at(sum, 0), at(sum, half)), hn::Add(at(sum, down), at(sum, down + half))), di,
                out.sum.data() + i);
   }
@@ -251,10 +250,10 @@ HWY_INLINE void add_block(Sums& s, MI mask, const Pyramid& p, std::ptrdiff_t at)
         add_sample(s, mask, p.patch.steps.data() + at + std::ptrdiff_t(j) * p.patch.stride + i);
   } else {
     const Level& level = p.levels[kLevel];
-    const VI least = hn::LoadU(di, level.least.data() + at);
-    const VI greatest = hn::LoadU(di, level.greatest.data() + at);
-    const MI outside = hn::Or(hn::Lt(greatest, s.low), hn::Gt(least, s.high));
-    const MI beyond = hn::Or(hn::Lt(least, s.low), hn::Gt(greatest, s.high));
+    const VI min = hn::LoadU(di, level.min.data() + at);
+    const VI max = hn::LoadU(di, level.max.data() + at);
+    const MI outside = hn::Or(hn::Lt(max, s.low), hn::Gt(min, s.high));
+    const MI beyond = hn::Or(hn::Lt(min, s.low), hn::Gt(max, s.high));
     const MI whole = hn::And(mask, hn::Not(beyond));
     const VI sum = hn::Sub(hn::LoadU(di, level.sum.data() + at), hn::ShiftLeft<2 * kLevel>(s.low));
     s.excess = add_where(whole, s.excess, sum);
@@ -286,11 +285,11 @@ void RunThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas
   const int coarsest = reach < kFarReach ? kLevels - 1 : kLevels - 2;
   int top = 0;
   while (top < coarsest && (2 << top) <= side) ++top;
-  const std::int32_t *least = patch.steps.data(), *greatest = least, *sum = least;
+  const std::int32_t *min = patch.steps.data(), *max = min, *sum = min;
   for (int level = 1; level <= top; ++level) {
-    coarser(least, greatest, sum, patch.stride, patch.height, 1 << (level - 1), p.levels[level]);
-    least = p.levels[level].least.data();
-    greatest = p.levels[level].greatest.data();
+    coarser(min, max, sum, patch.stride, patch.height, 1 << (level - 1), p.levels[level]);
+    min = p.levels[level].min.data();
+    max = p.levels[level].max.data();
     sum = p.levels[level].sum.data();
   }
   std::vector<Block> blocks;

@@ -5,6 +5,6 @@
 const int kUnsharpSegment = 256;                              // pixels of a row per workgroup
 const int kUnsharpStripWidth = 64, kUnsharpStripHeight = 64;  // pixels per workgroup that sums down columns
 // With a threshold, a window smaller than this is summed as fast sample by sample.
-const int kUnsharpLeastBlocks = 12;
+const int kUnsharpMinBlocks = 12;
 
 #endif

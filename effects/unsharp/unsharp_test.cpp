@@ -194,18 +194,18 @@ void expect_oracle(const GBuffer& g, const Oracle& oracle) {
   const Plane ours = ao(g, oracle.settings());
   const Plane& depth = g.layers[0].plane("depth");
   long off = 0;
-  double most = 0.0;
+  double max = 0.0;
   for (int y = 0; y < depth.height; ++y)
     for (int x = 0; x < depth.width; ++x) {
       const double error = std::fabs(ours.at(x, y) - oracle.ao(depth, x, y));
       off += error > 3e-5 * std::max(1.0, oracle.strength / 20.0);
-      most = std::max(most, error);
+      max = std::max(max, error);
     }
   // Samples within half a step of the threshold may round either way.
   EXPECT_LE(off, depth.width * depth.height / 500) << oracle.k << ' ' << oracle.border << ' ' << oracle.linearization
                                                    << ' ' << oracle.background << ' ' << oracle.window;
   const double reach = oracle.threshold > 0.0 ? oracle.threshold : 1.0;
-  EXPECT_LE(most, 2.0 * oracle.strength * reach / std::max(1.0, oracle.k * oracle.k / 8.0));
+  EXPECT_LE(max, 2.0 * oracle.strength * reach / std::max(1.0, oracle.k * oracle.k / 8.0));
 }
 
 TEST(Unsharp, MatchesTheTextForOddKernels) {
@@ -277,16 +277,16 @@ TEST(Unsharp, TiltedPlaneHasTheComputedShade) {
   };
   const GBuffer g = depth_picture(width, height, [&](int x, int) { return depth_at(x); });
   const Plane plane = ao(g, {{"kernel", "31"}, {"threshold", "0"}, {"near", "2"}, {"far", "30"}});
-  double most_inside = 0.0;
+  double max_inside = 0.0;
   for (int x = 0; x < width; ++x) {
     double sum = 0.0;
     int count = 0;
     for (int i = std::max(x - 15, 0); i <= std::min(x + 15, width - 1); ++i, ++count) sum += depth_at(i) / 30.0;
     const double expected = 1.0 - 20.0 * (depth_at(x) / 30.0 - sum / count);
     EXPECT_NEAR(plane.at(x, 30), expected, 2e-5) << x;
-    if (x >= 15 && x < width - 15) most_inside = std::max(most_inside, std::fabs(expected - 1.0));
+    if (x >= 15 && x < width - 15) max_inside = std::max(max_inside, std::fabs(expected - 1.0));
   }
-  EXPECT_GT(most_inside, 1e-3);                         // small, but not 0: the test would detect a missing term
+  EXPECT_GT(max_inside, 1e-3);                          // small, but not 0: the test would detect a missing term
   EXPECT_GT(std::fabs(plane.at(0, 30) - 1.0f), 0.02f);  // the clipped window at the border
 }
 
@@ -307,7 +307,7 @@ TEST(Unsharp, TunedEqualsPlainForLargeWindowsToTheBit) {
             {"kernel", kernel}, {"threshold", threshold}, {"border", border}, {"near", "2"}, {"far", "15"}};
         const Plane plain = ao(g, settings, {.tuned = false});
         const Plane tuned = ao(g, settings, {.tuned = true});
-        EXPECT_EQ(test::difference(plain, tuned, 0.0).most, 0.0) << kernel << ' ' << threshold << ' ' << border;
+        EXPECT_EQ(test::difference(plain, tuned, 0.0).max, 0.0) << kernel << ' ' << threshold << ' ' << border;
       }
 }
 
@@ -319,7 +319,7 @@ TEST(Unsharp, TunedEqualsPlainForTheLargestWindowAndThreshold) {
         {"kernel", kernel}, {"threshold", "0.9999"}, {"border", "clamp"}, {"near", "1"}, {"far", "100000"}};
     const Plane plain = ao(g, settings, {.tuned = false});
     const Plane tuned = ao(g, settings, {.tuned = true});
-    EXPECT_EQ(test::difference(plain, tuned, 0.0).most, 0.0) << kernel;
+    EXPECT_EQ(test::difference(plain, tuned, 0.0).max, 0.0) << kernel;
   }
 }
 
@@ -341,7 +341,7 @@ TEST(Unsharp, WaysOfAGpuEqualItsPlainKernelToTheBit) {
   const GBuffer small = hills(44, 29), wide = hills(300, 9);
   const auto expect_equal = [&](const GBuffer& g, const Settings& settings) {
     const Plane a = ao_on(*plain, g, settings), b = ao_on(*tuned, g, settings);
-    EXPECT_EQ(test::difference(a, b, 0.0).most, 0.0)
+    EXPECT_EQ(test::difference(a, b, 0.0).max, 0.0)
         << settings[0].second << ' ' << settings[1].second << ' ' << settings[2].second << ' ' << settings[3].second;
   };
   for (const char* kernel : {"2", "13", "40", "71"})
@@ -371,7 +371,7 @@ TEST(Unsharp, WaysOfAGpuHaveRoomForTheLargestWindow) {
       const Settings settings = {
           {"kernel", "1023"}, {"threshold", threshold}, {"border", border}, {"near", "1"}, {"far", "100000"}};
       const Plane cpu = ao(g, settings), gpu = ao_on(*device, g, settings);
-      EXPECT_LE(test::difference(cpu, gpu, 0.0).most, 2e-5) << threshold << ' ' << border;
+      EXPECT_LE(test::difference(cpu, gpu, 0.0).max, 2e-5) << threshold << ' ' << border;
     }
 }
 

@@ -170,7 +170,7 @@ TEST(Upsample, KeepsThePixelsThatWereComputedAndWhatIsConstant) {
       });
       ao = Plane(191, 63, 0.3f);
       test::on_every_target("upsample", g, by(factor, false), [&](const Image& image) {
-        EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).most, 0.0);
+        EXPECT_EQ(test::difference(image.plane("ao"), ao, 0.0).max, 0.0);
       });
     }
 }
@@ -300,7 +300,7 @@ TEST(Upsample, GrazingPlanesWithRoughNormalsAreAsFacingOnesAndStepsAreNot) {
     test::at_grazing_angles({.error_deg = 2.0}, [&](const test::TiltedPlane& plane) {
       test::on_every_target("upsample", with_planes(plane), by(factor), [&](const Image& image) {
         for (const char* name : kMade)
-          EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).most, 1e-6) << name;
+          EXPECT_LE(test::difference(image.plane(name), expected.plane(name), 0.0).max, 1e-6) << name;
       });
     });
     test::at_grazing_angles({.step_px = 200.0, .depth_ratio = 0.05}, [&](const test::TiltedPlane& plane) {

@@ -130,16 +130,15 @@ bool is_radiance(std::span<const std::uint8_t> bytes) {
 }
 
 Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std::string& name,
-                                 std::int64_t most_pixels) {
+                                 std::int64_t max_pixels) {
   Source source{bytes};
   Header header;
   if (const std::string wrong = read_header(source, header); !wrong.empty())
     return file_error("'{}' cannot be read as a Radiance picture: {}", name, wrong);
   const int width = header.width, height = header.height;
   constexpr int kMaxWidth = 1 << 16;  // limits the memory of a row, which is allocated before any pixel is read
-  if (std::int64_t(width) * height > most_pixels || width > kMaxWidth)
-    return file_error("'{}' has {} x {} pixels in its header; at most {} can be read", name, width, height,
-                      most_pixels);
+  if (std::int64_t(width) * height > max_pixels || width > kMaxWidth)
+    return file_error("'{}' has {} x {} pixels in its header; at most {} can be read", name, width, height, max_pixels);
   std::vector<std::uint8_t> row(std::size_t(width) * kChannels);
   Panorama out{name, width, height, {}};
   for (int y = 0; y < height; ++y) {

@@ -13,8 +13,7 @@ namespace umbrage {
 bool is_radiance(std::span<const std::uint8_t> bytes);
 
 /// Decodes a Radiance picture into radiance, divided by the exposure in its header; `name` is for messages. Errors:
-/// kFile if it is damaged, truncated, in XYZ colours, or has more than `most_pixels` pixels.
-Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std::string& name,
-                                 std::int64_t most_pixels);
+/// kFile if it is damaged, truncated, in XYZ colours, or has more than `max_pixels` pixels.
+Result<Panorama> decode_radiance(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max_pixels);
 
 }  // namespace umbrage

@@ -27,7 +27,7 @@ struct ImageHeader {
   int width = 0, height = 0;
 };
 
-Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t most) {
+Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std::string& name, std::int64_t max) {
   if (bytes.empty()) return file_error("'{}' is empty", name);
   if (bytes.size() > std::size_t(std::numeric_limits<int>::max())) return file_error("'{}' is larger than 2 GB", name);
   ImageHeader header;
@@ -35,9 +35,9 @@ Result<ImageHeader> check_header(std::span<const std::uint8_t> bytes, const std:
   if (!stbi_info_from_memory(bytes.data(), int(bytes.size()), &header.width, &header.height, &channels)) {
     return file_error("'{}' is no image of a known format (PNG, JPEG, TGA, BMP, GIF, PSD, HDR, PNM)", name);
   }
-  if (std::int64_t(header.width) * header.height > most) {
+  if (std::int64_t(header.width) * header.height > max) {
     return file_error("'{}' has {} x {} pixels in its header; at most {} can be read", name, header.width,
-                      header.height, most);
+                      header.height, max);
   }
   return header;
 }

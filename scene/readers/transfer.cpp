@@ -195,9 +195,9 @@ bool sound(const Scene& scene) {
     if (std::size_t(mesh.material) >= scene.materials.size() || mesh.indices.size() % 3 != 0) return false;
     for (const std::size_t size : {mesh.normals.size(), mesh.uvs.size(), mesh.colors.size(), mesh.radii.size()})
       if (size != 0 && size != mesh.positions.size()) return false;
-    std::uint32_t most = 0;
-    for (const std::uint32_t index : mesh.indices) most = std::max(most, index);
-    if (!mesh.indices.empty() && most >= mesh.positions.size()) return false;
+    std::uint32_t max = 0;
+    for (const std::uint32_t index : mesh.indices) max = std::max(max, index);
+    if (!mesh.indices.empty() && max >= mesh.positions.size()) return false;
   }
   return true;
 }
