@@ -71,7 +71,8 @@ class Device {
   virtual std::string description() const = 0;
   /// Returns the number of CPU threads that work for the device.
   virtual int threads() const = 0;
-  /// Returns the plane pool for the planes of its pictures. Hold it with KeptPlanes while several pictures are drawn.
+  /// Returns the plane pool for the planes of its pictures. Hold it with ScopedPlanePool while several pictures are
+  /// drawn.
   virtual PlanePoolPtr pool() const = 0;
   /// Returns whether the device can draw pictures in strips. On the frame of a strip all functions work on the rows of
   /// the strip.
@@ -98,8 +99,8 @@ class Device {
   /// are planes of that layer. PixelSet::kMissing requires runs_for_missing. On a strip the effect may remain
   /// unfinished, if WholePlanes must be completed first or the margin is too small. After kInterrupted the outputs are
   /// incomplete. Errors: kUsage if an input plane is missing; kInterrupted.
-  virtual Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
-                                  PixelSet pixels = PixelSet::kAll, const ProgressMonitor& monitor = {}) = 0;
+  virtual Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer = 0,
+                               PixelSet pixels = PixelSet::kAll, const ProgressMonitor& monitor = {}) = 0;
   /// Returns a frame with one pixel in `factor`, across and down, of these planes in all layers that have them: see
   /// reduced_info. Planes that no layer has are left out.
   virtual Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) = 0;

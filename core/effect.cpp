@@ -12,7 +12,7 @@ Dispatch sampling_dispatch(const Kernel& kernel) {
           .kernel = kernel,
           .tile = kSquareTile,
           .reach = own_row,
-          .far_inputs = {"depth"},
+          .unbounded_inputs = {"depth"},
           .for_missing = true};
 }
 

@@ -39,7 +39,7 @@ struct GpuStep {
 };
 
 /// An alternative GPU implementation of a pass, with bitwise identical results.
-struct GpuWay {
+struct GpuVariant {
   bool (*fits)(const void* constants) = nullptr;  ///< whether it is exact with these constants, and faster
   std::vector<GpuStep> steps;
 };
@@ -63,14 +63,14 @@ struct Dispatch {
   std::vector<std::string_view> later_inputs;     ///< the inputs that the first round does not read
   Kernel kernel;
   CpuKernel tuned = nullptr;                               ///< faster kernel with bitwise identical results, or null
-  std::vector<GpuWay> gpu_ways;                            ///< the first that fits runs instead of `kernel`
+  std::vector<GpuVariant> gpu_variants;                    ///< the first that fits runs instead of `kernel`
   HostStep host = nullptr;                                 ///< runs instead of kernels; such a pass has no `reach`
   bool (*needed)(const ParameterBytes& params) = nullptr;  ///< whether the pass runs at all; null: always
   TileSize tile;
   /// Returns the max number of rows above and below a pixel that it reads, with these constants; null: any row.
   int (*reach)(const void* constants, int round) = nullptr;
   /// Inputs that may be read at any pixel, regardless of `reach`. A layer that does not exist is not read.
-  std::vector<std::string_view> far_inputs = {};
+  std::vector<std::string_view> unbounded_inputs = {};
   bool for_all = true, for_missing = false;  ///< the pixel sets that it runs on
 };
 
@@ -191,8 +191,8 @@ Dispatch sampling_dispatch(const Kernel& kernel);
 bool runs_for_missing(const Effect& effect, const ParameterBytes& params);
 
 /// Converts a length to pixels of this picture. An absolute length is in pixels of full resolution, several of which
-/// one pixel at reduced resolution covers; a relative length is in percent of `whole_px`: share_width() or
-/// share_height() of the picture.
+/// one pixel at reduced resolution covers; a relative length is in percent of `whole_px`: reference_width() or
+/// reference_height() of the picture.
 float length_px(const Length& length, float whole_px, const PictureInfo& info);
 
 /// Converts a radius to scene units; a relative length is in percent of the bounding-sphere radius. `owner` names the

@@ -47,14 +47,14 @@ struct PictureInfo {
   std::vector<LayerInfo> more_layers;  ///< the layers beyond the first
   glm::vec3 ambient{0.3f};             ///< ambient light, mean over all normals
   AmbientShape ambient_shape;          ///< in view space
-  float usual_light = 1.0f;            ///< luminance of a white surface that faces the light: see Scene
+  float lit_white_luminance = 1.0f;    ///< luminance of a white surface that faces the light: see Scene
   /// Radius of the bounding sphere, scene units; for a bare G-buffer half the robust depth extent.
   float scene_radius = 1.0f;
   float depth_min = 1.0f, depth_max = 2.0f;  ///< range of view depths that contains the scene
   int ground_object = -1;                    ///< object id of a ground that shows only shadow and occlusion; < 0: none
-  glm::vec3 ground_middle{0.0f};             ///< centre of that ground, view space
-  float ground_fades = 0.0f;  ///< distance from ground_middle at which its shadow has faded out; 0: no fading
-  int reduced = 1;            ///< downsampling factor of a picture at reduced resolution; 1: full resolution
+  glm::vec3 ground_center{0.0f};             ///< centre of that ground, view space
+  float ground_fade_distance = 0.0f;  ///< distance from ground_center at which its shadow has faded out; 0: no fading
+  int reduced = 1;                    ///< downsampling factor of a picture at reduced resolution; 1: full resolution
   int whole_width = 0, whole_height = 0;  ///< reduced > 1: inner size of the picture at full resolution
 
   /// Return the distance between the centres of neighbouring pixels: at depth 1 in a perspective picture, at any depth
@@ -67,8 +67,8 @@ struct PictureInfo {
   int inner_height() const { return height - 2 * guard; }
   /// Return the size to which relative lengths refer, in pixels of this picture: a percentage is the same distance at
   /// full and at reduced resolution.
-  float share_width() const { return reduced > 1 ? float(whole_width) / float(reduced) : float(inner_width()); }
-  float share_height() const { return reduced > 1 ? float(whole_height) / float(reduced) : float(inner_height()); }
+  float reference_width() const { return reduced > 1 ? float(whole_width) / float(reduced) : float(inner_width()); }
+  float reference_height() const { return reduced > 1 ? float(whole_height) / float(reduced) : float(inner_height()); }
 };
 
 /// Returns a picture without a guard band extended by `guard` pixels of the same size on each side.
@@ -105,7 +105,7 @@ std::string layer_plane(int layer, std::string_view name);
 int layer_of_plane(std::string_view name);
 
 /// Returns the name of the same plane on the first layer.
-std::string_view of_first_layer(std::string_view plane);
+std::string_view name_on_first_layer(std::string_view plane);
 
 /// A G-buffer on the host: its information and one image per depth layer, nearest first, with the size in `info`.
 struct GBuffer {

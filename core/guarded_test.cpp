@@ -34,7 +34,7 @@ class Guarded : public testing::TestWithParam<Fault> {
   void TearDown() override { injected_fault = nullptr; }
 
   /// Makes the call with the fault, which must be reported, and then without it.
-  void expect_told(const std::function<Outcome(Picture&)>& call) {
+  void expect_reported(const std::function<Outcome(Picture&)>& call) {
     Picture picture{1, 1, {0.25f, 0.5f, 0.75f, 1.0f}, {}};
     injected_fault = GetParam().inject;
     const Outcome failed = call(picture);
@@ -54,18 +54,18 @@ RenderRequest solids(const char* device) {
 }
 
 TEST_P(Guarded, Render) {
-  expect_told([](Picture& picture) { return render(solids("cpu"), picture); });
+  expect_reported([](Picture& picture) { return render(solids("cpu"), picture); });
 }
 
 TEST_P(Guarded, VulkanRender) {
   UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
-  expect_told([](Picture& picture) { return render(solids("vulkan"), picture); });
+  expect_reported([](Picture& picture) { return render(solids("vulkan"), picture); });
 }
 
 TEST_P(Guarded, Frames) {
   FrameRenderer renderer;
   ASSERT_EQ(renderer.open(solids("cpu")).code, 0);
-  expect_told([&](Picture& picture) { return renderer.draw({}, picture); });
+  expect_reported([&](Picture& picture) { return renderer.draw({}, picture); });
 }
 
 // Work recorded before the fault must not break later pictures.
@@ -73,7 +73,7 @@ TEST_P(Guarded, VulkanFrames) {
   UMBRAGE_NEEDS_VULKAN(test::vulkan_device());
   FrameRenderer renderer;
   ASSERT_EQ(renderer.open(solids("vulkan")).code, 0);
-  expect_told([&](Picture& picture) { return renderer.draw({}, picture); });
+  expect_reported([&](Picture& picture) { return renderer.draw({}, picture); });
 }
 
 TEST_P(Guarded, Shade) {
@@ -84,7 +84,7 @@ TEST_P(Guarded, Shade) {
   request.arrays = {{.name = "depth", .values = depth.data()}};
   request.look = "ao";
   request.device = "cpu";
-  expect_told([&](Picture& picture) { return shade(request, picture); });
+  expect_reported([&](Picture& picture) { return shade(request, picture); });
 }
 
 INSTANTIATE_TEST_SUITE_P(Faults, Guarded, testing::ValuesIn(kFaults), [](const auto& info) { return info.param.name; });

@@ -29,7 +29,7 @@ std::size_t next_stagger() {
   return count++ % kStaggers * kStagger;
 }
 
-/// The pool of the planes that this thread makes, owned by a KeptPlanes; null: none.
+/// The pool of the planes that this thread makes, owned by a ScopedPlanePool; null: none.
 thread_local const PlanePoolPtr* pool_of_thread = nullptr;
 
 }  // namespace
@@ -74,21 +74,21 @@ void PlanePool::drop_all() {
   blocks_.clear();
 }
 
-HeldPool::HeldPool(PlanePoolPtr pool) : pool_(std::move(pool)) {
+PlanePoolLock::PlanePoolLock(PlanePoolPtr pool) : pool_(std::move(pool)) {
   const std::lock_guard lock(pool_->mutex_);
   ++pool_->holders_;
 }
 
-HeldPool::~HeldPool() {
+PlanePoolLock::~PlanePoolLock() {
   const std::lock_guard lock(pool_->mutex_);
   if (--pool_->holders_ == 0) pool_->drop_all();
 }
 
-KeptPlanes::KeptPlanes(PlanePoolPtr pool) : held_(pool), own_(std::move(pool)), before_(pool_of_thread) {
+ScopedPlanePool::ScopedPlanePool(PlanePoolPtr pool) : held_(pool), own_(std::move(pool)), before_(pool_of_thread) {
   pool_of_thread = &own_;
 }
 
-KeptPlanes::~KeptPlanes() { pool_of_thread = before_; }
+ScopedPlanePool::~ScopedPlanePool() { pool_of_thread = before_; }
 
 void Plane::Free::operator()(float*) {
   if (const PlanePoolPtr kept = pool.lock(); kept && kept->give(size, base)) return;

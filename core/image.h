@@ -16,7 +16,7 @@ inline constexpr int kRowAlignment = 16;
 
 /// Memory of released planes, kept for new planes of the same size: fresh memory costs page faults, which take half the
 /// time when pictures are drawn one after the other. Each device has one; threads may share it. It keeps memory only
-/// while a HeldPool exists, and frees it with the last one.
+/// while a PlanePoolLock exists, and frees it with the last one.
 class PlanePool {
  public:
   PlanePool() = default;
@@ -28,7 +28,7 @@ class PlanePool {
 
  private:
   friend class Plane;
-  friend class HeldPool;
+  friend class PlanePoolLock;
   void* take(std::size_t size);             // null if none is kept
   bool give(std::size_t size, void* base);  // false if the pool does not keep it
   void drop_all();                          // requires the lock
@@ -39,28 +39,28 @@ class PlanePool {
 using PlanePoolPtr = std::shared_ptr<PlanePool>;
 
 /// Makes the pool keep memory during its lifetime. It may be created and destroyed on different threads.
-class HeldPool {
+class PlanePoolLock {
  public:
-  explicit HeldPool(PlanePoolPtr pool);
-  ~HeldPool();
-  HeldPool(const HeldPool&) = delete;
-  HeldPool& operator=(const HeldPool&) = delete;
+  explicit PlanePoolLock(PlanePoolPtr pool);
+  ~PlanePoolLock();
+  PlanePoolLock(const PlanePoolLock&) = delete;
+  PlanePoolLock& operator=(const PlanePoolLock&) = delete;
 
  private:
   PlanePoolPtr pool_;
 };
 
-/// A HeldPool that also makes the planes of this thread use the pool: they take their memory from it, and return it on
-/// any thread. Planes may outlive the pool. Of several, the last created is in effect.
-class KeptPlanes {
+/// A PlanePoolLock that also makes the planes of this thread use the pool: they take their memory from it, and return
+/// it on any thread. Planes may outlive the pool. Of several, the last created is in effect.
+class ScopedPlanePool {
  public:
-  explicit KeptPlanes(PlanePoolPtr pool);
-  ~KeptPlanes();
-  KeptPlanes(const KeptPlanes&) = delete;
-  KeptPlanes& operator=(const KeptPlanes&) = delete;
+  explicit ScopedPlanePool(PlanePoolPtr pool);
+  ~ScopedPlanePool();
+  ScopedPlanePool(const ScopedPlanePool&) = delete;
+  ScopedPlanePool& operator=(const ScopedPlanePool&) = delete;
 
  private:
-  HeldPool held_;
+  PlanePoolLock held_;
   PlanePoolPtr own_;
   const PlanePoolPtr* before_;  // the previous one of this thread
 };

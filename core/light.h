@@ -51,7 +51,7 @@ struct Lighting {
   std::vector<Light> lights;  ///< the first one is the key light
   glm::vec3 ambient{0.3f};    ///< ambient radiance, mean over all normals
   AmbientShape ambient_shape;
-  float usual_light = 1.0f;  ///< luminance of a white surface that faces the light; pictures are exposed for it
+  float lit_white_luminance = 1.0f;  ///< luminance of a white surface that faces the light; pictures are exposed for it
 
   bool operator==(const Lighting&) const = default;
 };

@@ -27,12 +27,12 @@ struct Look {
   int shadow_rays = 0;
   int extra_views = 0;
   /// Downsampling factor of the occlusion, unless `occlusion_scale` is given: 1, 2 or 4.
-  int occlusion_every = 1;
+  int occlusion_downsampling = 1;
   /// Number of pictures that are averaged, each with other sample positions within the pixels, unless `anti_aliasing`
   /// or a quality sets it.
   int frames = 1;
-  bool averages_for_eye = false;  ///< averages square roots of light, like lines
-  std::string_view quality = {};  ///< default quality, one of looks/quality.h; empty: the settings as they are
+  bool averages_square_roots = false;  ///< averages square roots of light, like lines
+  std::string_view quality = {};       ///< default quality, one of looks/quality.h; empty: the settings as they are
   bool studio_lights = false;  ///< a scene without lights gets a soft key and a fill light instead of a key light alone
   /// Objects in the open get a ground that is invisible except for the shadows on it.
   bool ground = false;

@@ -18,7 +18,7 @@ inline std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-enum class NumberKind { kReal, kWhole, kEven };
+enum class NumberKind { kReal, kInteger, kEven };
 
 /// The numbers of a kind in [min, max].
 struct Interval {

@@ -135,11 +135,11 @@ std::string parameter_text(const Parameter& row, const ParameterBytes& bytes) {
   }
 }
 
-int whole_value(const Parameter& row, const ParameterBytes& bytes) { return load<int>(bytes, row.offset); }
+int int_value(const Parameter& row, const ParameterBytes& bytes) { return load<int>(bytes, row.offset); }
 
 float real_value(const Parameter& row, const ParameterBytes& bytes) { return load<float>(bytes, row.offset); }
 
-void set_whole(const Parameter& row, int value, ParameterBytes& bytes) { store(bytes, row.offset, value); }
+void set_int(const Parameter& row, int value, ParameterBytes& bytes) { store(bytes, row.offset, value); }
 
 void copy_parameter(const Parameter& row, const ParameterBytes& from, ParameterBytes& to) {
   std::memcpy(to.data() + row.offset, from.data() + row.offset, parameter_size(row.type));

@@ -124,9 +124,9 @@ Result<void> set_parameter(std::string_view owner, const Parameter& row, std::st
 std::string parameter_text(const Parameter& row, const ParameterBytes& bytes);
 
 /// Return the value of an int field (kInt, kBool, kChoice) and of a float field.
-int whole_value(const Parameter& row, const ParameterBytes& bytes);
+int int_value(const Parameter& row, const ParameterBytes& bytes);
 float real_value(const Parameter& row, const ParameterBytes& bytes);
-void set_whole(const Parameter& row, int value, ParameterBytes& bytes);
+void set_int(const Parameter& row, int value, ParameterBytes& bytes);
 
 /// Copies one field from other params of the same struct.
 void copy_parameter(const Parameter& row, const ParameterBytes& from, ParameterBytes& to);

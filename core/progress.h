@@ -16,7 +16,7 @@ using ProgressMonitor = std::function<bool(double done)>;
 inline Error interrupted() { return {ErrorKind::kInterrupted, "interrupted"}; }
 
 /// Min time between two calls of a monitor; faster than users can see.
-inline constexpr std::chrono::milliseconds kAskEvery(40);
+inline constexpr std::chrono::milliseconds kMonitorInterval(40);
 
 /// Calls a monitor from work of one thread. After false the result is discarded, so that loops may stop at once. The
 /// reported progress never decreases.
@@ -36,13 +36,13 @@ class Poll {
   bool ask(double done) {
     if (!monitor_ || ended_) return ended_;
     last_ = std::chrono::steady_clock::now();
-    told_ = std::max(told_, from_ + (to_ - from_) * std::min(done, 1.0));
-    return ended_ = !monitor_(told_);
+    reported_ = std::max(reported_, from_ + (to_ - from_) * std::min(done, 1.0));
+    return ended_ = !monitor_(reported_);
   }
 
-  /// Does the same if kAskEvery has passed.
+  /// Does the same if kMonitorInterval has passed.
   bool passing(double done) {
-    if (!monitor_ || ended_ || std::chrono::steady_clock::now() - last_ < kAskEvery) return ended_;
+    if (!monitor_ || ended_ || std::chrono::steady_clock::now() - last_ < kMonitorInterval) return ended_;
     return ask(done);
   }
 
@@ -50,14 +50,14 @@ class Poll {
 
  private:
   const ProgressMonitor& monitor_;
-  double from_ = 0.0, to_ = 1.0, told_ = 0.0;
+  double from_ = 0.0, to_ = 1.0, reported_ = 0.0;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
   bool ended_ = false;
 };
 
 /// Returns whether a loop over `count` items should stop before `item`. Null: never.
 inline bool stops(Poll* poll, std::size_t item, std::size_t count) {
-  constexpr std::size_t kItems = 4096;  // they take far less than kAskEvery
+  constexpr std::size_t kItems = 4096;  // they take far less than kMonitorInterval
   return poll && (poll->ended() || (item % kItems == 0 && poll->passing(double(item) / double(count))));
 }
 

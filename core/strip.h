@@ -39,7 +39,7 @@ struct WholePlanes {
 };
 
 /// How far an effect, or a look, got on a frame. On a frame of a whole picture it is always finished.
-struct Progression {
+struct RunState {
   bool finished = true;
   int missing_rows = 0;  ///< if not finished: rows that the margin lacks; 0: other strips come first
 };

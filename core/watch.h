@@ -10,7 +10,7 @@
 namespace umbrage {
 
 /// Progress of work in `parts` parts, which any thread may do. The thread that creates the watch calls the monitor
-/// whenever it has finished a part itself, at most once per kAskEvery.
+/// whenever it has finished a part itself, at most once per kMonitorInterval.
 class Watch {
  public:
   /// `monitor` must outlive the watch.
@@ -30,20 +30,20 @@ class Watch {
 
   /// Reports the fraction of the work that is done. Thread-safe.
   void reached(double share) {
-    if (!monitor_ || std::this_thread::get_id() != asking_) return;
+    if (!monitor_ || std::this_thread::get_id() != monitor_thread_) return;
     const auto now = std::chrono::steady_clock::now();
-    if (ended() || now - last_ < kAskEvery) return;
+    if (ended() || now - last_ < kMonitorInterval) return;
     last_ = now;
-    told_ = std::max(told_, std::min(share, 1.0));
-    if (!monitor_(told_)) ended_ = true;
+    reported_ = std::max(reported_, std::min(share, 1.0));
+    if (!monitor_(reported_)) ended_ = true;
   }
 
  private:
   const ProgressMonitor& monitor_;
   const double parts_;
-  const std::thread::id asking_ = std::this_thread::get_id();
+  const std::thread::id monitor_thread_ = std::this_thread::get_id();
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-  double told_ = 0.0;  // reported by that thread
+  double reported_ = 0.0;  // reported by that thread
   std::atomic<long> done_ = 0;
   std::atomic<bool> ended_ = false;
 };

@@ -185,7 +185,7 @@ TEST(BuiltinDetail, ReadsScientificNumbers) {
 using namespace shapes;
 
 /// Returns how open a surface is: the length of the sum of its area vectors over the total area; 0 if it is closed.
-double openness(const Mesh& mesh) {
+double assumed_visibility(const Mesh& mesh) {
   glm::dvec3 sum(0.0);
   double total = 0.0;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
@@ -241,7 +241,7 @@ TEST(Shapes, SolidsAreClosedAndHaveTheirVolume) {
   for (const Solid& solid : solids) {
     SCOPED_TRACE(solid.name);
     EXPECT_NEAR(volume(solid.mesh), solid.volume, solid.tolerance * solid.volume);
-    EXPECT_LT(openness(solid.mesh), 1e-5);
+    EXPECT_LT(assumed_visibility(solid.mesh), 1e-5);
     expect_outward(solid.mesh);
     EXPECT_EQ(solid.mesh.uvs.size(), solid.mesh.positions.size());
   }
@@ -249,7 +249,7 @@ TEST(Shapes, SolidsAreClosedAndHaveTheirVolume) {
 
 TEST(Shapes, CushionIsClosed) {
   const Mesh mesh = cushion({1.0f, 0.3f, 1.0f}, 24);
-  EXPECT_LT(openness(mesh), 1e-4);
+  EXPECT_LT(assumed_visibility(mesh), 1e-4);
   EXPECT_GT(volume(mesh), 0.0);
   expect_outward(mesh);
 }

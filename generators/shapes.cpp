@@ -33,7 +33,7 @@ vec3 unit_or(vec3 v, vec3 otherwise) {
 }
 
 /// Returns a unit vector perpendicular to a unit vector.
-vec3 some_side(vec3 n) {
+vec3 perpendicular_to(vec3 n) {
   return glm::normalize(std::abs(n.y) < 0.9f ? glm::cross(vec3(0, 1, 0), n) : glm::cross(vec3(1, 0, 0), n));
 }
 
@@ -243,7 +243,7 @@ PathFrames frames_of(std::span<const vec3> path, vec3 side, bool closed) {
       carried = c2 > 1e-12f ? side_l - 2.0f / c2 * glm::dot(v2, side_l) * v2 : side_l;
     }
     const vec3 flat = carried - glm::dot(carried, f.tangent[i]) * f.tangent[i];
-    f.side.push_back(glm::length(flat) > 1e-6f ? glm::normalize(flat) : some_side(f.tangent[i]));
+    f.side.push_back(glm::length(flat) > 1e-6f ? glm::normalize(flat) : perpendicular_to(f.tangent[i]));
     f.over.push_back(glm::cross(f.tangent[i], f.side[i]));
   }
   return f;
@@ -721,7 +721,7 @@ void append(Mesh& mesh, const Mesh& part) {
   for (const std::uint32_t index : part.indices) mesh.indices.push_back(base + index);
 }
 
-void renew_normals(Mesh& mesh) {
+void recompute_normals(Mesh& mesh) {
   const std::vector<vec3> sums = summed_normals(mesh);
   mesh.normals.resize(sums.size(), {0, 1, 0});
   for (std::size_t i = 0; i < sums.size(); ++i) mesh.normals[i] = unit_or(sums[i], mesh.normals[i]);
@@ -729,7 +729,7 @@ void renew_normals(Mesh& mesh) {
 
 void displace(Mesh& mesh, const std::function<vec3(vec3)>& move) {
   for (vec3& position : mesh.positions) position = move(position);
-  renew_normals(mesh);
+  recompute_normals(mesh);
 }
 
 void scale_uvs(Mesh& mesh, vec2 by) {

@@ -154,7 +154,7 @@ void append(Mesh& mesh, const Mesh& part);
 void displace(Mesh& mesh, const std::function<glm::vec3(glm::vec3)>& move);
 
 /// Recomputes normals from the faces around each vertex, weighted by area.
-void renew_normals(Mesh& mesh);
+void recompute_normals(Mesh& mesh);
 
 /// Multiplies texture coordinates.
 void scale_uvs(Mesh& mesh, glm::vec2 by);

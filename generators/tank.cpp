@@ -78,7 +78,7 @@ struct Workshop {
                 bevel);
   }
   /// Makes the hull of points and their mirror images.
-  Mesh even_hull(std::initializer_list<vec3> half, float bevel = 0.02f) const {
+  Mesh symmetric_hull(std::initializer_list<vec3> half, float bevel = 0.02f) const {
     std::vector<vec3> points(half);
     for (const vec3& p : half) points.push_back(p * vec3(-1, 1, 1));
     return rounded_hull(points, bevel, steps(2.0f));
@@ -478,25 +478,25 @@ void add_headlamps(Workshop& w) {
 void add_hull(Workshop& w) {
   const float t = kTubHalfWidth;
   w.add("tub",
-        w.even_hull({{t, 0.44f, -2.45f},
-                     {t, 0.66f, kRear},
-                     {t, 1.27f, kRear - 0.02f},
-                     {t, 0.44f, 2.15f},
-                     {t, 0.98f, 3.00f},
-                     {t, 1.27f, 2.70f}},
-                    0.03f),
+        w.symmetric_hull({{t, 0.44f, -2.45f},
+                          {t, 0.66f, kRear},
+                          {t, 1.27f, kRear - 0.02f},
+                          {t, 0.44f, 2.15f},
+                          {t, 0.98f, 3.00f},
+                          {t, 1.27f, 2.70f}},
+                         0.03f),
         w.paint.plate);
   const int deck = w.add("hull",
-                         w.even_hull({{1.78f, kFender + 0.02f, -2.92f},
-                                      {1.78f, 1.40f, -2.92f},
-                                      {1.42f, kDeck, -2.78f},
-                                      {1.78f, kFender + 0.02f, 2.05f},
-                                      {1.78f, 1.36f, 1.95f},
-                                      {1.42f, kDeck, 1.25f},
-                                      {1.02f, kFender + 0.02f, 2.74f},
-                                      {1.02f, 1.02f, 3.02f},
-                                      {0.95f, kDeck, 1.30f}},
-                                     0.03f),
+                         w.symmetric_hull({{1.78f, kFender + 0.02f, -2.92f},
+                                           {1.78f, 1.40f, -2.92f},
+                                           {1.42f, kDeck, -2.78f},
+                                           {1.78f, kFender + 0.02f, 2.05f},
+                                           {1.78f, 1.36f, 1.95f},
+                                           {1.42f, kDeck, 1.25f},
+                                           {1.02f, kFender + 0.02f, 2.74f},
+                                           {1.02f, 1.02f, 3.02f},
+                                           {0.95f, kDeck, 1.30f}},
+                                          0.03f),
                          w.paint.armour);
   add_fenders(w);
   add_side_armour(w);
@@ -750,13 +750,13 @@ Mesh raised_lathe(const Workshop& w, const shapes::Points2& profile) {
 
 void add_mantlet(Workshop& w) {
   w.add("mantlet",
-        raised(w.even_hull({{0.46f, -0.24f, -0.15f},
-                            {0.46f, 0.24f, -0.15f},
-                            {0.46f, -0.16f, 0.30f},
-                            {0.46f, 0.16f, 0.30f},
-                            {0.30f, -0.20f, 0.46f},
-                            {0.30f, 0.20f, 0.46f}},
-                           0.05f)),
+        raised(w.symmetric_hull({{0.46f, -0.24f, -0.15f},
+                                 {0.46f, 0.24f, -0.15f},
+                                 {0.46f, -0.16f, 0.30f},
+                                 {0.46f, 0.16f, 0.30f},
+                                 {0.30f, -0.20f, 0.46f},
+                                 {0.30f, 0.20f, 0.46f}},
+                                0.05f)),
         w.paint.plate);
   const shapes::Points2 rim = {{0.0f, 0.40f},  {0.23f, 0.40f}, {0.23f, 0.40f}, {0.235f, 0.42f}, {0.235f, 0.56f},
                                {0.22f, 0.58f}, {0.22f, 0.58f}, {0.17f, 0.60f}, {0.0f, 0.60f}};
@@ -1010,19 +1010,19 @@ void add_turret(Workshop& w) {
   w.add("turret ring", w.drum({0, kDeck - 0.03f, -0.1f}, {0, kTurretFloor + 0.04f, -0.1f}, 1.12f, 0.03f, 44.0f),
         w.paint.dark);
   w.add("turret",
-        w.even_hull({{0.60f, kTurretFloor, 1.38f},
-                     {1.20f, kTurretFloor, 0.62f},
-                     {1.30f, 1.92f, 0.50f},
-                     {0.62f, 1.96f, 1.42f},
-                     {1.22f, kTurretFloor, -1.00f},
-                     {1.32f, 1.94f, -1.05f},
-                     {0.85f, 1.84f, -1.72f},
-                     {0.92f, 1.98f, -1.80f},
-                     {0.42f, kRoof, 0.62f},
-                     {0.92f, kRoof, 0.20f},
-                     {0.98f, kRoof, -0.95f},
-                     {0.78f, kRoof - 0.03f, -1.62f}},
-                    0.035f),
+        w.symmetric_hull({{0.60f, kTurretFloor, 1.38f},
+                          {1.20f, kTurretFloor, 0.62f},
+                          {1.30f, 1.92f, 0.50f},
+                          {0.62f, 1.96f, 1.42f},
+                          {1.22f, kTurretFloor, -1.00f},
+                          {1.32f, 1.94f, -1.05f},
+                          {0.85f, 1.84f, -1.72f},
+                          {0.92f, 1.98f, -1.80f},
+                          {0.42f, kRoof, 0.62f},
+                          {0.92f, kRoof, 0.20f},
+                          {0.98f, kRoof, -0.95f},
+                          {0.78f, kRoof - 0.03f, -1.62f}},
+                         0.035f),
         w.paint.armour);
   add_cheek_bricks(w);
   add_cupola(w);

@@ -29,11 +29,11 @@ constexpr float kMinExponent = 1.0f;     ///< below, a highlight is as wide as t
 constexpr float kMaxExponent = 2048.0f;  ///< above, a highlight is smaller than a pixel
 constexpr float kDielectricReflectance = 0.04f;
 
-/// A texture is a cut-out if at least kBinaryShare of its texels are nearly clear or nearly opaque, and at least
-/// kClearShare are nearly clear.
-constexpr double kBinaryShare = 0.9, kClearShare = 0.001;
+/// A texture is a cut-out if at least kBinaryFraction of its texels are nearly clear or nearly opaque, and at least
+/// kClearFraction are nearly clear.
+constexpr double kBinaryFraction = 0.9, kClearFraction = 0.001;
 // Width over which the alpha of a blended surface is averaged, as a fraction of its texture's width.
-constexpr double kBlendShare = 1.0 / 64.0;
+constexpr double kBlendFraction = 1.0 / 64.0;
 constexpr std::uint8_t kNearlyClear = 16, kNearlyOpaque = 239;
 
 float linear_of_srgb(float x) { return linear_from_srgb(std::clamp(x, 0.0f, 1.0f)); }
@@ -111,7 +111,7 @@ std::optional<fs::path> find_texture(const fs::path& folder, std::string name) {
 }
 
 /// Reads the textures of one file, each of them once.
-struct TextureShelf {
+struct TextureCache {
   const aiScene* source;  // null for formats without embedded textures
   fs::path folder;
   Scene& scene;
@@ -141,7 +141,7 @@ struct TextureShelf {
     }
     const std::optional<fs::path> path = find_texture(folder, name);
     if (!path) return file_error("the texture '{}' does not exist", name);
-    allow_for(*path);
+    raise_limits_for(*path);
     return read_texture(*path);
   }
 
@@ -192,11 +192,11 @@ struct TextureShelf {
     return index_of[key] = int(scene.textures.size()) - 1;
   }
 
-  /// Returns a copy of a texture with its alpha averaged over kBlendShare of its width, to cut out regions that are
+  /// Returns a copy of a texture with its alpha averaged over kBlendFraction of its width, to cut out regions that are
   /// mostly clear and not each small spot, which would give a speckled border. Small textures, such as palettes, have
   /// no such spots and stay unchanged.
   int find_blended(int index) {
-    const int radius = int(0.5 * kBlendShare * scene.textures[std::size_t(index)].width);
+    const int radius = int(0.5 * kBlendFraction * scene.textures[std::size_t(index)].width);
     if (radius < 1) return index;
     const std::string key = scene.textures[std::size_t(index)].name + "\nblended";
     if (const auto known = index_of.find(key); known != index_of.end()) return known->second;
@@ -237,7 +237,7 @@ bool is_cut_out(const Texture& texture) {
     opaque += texture.rgba[i] > kNearlyOpaque;
   }
   const double count = double(texture.rgba.size() / 4);
-  return double(clear + opaque) >= kBinaryShare * count && double(clear) >= kClearShare * count;
+  return double(clear + opaque) >= kBinaryFraction * count && double(clear) >= kClearFraction * count;
 }
 
 bool has_clear_texels(const Texture& texture) {
@@ -279,7 +279,7 @@ void set_highlight(const aiMaterial& source, Material& material) {
 }
 
 /// Sets the emission. Emission textures are used only for glTF.
-void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureShelf& shelf, Material& material) {
+void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureCache& shelf, Material& material) {
   const std::string map = texture_path(source, aiTextureType_EMISSIVE);
   const auto emission = color_of(source, AI_MATKEY_COLOR_EMISSIVE);
   if (!emission || (!map.empty() && !gltf)) return;
@@ -295,7 +295,7 @@ void set_emission(const aiMaterial& source, const GltfMaterial* gltf, TextureShe
 }
 
 Material material_of(const aiMaterial& source, const std::string& format, const GltfMaterial* gltf,
-                     TextureShelf& shelf) {
+                     TextureCache& shelf) {
   Material material;
   aiString name;
   if (source.Get(AI_MATKEY_NAME, name) == AI_SUCCESS) material.name = name.C_Str();
@@ -352,20 +352,20 @@ Material material_of(const aiMaterial& source, const std::string& format, const 
 }  // namespace
 
 void import_materials(const aiScene& source, const fs::path& file, const std::string& format, const GltfFacts& gltf,
-                      Scene& scene, std::vector<bool>& left_out) {
-  TextureShelf shelf{&source, file.parent_path(), scene, {}};
+                      Scene& scene, std::vector<bool>& not_drawn) {
+  TextureCache shelf{&source, file.parent_path(), scene, {}};
   for (unsigned i = 0; i < source.mNumMaterials; ++i) {
     const GltfMaterial* facts = i < gltf.materials.size() ? &gltf.materials[i] : nullptr;
     scene.materials.push_back(material_of(*source.mMaterials[i], format, facts, shelf));
     constexpr float kHalf = 0.5f;
     const bool blended = facts && facts->mode == "BLEND" && facts->alpha < kHalf,
                masked = facts && facts->mode == "MASK" && facts->alpha < facts->cutoff;
-    left_out.push_back(blended || masked);
+    not_drawn.push_back(blended || masked);
   }
 }
 
 int import_texture(const fs::path& file, const std::string& name, Scene& scene) {
-  TextureShelf shelf{nullptr, file.parent_path(), scene, {}};
+  TextureCache shelf{nullptr, file.parent_path(), scene, {}};
   return shelf.find(name);
 }
 

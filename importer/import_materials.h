@@ -15,10 +15,10 @@ namespace umbrage {
 ///
 /// Colours: 3DS stores colours as picked on a screen, taken as sRGB; the factors of all other formats are linear.
 ///
-/// There is no blending: `left_out` receives, for each material, whether it is not drawn: its alpha factor is below 0.5
-/// (BLEND) or below the cutoff (MASK).
+/// There is no blending: `not_drawn` receives, for each material, whether it is not drawn: its alpha factor is below
+/// 0.5 (BLEND) or below the cutoff (MASK).
 void import_materials(const aiScene& source, const std::filesystem::path& file, const std::string& format,
-                      const GltfFacts& gltf, Scene& scene, std::vector<bool>& left_out);
+                      const GltfFacts& gltf, Scene& scene, std::vector<bool>& not_drawn);
 
 /// Appends the texture `name` that the model `file` refers to. Returns its index, or kNoTexture after adding a warning.
 int import_texture(const std::filesystem::path& file, const std::string& name, Scene& scene);

@@ -10,10 +10,10 @@
 #include <glm/geometric.hpp>
 #include <thread>
 
-#include "importer/import_here.h"
+#include "importer/import_in_process.h"
 #include "importer/limits.h"
 #include "run_program.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/transfer.h"
 
 namespace umbrage::test {

@@ -49,7 +49,7 @@ void limit_process() {
   apply();
 }
 
-void allow_for(const std::filesystem::path& file) {
+void raise_limits_for(const std::filesystem::path& file) {
   if (bytes_allowed < 0.0) return;
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);

@@ -5,12 +5,12 @@
 namespace umbrage {
 
 /// Limits this process to more than any valid model needs: a base amount of processor time and memory, plus an amount
-/// per megabyte passed to allow_for. Exceeded time ends the process by SIGXCPU, or by SIGALRM if it only waits;
+/// per megabyte passed to raise_limits_for. Exceeded time ends the process by SIGXCPU, or by SIGALRM if it only waits;
 /// exceeded memory makes allocations fail.
 void limit_process();
 
 /// Raises the limits for a file that is about to be read. Does nothing before limit_process.
-void allow_for(const std::filesystem::path& file);
+void raise_limits_for(const std::filesystem::path& file);
 
 /// Returns whether memory can be limited: not with sanitizers, which reserve terabytes of address space.
 bool memory_can_be_limited();

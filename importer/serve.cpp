@@ -1,4 +1,4 @@
-// The counterpart of scene/readers/import_apart.cpp, which starts this code in a separate process.
+// The counterpart of scene/readers/import_in_child_process.cpp, which starts this code in a separate process.
 #include "importer/serve.h"
 
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include <string_view>
 
 #include "importer/limits.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/transfer.h"
 
@@ -37,7 +37,7 @@ void serve_import(int argc, char** argv, const ImportFunction& import, const Pan
   ::mallopt(M_TRIM_THRESHOLD, kNever);
   ::mallopt(M_MMAP_THRESHOLD, kNever);
   limit_process();
-  allow_for(file);
+  raise_limits_for(file);
   const auto guarded = [&](const auto& read) -> decltype(read()) {
     try {
       return read();

@@ -337,7 +337,7 @@ Result<void> write(const fs::path& file, const ImageShape& image, const WriteSet
     header.channels().insert(channel, Imf::Channel(type));
     channels.push_back(channel);
   }
-  return write_whole(file, [&](std::FILE* out) -> Result<void> {
+  return write_atomically(file, [&](std::FILE* out) -> Result<void> {
     BlockWriter writer(out, header, channels, settings.threads);
     const auto made = make([&](const Image& rows) -> Result<void> {
       writer.take(rows);

@@ -30,7 +30,7 @@ Result<std::vector<const Plane*>> picture_planes(const std::filesystem::path& fi
                                                  bool with_alpha);
 
 /// Returns an image of that shape with planes without pixels.
-Image bare_image(const ImageShape& shape);
+Image image_without_pixels(const ImageShape& shape);
 
 /// Returns the shape of an image.
 ImageShape shape_of(const Image& image);
@@ -42,7 +42,7 @@ Image picture(int width, int height, int channels);
 
 /// Calls `write` on a temporary file beside `file`, then renames it. On any failure the temporary file is removed and
 /// an existing `file` is unchanged. Devices and pipes are written directly. `write` need not report disk errors.
-Result<void> write_whole(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
+Result<void> write_atomically(const std::filesystem::path& file, const std::function<Result<void>(std::FILE*)>& write);
 
 /// A temporary file beside `file` that another program fills, under the name path(); keep() renames it to `file`.
 /// Without keep() it is removed, also by abandon_writes.

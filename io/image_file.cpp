@@ -139,7 +139,7 @@ Result<std::vector<const Plane*>> picture_planes(const fs::path& file, const Ima
       file.string(), names.empty() ? "none" : names);
 }
 
-Image bare_image(const ImageShape& shape) {
+Image image_without_pixels(const ImageShape& shape) {
   Image image(shape.width, shape.height);
   image.names = shape.names;
   image.planes.resize(shape.names.size());
@@ -217,7 +217,7 @@ void abandon_writes() {
     if (const char* part = place) ::unlink(part);
 }
 
-Result<void> write_whole(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
+Result<void> write_atomically(const fs::path& file, const std::function<Result<void>(std::FILE*)>& write) {
   if (Result<void> ok = check_writable(file); !ok) return ok;
   std::error_code code;
   const fs::path target = target_of(file);
@@ -315,7 +315,7 @@ Result<Image> read_image(const fs::path& file) {
 }
 
 Result<void> write_text(const fs::path& file, std::string_view text) {
-  return write_whole(file, [&](std::FILE* stream) -> Result<void> {
+  return write_atomically(file, [&](std::FILE* stream) -> Result<void> {
     std::fwrite(text.data(), 1, text.size(), stream);
     return {};
   });

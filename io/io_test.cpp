@@ -1086,7 +1086,7 @@ TEST_F(WholeFile, AbandonedWritesLeaveNothing) {
   put(*this / "x.txt", "older");
   abandon_writes();  // no write is in progress
   std::size_t during = 0, after = 0;
-  const Result<void> done = write_whole(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
+  const Result<void> done = write_atomically(*this / "x.txt", [&](std::FILE* stream) -> Result<void> {
     std::fputs("newer", stream);
     during = listing().size();
     abandon_writes();

@@ -22,11 +22,11 @@ void swap_bytes(std::vector<float>& values) {
 }
 
 Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings&, const MakeImageRows& make) {
-  const Image bare = bare_image(shape);
+  const Image bare = image_without_pixels(shape);
   const Result<std::vector<const Plane*>> picture = picture_planes(file, bare, false);
   if (!picture) return picture.error();
   const std::size_t channels = picture->size();
-  return write_whole(file, [&](std::FILE* stream) -> Result<void> {
+  return write_atomically(file, [&](std::FILE* stream) -> Result<void> {
     const bool little = std::endian::native == std::endian::little;
     fmt::print(stream, "{}\n{} {}\n{}\n", channels == 1 ? "Pf" : "PF", shape.width, shape.height,
                little ? "-1.0" : "1.0");

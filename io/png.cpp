@@ -29,13 +29,13 @@ namespace {
 
 /// The last error message of libpng. libpng reports errors by longjmp, so functions that call setjmp own nothing with a
 /// destructor.
-struct Complaint {
+struct PngError {
   char text[128] = "";
 };
 
 [[noreturn]] void on_error(png_structp png, png_const_charp text) {
-  auto* complaint = static_cast<Complaint*>(png_get_error_ptr(png));
-  std::snprintf(complaint->text, sizeof complaint->text, "%s", text);
+  auto* png_error = static_cast<PngError*>(png_get_error_ptr(png));
+  std::snprintf(png_error->text, sizeof png_error->text, "%s", text);
   png_longjmp(png, 1);
 }
 
@@ -72,15 +72,15 @@ void dequantise(const Integer* values, int count, int step, float* out) {
 struct Writer {
   png_structp png = nullptr;
   png_infop info = nullptr;
-  Complaint complaint;
+  PngError png_error;
   ~Writer() { png_destroy_write_struct(&png, &info); }
 };
 
 bool start(Writer& writer, std::FILE* stream, int width, int height, int channels, const WriteSettings& settings) {
-  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_error, on_warning);
+  writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.png_error, on_error, on_warning);
   if (writer.png) writer.info = png_create_info_struct(writer.png);
   if (!writer.info) {
-    std::snprintf(writer.complaint.text, sizeof writer.complaint.text, "libpng cannot be started");
+    std::snprintf(writer.png_error.text, sizeof writer.png_error.text, "libpng cannot be started");
     return false;
   }
   png_structp png = writer.png;
@@ -123,13 +123,13 @@ Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape&
                       const MakeImageRows& make) {
   if (settings.bits != 8 && settings.bits != 16)
     return file_error("'{}' cannot be written with {} bits: PNG takes 8 or 16", name.string(), settings.bits);
-  const Image bare = bare_image(shape);
+  const Image bare = image_without_pixels(shape);
   const Result<std::vector<const Plane*>> picture = picture_planes(name, bare, true);
   if (!picture) return picture.error();
   const int channels = int(picture->size());
   Writer writer;
   const auto failed = [&] {
-    return file_error("'{}' cannot be written as PNG: {}", name.string(), writer.complaint.text);
+    return file_error("'{}' cannot be written as PNG: {}", name.string(), writer.png_error.text);
   };
   if (!start(writer, stream, shape.width, shape.height, channels, settings)) return failed();
   std::vector<png_byte> row(std::size_t(shape.width) * channels * (settings.bits / 8));
@@ -144,25 +144,25 @@ Result<void> write_to(std::FILE* stream, const fs::path& name, const ImageShape&
 
 Result<void> write(const fs::path& file, const ImageShape& shape, const WriteSettings& settings,
                    const MakeImageRows& make) {
-  const Image bare = bare_image(shape);
+  const Image bare = image_without_pixels(shape);
   if (const auto planes = picture_planes(file, bare, true); !planes) return planes.error();
-  return write_whole(file, [&](std::FILE* stream) { return write_to(stream, file, shape, settings, make); });
+  return write_atomically(file, [&](std::FILE* stream) { return write_to(stream, file, shape, settings, make); });
 }
 
 /// A PNG being read: first the header, then the pixels.
 struct Reader {
   png_structp png = nullptr;
   png_infop info = nullptr;
-  Complaint complaint;
+  PngError png_error;
   ~Reader() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
 /// Reads the header, up to the pixels.
 bool start(Reader& reader, std::FILE* stream) {
-  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.complaint, on_error, on_warning);
+  reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.png_error, on_error, on_warning);
   if (reader.png) reader.info = png_create_info_struct(reader.png);
   if (!reader.info) {
-    std::snprintf(reader.complaint.text, sizeof reader.complaint.text, "libpng cannot be started");
+    std::snprintf(reader.png_error.text, sizeof reader.png_error.text, "libpng cannot be started");
     return false;
   }
   if (setjmp(png_jmpbuf(reader.png))) return false;
@@ -202,7 +202,7 @@ Result<Image> read(const fs::path& file) {
   if (!stream) return stream.error();
   Reader reader;
   const auto failed = [&] {
-    return file_error("'{}' cannot be read as PNG: {}", file.string(), reader.complaint.text);
+    return file_error("'{}' cannot be read as PNG: {}", file.string(), reader.png_error.text);
   };
   if (!start(reader, stream->get())) return failed();
   const int width = int(png_get_image_width(reader.png, reader.info));

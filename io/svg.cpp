@@ -14,17 +14,17 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTolerance = 0.05f;    // pixels: max. deviation of a path's width from the line's,
-constexpr float kMaxShare = 0.02f;     // or this fraction of the width if that is more
-constexpr float kMinRun = 2.0f;        // pixels: min. length of a path
-constexpr float kMaxOverlap = 0.25f;   // pixels: overlap of a path with the next, so that no gap is visible
-constexpr float kOverlapShare = 0.1f;  // overlap of thin lines, as a fraction of the width: less is darkened twice
-constexpr int kMaxParts = 64;          // of one segment of varying width
-constexpr float kMinWidth = 0.005f;    // pixels: a smaller width would be written as 0
+constexpr float kTolerance = 0.05f;       // pixels: max. deviation of a path's width from the line's,
+constexpr float kMaxFraction = 0.02f;     // or this fraction of the width if that is more
+constexpr float kMinRun = 2.0f;           // pixels: min. length of a path
+constexpr float kMaxOverlap = 0.25f;      // pixels: overlap of a path with the next, so that no gap is visible
+constexpr float kOverlapFraction = 0.1f;  // overlap of thin lines, as a fraction of the width: less is darkened twice
+constexpr int kMaxParts = 64;             // of one segment of varying width
+constexpr float kMinWidth = 0.005f;       // pixels: a smaller width would be written as 0
 
 constexpr float kFarthest = 1e9f;  // pixels: limit of coordinates and widths
 
-float tolerance_of(float width) { return std::max(kTolerance, kMaxShare * width); }
+float tolerance_of(float width) { return std::max(kTolerance, kMaxFraction * width); }
 
 std::string_view name_of(LineKind kind) {
   switch (kind) {
@@ -128,7 +128,7 @@ void add_line(const Line& line, std::string& out) {
   const std::vector<Run> runs = runs_of(knots);
   for (const Run& run : runs) {
     const bool starts = run.first == 0, ends = run.last + 1 == knots.size();
-    const float overlap = std::min(kMaxOverlap, kOverlapShare * run.width);
+    const float overlap = std::min(kMaxOverlap, kOverlapFraction * run.width);
     std::vector<LinePoint> points = {starts ? knots[0].at : moved(knots, run.first, -overlap)};
     for (std::size_t k = run.first + 1; k < run.last; ++k)
       if (knots[k].corner) points.push_back(knots[k].at);

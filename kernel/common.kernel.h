@@ -58,14 +58,14 @@ FN Vec3 to_eye(Vec3 position) {
 // Blends two linear values by their square roots, which is close to display encodings and to perception: a black line
 // between two pixels looks as dark as one on a pixel. Blended linearly, each of the two would look three quarters as
 // bright as its surroundings.
-FN Real mixed_for_the_eye(Real light, Real line, Real share) {
+FN Real mixed_as_square_roots(Real light, Real line, Real share) {
   Real root = sqrt(max(light, Real(0.0f)));
   root = mad(sqrt(line) - root, share, root);
   return root * root;
 }
-FN Vec3 mixed_for_the_eye(Vec3 light, Vec3 line, Real share) {
-  return Vec3(mixed_for_the_eye(light.x, line.x, share), mixed_for_the_eye(light.y, line.y, share),
-              mixed_for_the_eye(light.z, line.z, share));
+FN Vec3 mixed_as_square_roots(Vec3 light, Vec3 line, Real share) {
+  return Vec3(mixed_as_square_roots(light.x, line.x, share), mixed_as_square_roots(light.y, line.y, share),
+              mixed_as_square_roots(light.z, line.z, share));
 }
 
 // Converts a linear value to its sRGB encoding.

@@ -27,7 +27,7 @@ struct DialectResults {
   std::vector<int> less;
   // For the `lanes` pixels that run together.
   int lanes = 0;
-  std::vector<int> how_many, this_lane;
+  std::vector<int> count_lanes, this_lane;
   std::vector<float> packed, of_lane, added[3];
   std::vector<unsigned> packed_bits, bits_of;
 };
@@ -61,7 +61,7 @@ void RunDialect(const DialectInput& in, DialectResults& out) {
     hn::StoreU(select(bits < Uint(0x80000001u), Int(1), Int(0)).v, di, out.less.data() + i);
     const Bool odd = to_signed(bits & Uint(1u)) == Int(1);
     const Int lane = to_signed((bits >> 9) & Uint(unsigned(kLanes - 1)));
-    hn::StoreU(Int(how_many(odd)).v, di, out.how_many.data() + i);
+    hn::StoreU(Int(count_lanes(odd)).v, di, out.count_lanes.data() + i);
     hn::StoreU(this_lane().v, di, out.this_lane.data() + i);
     hn::StoreU(packed(odd, real).v, d, out.packed.data() + i);
     hn::StoreU(packed(odd, bits).v, du, out.packed_bits.data() + i);
@@ -107,7 +107,7 @@ void expect_lanes_together(const DialectInput& in, const DialectResults& out, st
     const std::size_t i = first + std::size_t(lane);
     const unsigned other = in.bits[i] >> 9 & unsigned(out.lanes - 1);
     ASSERT_EQ(out.this_lane[i], lane) << target;
-    ASSERT_EQ(out.how_many[i], int(odd.size())) << target;
+    ASSERT_EQ(out.count_lanes[i], int(odd.size())) << target;
     ASSERT_EQ(out.of_lane[i], in.reals[first + other]) << target;
     for (int channel = 0; channel < 3; ++channel) sums[channel][other] += in.reals[i] * float(channel + 1);
   }

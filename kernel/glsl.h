@@ -31,7 +31,7 @@
 #define real_of_bits uintBitsToFloat
 #define popcount bitCount
 #define some(mask) (mask)
-#define how_many(mask) ((mask) ? 1 : 0)
+#define count_lanes(mask) ((mask) ? 1 : 0)
 #define this_lane() 0
 #define of_lane(v, lane) (v)
 #define select(mask, a, b) ((mask) ? (a) : (b))

@@ -11,8 +11,8 @@ const UMBRAGE_KERNEL_CONSTANTS& C = *static_cast<const UMBRAGE_KERNEL_CONSTANTS*
 FN Int place_of(Real X, Real Y) const { return view.place_of(X, Y); }
 // A list in which pixels store numbers for later, at most `length` x kLanes. Either in slots of one number for each
 // pixel that runs together: keep_NAME(slot, v), kept_NAME(slot). Or in entries, one for each pixel whose mask is set,
-// in order: append_NAME(at, mask, v) from entry `at` on, as many as how_many(mask); and then entries_NAME(at), the next
-// kLanes of them, one for each pixel.
+// in order: append_NAME(at, mask, v) from entry `at` on, as many as count_lanes(mask); and then entries_NAME(at), the
+// next kLanes of them, one for each pixel.
 #define LIST(type, number, name, length)                                                                \
   alignas(64) number name##_list[((length) + 1) * kLanes];                                              \
   FN void keep_##name(int slot, type v) { view.write(name##_list + slot * kLanes, v); }                 \

@@ -206,7 +206,7 @@ OP hn::Vec256<std::int32_t> add_where(hn::Mask256<std::int32_t> mask, hn::Vec256
 #endif
 OP Bool is_finite(Real a) { return {hn::Le(hn::Abs(a.v), hn::Set(D(), 3.402823466e38f))}; }
 OP bool some(Bool a) { return !hn::AllFalse(D(), a.m); }
-OP int how_many(Bool a) { return int(hn::CountTrue(D(), a.m)); }
+OP int count_lanes(Bool a) { return int(hn::CountTrue(D(), a.m)); }
 OP Int this_lane() { return hn::Iota(DI(), 0); }
 OP Real of_lane(Real v, Int lane) { return hn::TableLookupLanes(v.v, hn::IndicesFromVec(D(), lane.v)); }
 OP Real packed(Bool where, Real v) { return hn::Compress(v.v, where.m); }

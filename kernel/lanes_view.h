@@ -183,7 +183,7 @@ class TilePixels {
     if (HWY_LIKELY(!some(missing))) return;
     hn::StoreU(packed(missing, to_uint(here)).v, DU(), found_columns_ + count_);
     hn::StoreU(to_uint(Int(row_)).v, DU(), found_rows_ + count_);
-    count_ += how_many(missing);
+    count_ += count_lanes(missing);
   }
 
   const KernelFrame& frame_;

@@ -47,7 +47,7 @@ inline bool is_finite(Real a) { return std::fabs(a) <= 3.402823466e38f; }
 /// Returns whether the mask is set for any of the pixels that run together.
 inline bool some(Bool a) { return a; }
 /// Returns for how many of them it is set.
-inline int how_many(Bool a) { return a ? 1 : 0; }
+inline int count_lanes(Bool a) { return a ? 1 : 0; }
 /// Returns the index of this pixel among them, 0 to kLanes - 1.
 inline Int this_lane() { return 0; }
 /// Returns the value of another of them.

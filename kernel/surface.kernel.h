@@ -97,4 +97,4 @@ FN Real surface_distance(Vec3 position, Vec3 normal, Vec3 there, Vec3 normal_the
 }
 
 // Returns the weight of a pixel of that distance in filters: 1 up to a distance of 1, 0 from 2 on.
-FN Real joint_of(Real distance) { return clamp(Real(2.0f) - distance, Real(0.0f), Real(1.0f)); }
+FN Real same_surface_weight(Real distance) { return clamp(Real(2.0f) - distance, Real(0.0f), Real(1.0f)); }

@@ -120,7 +120,7 @@ TEST(Surface, EitherPixelFindsTheOtherEquallyFar) {
   }
 }
 
-TEST(Surface, BackgroundAndWhatIsNoNumberAreOnNone) {
+TEST(Surface, BackgroundAndNonFinitePointsAreOnNoSurface) {
   Seen seen(0.0, false);
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInfinity = std::numeric_limits<float>::infinity();
   const Vec3 here = seen.point(0, 0), normal = seen.normal();
@@ -132,9 +132,9 @@ TEST(Surface, BackgroundAndWhatIsNoNumberAreOnNone) {
   }
   for (const float odd : {kNan, kInfinity})
     EXPECT_EQ(seen.surface.surface_distance(here, {odd, 0.0f, 1.0f}, seen.point(1, 0), normal, 1.0f), none);
-  EXPECT_EQ(seen.surface.joint_of(none), 0.0f);
-  EXPECT_EQ(seen.surface.joint_of(1.0f), 1.0f);
-  EXPECT_EQ(seen.surface.joint_of(1.25f), 0.75f);
+  EXPECT_EQ(seen.surface.same_surface_weight(none), 0.0f);
+  EXPECT_EQ(seen.surface.same_surface_weight(1.0f), 1.0f);
+  EXPECT_EQ(seen.surface.same_surface_weight(1.25f), 0.75f);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ class DeviceObject final : public Object {
   /// Errors: those of make_device.
   static Result<std::shared_ptr<Object>> make(const char* name, int threads);
 
-  void tell_error(const Error& error);
-  void tell_warning(const std::string& message);
+  void report_error(const Error& error);
+  void report_warning(const std::string& message);
   void set_error_callback(UmbErrorCallback callback, void* user);
   void set_log_callback(UmbLogCallback callback, void* user);
 
@@ -53,17 +53,17 @@ class DeviceObject final : public Object {
   const Scene* prepared = nullptr;  ///< scene that the device is prepared for; guarded by Turn
   /// Has as many threads as the device, for work on images. It is kept since each creation allocates memory.
   tbb::task_arena arena{1};
-  std::optional<HeldPool> held_pool;
+  std::optional<PlanePoolLock> held_pool;
 
  protected:
-  DeviceObject* teller() override { return this; }
+  DeviceObject* reporting_device() override { return this; }
 
  private:
-  void drop_left();
+  void free_deferred();
 
   std::mutex in_use_;
-  std::mutex left_mutex_;
-  std::list<Left> left_;
+  std::mutex deferred_mutex_;
+  std::list<Left> deferred_;
   int kept_width_ = 0, kept_height_ = 0;
   std::mutex callbacks_;
   UmbErrorCallback on_error_ = nullptr;

@@ -51,8 +51,8 @@ Result<void> set_row(const Option& row, const std::string& text, Request& reques
 
 /// Checks an assignment to an effect's parameter. Errors: kUsage.
 Result<void> check_setting(const std::string& assignment) {
-  EffectSettings settings = initial_settings(handed_in());
-  return apply_setting(settings, assignment, handed_in());
+  EffectSettings settings = initial_settings(external_effects());
+  return apply_setting(settings, assignment, external_effects());
 }
 
 }  // namespace
@@ -94,7 +94,7 @@ Result<void> JobObject::set(const std::string& name, const std::string& text) {
 Result<void> JobObject::set(const std::string& name, std::span<const double> numbers) {
   const Option* row = find_parameter_row(name, renders());
   if (!row) {
-    const auto setting = parse_setting(name + "=", handed_in());
+    const auto setting = parse_setting(name + "=", external_effects());
     const ParameterType type = setting ? setting->parameter->type : ParameterType::kReal;
     if (type == ParameterType::kBool || type == ParameterType::kChoice)
       return usage_error("`{}` takes {}, not {}", name, type == ParameterType::kBool ? "true or false" : "a string",
@@ -126,7 +126,7 @@ Result<void> JobObject::reset(const char* name) {
   }
   if (settings_.erase(name) > 0) return {};
   // A setting that is not set needs no reset, but its name must exist.
-  const auto setting = parse_setting(std::string(name) + "=", handed_in());
+  const auto setting = parse_setting(std::string(name) + "=", external_effects());
   return setting ? Result<void>() : unknown_parameter(name, renders() ? "render" : "shade");
 }
 

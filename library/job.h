@@ -65,7 +65,7 @@ class JobObject final : public Object {
   float line_opacity = 0.0f;
 
  protected:
-  DeviceObject* teller() override { return device_.get(); }
+  DeviceObject* reporting_device() override { return device_.get(); }
 
  private:
   /// The work of an execution, as far as the parameters determine it.
@@ -81,38 +81,38 @@ class JobObject final : public Object {
   const NamedImage* find_image(std::string_view name) const;
   Result<Recipe> recipe_of(const Request& request) const;
   /// Warns of settings that have no effect. Does not repeat the warnings of the last execution.
-  void tell_unused(const Request& request, const Recipe& recipe);
+  void warn_of_unused_settings(const Request& request, const Recipe& recipe);
   Result<Frame> rendered(Recipe recipe);
   Result<Frame> shaded(const Request& request, const Recipe& recipe);
   /// Returns a monitor for the work that precedes drawing. It reports 0, since the reported fractions are those of
   /// drawing.
-  ProgressMonitor before_drawing() const;
+  ProgressMonitor preparation_progress() const;
   /// Prepares the scene, and reads the environment image into the recipe.
-  Result<void> make_scene_ready(Recipe& recipe, const ProgressMonitor& before);
+  Result<void> prepare_scene(Recipe& recipe, const ProgressMonitor& before);
   Result<void> choose_view(const Recipe& recipe);
   Result<void> prepare_device(const ProgressMonitor& before);
   Result<Frame> drawn(const Plan& plan);
-  Result<void> hand_out(const Frame& frame, std::vector<Output> outputs);
+  Result<void> write_outputs(const Frame& frame, std::vector<Output> outputs);
   Result<void> fill(const Frame& frame, const std::vector<std::string>& planes, Output& output);
   /// Returns the outputs of a job for which no output is set.
-  std::vector<Output> usual_outputs(const Recipe& recipe) const;
+  std::vector<Output> default_outputs(const Recipe& recipe) const;
 
   std::shared_ptr<DeviceObject> device_;
-  std::list<DeviceObject::Left> last_left_{1};  // allocated in advance, since the destructor cannot fail
+  std::list<DeviceObject::Left> deferred_release_{1};  // allocated in advance, since the destructor cannot fail
   std::shared_ptr<SceneObject> scene_;
   Request request_;
   std::map<std::string, std::string> settings_;  // of effects, by "effect.parameter"
   std::vector<NamedImage> images_;
-  std::vector<Output> outputs_;    // requested by the caller
-  std::vector<Output> made_;       // by the last execution
-  SharedIds ids_;                  // of the last G-buffer
-  std::vector<std::string> told_;  // the last warnings of settings without effect
+  std::vector<Output> outputs_;        // requested by the caller
+  std::vector<Output> made_;           // by the last execution
+  SharedIds ids_;                      // of the last G-buffer
+  std::vector<std::string> reported_;  // the last warnings of settings without effect
 
   // Data of the last picture of a scene:
-  std::unique_ptr<Scene> furnished_;
-  std::string furnished_for_;                  // key of the request and the scene version that furnished_ was made for
-  bool lacks_ground_ = false;                  // of furnished_
-  long furnished_version_ = -1;                // SceneObject::version of furnished_
+  std::unique_ptr<Scene> scene_copy_;
+  std::string scene_copy_key_;                 // key of the request and the scene version that scene_copy_ was made for
+  bool scene_lacks_ground_ = false;            // of scene_copy_
+  long scene_copy_version_ = -1;               // SceneObject::version of scene_copy_
   std::vector<View> views_;                    // suggested by the scene itself
   std::map<std::string, Lighting> lightings_;  // made for a scene without lights, by light_key
   Hdri hdri_;                                  // with its panorama

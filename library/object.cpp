@@ -42,7 +42,7 @@ ErrorSlot& thread_errors() {
   return errors;
 }
 
-bool Workers::begin(Use use) {
+bool UseLock::begin(Use use) {
   if (use == Use::kFree) return true;
   std::unique_lock lock(mutex_);
   if (is_changed_ || (use == Use::kChanges && drawers_ > 0)) return false;
@@ -55,7 +55,7 @@ bool Workers::begin(Use use) {
   return true;
 }
 
-void Workers::end(Use use) {
+void UseLock::end(Use use) {
   if (use == Use::kFree) return;
   const std::lock_guard lock(mutex_);
   if (use == Use::kChanges) is_changed_ = false;
@@ -66,10 +66,10 @@ void Workers::end(Use use) {
 UmbError Object::fail(Error error) {
   const auto code = UmbError(error.kind);
   try {
-    DeviceObject* device = teller();
+    DeviceObject* device = reporting_device();
     if (device && device != this) device->errors.note(error);
     errors.note(error);
-    if (device) device->tell_error(error);
+    if (device) device->report_error(error);
   } catch (...) {  // an exception of a callback, or memory for the message ran out; neither may reach C code
   }
   return code;

@@ -44,7 +44,7 @@ enum class Use {
 
 /// The uses of an object that are in progress. A change waits for reads and for nothing else, so that no callback waits
 /// for the call that it is a part of.
-class Workers {
+class UseLock {
  public:
   /// Returns whether the use may begin. If so, the caller must end it.
   bool begin(Use use);
@@ -60,7 +60,7 @@ class Workers {
 /// A use of an object that lasts as long as this guard, unless it is refused.
 class Held {
  public:
-  Held(Workers& workers, Use use) : workers_(workers), use_(use), begun_(workers.begin(use)) {}
+  Held(UseLock& workers, Use use) : workers_(workers), use_(use), begun_(workers.begin(use)) {}
   ~Held() {
     if (begun_) workers_.end(use_);
   }
@@ -69,7 +69,7 @@ class Held {
   explicit operator bool() const { return begun_; }
 
  private:
-  Workers& workers_;
+  UseLock& workers_;
   const Use use_;
   const bool begun_;
 };
@@ -86,12 +86,12 @@ class Object {
   UmbError fail(Error error);
 
   ErrorSlot errors{true};
-  Workers workers;
+  UseLock workers;
   std::atomic<long> references{1};
 
  protected:
   /// Returns the device whose callback receives errors; null: none.
-  virtual DeviceObject* teller() = 0;
+  virtual DeviceObject* reporting_device() = 0;
 };
 
 /// Adds an object to the table. Returns its handle, which is never reused.
@@ -118,7 +118,7 @@ void release_object(const void* handle) {
 
 /// Runs a call that has no object. Errors are stored with the thread.
 template <class Work>
-UmbError call_alone(const char* call, const Work& work) {
+UmbError call_without_object(const char* call, const Work& work) {
   Result<void> done = guarded([&] { return std::string(call); }, work);
   return done ? UMB_ERROR_NONE : thread_errors().note(std::move(done.error()));
 }
@@ -128,7 +128,7 @@ UmbError call_alone(const char* call, const Work& work) {
 template <class T, class Work>
 UmbError call_on(const void* handle, const char* call, Use use, const Work& work) {
   std::shared_ptr<T> object;
-  const UmbError found = call_alone(call, [&]() -> Result<void> {
+  const UmbError found = call_without_object(call, [&]() -> Result<void> {
     object = object_of<T>(handle);
     if (!object) return usage_error("{}: the handle is NULL, or was released, or is of another kind", call);
     return {};
@@ -138,7 +138,7 @@ UmbError call_on(const void* handle, const char* call, Use use, const Work& work
   {
     const Held held(object->workers, use);
     if (!held)
-      return call_alone(call, [&]() -> Result<void> {
+      return call_without_object(call, [&]() -> Result<void> {
         return usage_error("{}: the object is in use by another thread or by the call that runs this callback", call);
       });
     done = guarded([&] { return object->asked(call); }, [&]() -> Result<void> { return work(*object); });
@@ -167,7 +167,7 @@ UmbError take_error(const void* handle, const char** message) {
 template <class Handle, class Make>
 Handle make_object(const char* call, const Make& make) {
   Handle handle = nullptr;
-  call_alone(call, [&]() -> Result<void> {
+  call_without_object(call, [&]() -> Result<void> {
     auto made = make();
     if (!made) return made.error();
     handle = reinterpret_cast<Handle>(add_object(std::move(*made)));

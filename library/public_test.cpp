@@ -261,7 +261,7 @@ TEST(Public, ShadesDepthsOfAllKinds) {
 }
 
 /// Returns the depth of a sphere in front of a wall.
-std::vector<float> ball_depth(int side) {
+std::vector<float> sphere_depth(int side) {
   std::vector<float> depth(std::size_t(side) * std::size_t(side));
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) {
@@ -274,7 +274,7 @@ std::vector<float> ball_depth(int side) {
 
 TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
   const int side = 48;
-  const auto depth = ball_depth(side);
+  const auto depth = sphere_depth(side);
   umb::ShadeRequest request;
   request.width = request.height = side;
   request.arrays = {{.name = "depth", .values = depth.data()}};
@@ -307,7 +307,7 @@ TEST(Public, ShadesDepthAloneWithEveryKindOfLook) {
 }
 
 TEST(Public, SaysWhatIsWrongWithArrays) {
-  const auto depth = ball_depth(8);
+  const auto depth = sphere_depth(8);
   umb::ShadeRequest good;
   good.width = good.height = 8;
   good.arrays = {{.name = "depth", .values = depth.data()}};

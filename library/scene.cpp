@@ -89,7 +89,7 @@ Result<void> SceneObject::load(const std::string& model) {
   if (progress && !progress(0.0)) return interrupted();
   auto scene = load_scene(model, *settings, progress);
   if (!scene) return scene.error();
-  for (const std::string& warning : scene->warnings) device_->tell_warning(warning);
+  for (const std::string& warning : scene->warnings) device_->report_warning(warning);
   if (has_models_) {
     Scene both = models_;  // so that the scene is unchanged if memory runs out
     append_scene(std::move(*scene), both);
@@ -133,7 +133,7 @@ Result<void> SceneObject::remove_mesh(int index) {
   return {};
 }
 
-Error SceneObject::nothing_there() const {
+Error SceneObject::empty_scene_error() const {
   for (std::size_t k = 0; k < meshes_.size(); ++k)
     if (!meshes_[k].is_removed && !meshes_[k].is_whole())
       return usage_error("the scene is empty: its mesh {} lacks its {}", k,
@@ -161,7 +161,7 @@ Result<Scene> SceneObject::copied(std::vector<std::string>& warnings) const {
       append_scene(std::move(part), all);
     is_empty = false;
   }
-  if (is_empty) return nothing_there();
+  if (is_empty) return empty_scene_error();
   return all;
 }
 
@@ -173,7 +173,7 @@ Result<SceneBox> SceneObject::bounds() const {
     const SceneBox box = box_of(shared);
     all = {glm::min(all.low, box.low), glm::max(all.high, box.high)};
   }
-  if (all.is_empty()) return nothing_there();
+  if (all.is_empty()) return empty_scene_error();
   return all;
 }
 

@@ -53,10 +53,10 @@ class SceneObject final : public Object {
   ProgressMonitor progress;
 
  protected:
-  DeviceObject* teller() override { return device_.get(); }
+  DeviceObject* reporting_device() override { return device_.get(); }
 
  private:
-  Error nothing_there() const;
+  Error empty_scene_error() const;
 
   std::shared_ptr<DeviceObject> device_;
   Request request_;  // parameters for models and meshes added later

@@ -28,7 +28,7 @@ std::pair<std::intptr_t, std::intptr_t> bytes_of(const SharedImage& image) {
 
 }  // namespace
 
-const char* kept_text(std::string_view text) {
+const char* interned_text(std::string_view text) {
   static std::mutex& mutex = *new std::mutex;
   static auto& texts = *new std::map<std::string, std::unique_ptr<std::string>, std::less<>>;
   const std::lock_guard lock(mutex);

@@ -28,7 +28,7 @@ bool overlap(const SharedImage& a, const SharedImage& b);
 bool overlaps_itself(const SharedImage& image);
 
 /// Returns a copy of a text that is never freed; for names, of which there are few.
-const char* kept_text(std::string_view text);
+const char* interned_text(std::string_view text);
 
 inline glm::vec3 unit_or_zero(glm::vec3 v) {
   const float length = glm::length(v);

@@ -80,7 +80,7 @@ TEST(JobSpeed, DISABLED_OfASecondShade) {
     request.height = kHeight;
     const Recipe recipe = *make_shading_recipe(request);
     const auto own = make_cpu_device();
-    const KeptPlanes kept(own->pool());
+    const ScopedPlanePool kept(own->pool());
     const std::vector<NamedImage> images = {{"depth", Planes::image(planes.depth, 1)},
                                             {"normal", Planes::image(planes.normal, 3)},
                                             {"albedo", Planes::image(planes.albedo, 3)}};

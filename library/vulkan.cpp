@@ -26,7 +26,7 @@ class VulkanShadingObject final : public Object {
   std::string size = "no pixels";  ///< of the G-buffer of the current call
 
  protected:
-  DeviceObject* teller() override { return nullptr; }
+  DeviceObject* reporting_device() override { return nullptr; }
 };
 
 namespace {
@@ -74,7 +74,7 @@ PictureInfo info_of(const Lens& lens) {
   info.scene_radius = lens.scene_radius;
   // Depth is not read here. The depth range is that of the near and far planes; without them, or if the far plane is at
   // infinity, it follows from the scene's radius.
-  const bool planes = has_planes(lens.depth_kind);
+  const bool planes = has_depth_planes(lens.depth_kind);
   constexpr float kNearest = 1e-3f;
   info.depth_min = planes ? lens.near_plane : kNearest * lens.scene_radius;
   info.depth_max = planes && std::isfinite(lens.far_plane) ? lens.far_plane : info.depth_min + 2.0f * lens.scene_radius;
@@ -151,7 +151,7 @@ Result<void> shade_images(Device& device, const UmbVulkanGBuffer& g, const UmbVu
       return usage_error("an output takes one to four planes, not {}", planes.size());
     if (auto written = write_image(device, *frame, planes, device_image(output.image)); !written) return written;
   }
-  return hand_over(device, request.signal);
+  return submit_without_waiting(device, request.signal);
 }
 
 /// Discards the work that a failed call recorded on a device, also if an exception is thrown.

@@ -112,7 +112,7 @@ using namespace umbrage;  // the functions below are C's
 
 UmbError umbWriteImages(const char* file, const char* const* names, const UmbImage* images, int count, int bits,
                         bool half) {
-  return call_alone("umbWriteImages", [&]() -> Result<void> {
+  return call_without_object("umbWriteImages", [&]() -> Result<void> {
     if (!file || !names || !images || count < 1) return usage_error("umbWriteImages: there is no file or no image");
     std::vector<std::pair<std::string, SharedImage>> all;
     for (int k = 0; k < count; ++k) {
@@ -127,7 +127,7 @@ UmbError umbWriteImages(const char* file, const char* const* names, const UmbIma
 
 UmbError umbWriteStrokes(const char* file, int width, int height, const UmbStroke* strokes, size_t count,
                          const float rgb[3], float opacity) {
-  return call_alone("umbWriteStrokes", [&]() -> Result<void> {
+  return call_without_object("umbWriteStrokes", [&]() -> Result<void> {
     if (!file || (!strokes && count > 0) || !rgb) return usage_error("umbWriteStrokes: an argument is NULL");
     return write_strokes(file, width, height, {strokes, count}, rgb, opacity);
   });

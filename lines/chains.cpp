@@ -67,7 +67,7 @@ float length_of(const Chain& chain) {
   return sum;
 }
 
-Direction way_at(const Chain& chain, int point) {
+Direction chain_direction_at(const Chain& chain, int point) {
   constexpr int kAround = 4;
   const auto& first = chain.points[std::max(0, point - kAround)];
   const auto& last = chain.points[std::size_t(std::min(int(chain.points.size()) - 1, point + kAround))];

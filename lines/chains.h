@@ -10,7 +10,7 @@
 
 namespace umbrage {
 
-constexpr float kStraightOn = 0.64f;  // cosine: two ends that meet at less than 50 degrees continue each other
+constexpr float kMinStraightCosine = 0.64f;  // cosine: two ends that meet at less than 50 degrees continue each other
 
 struct ChainPoint {
   float x = 0.0f, y = 0.0f;
@@ -52,7 +52,7 @@ inline float length_of(float x, float y) { return std::sqrt(x * x + y * y); }
 /// Returns the length of a chain, including about a third of a pixel beyond each end.
 float length_of(const Chain& chain);
 /// Returns the direction along a chain at a point, over a few points to either side.
-Direction way_at(const Chain& chain, int point);
+Direction chain_direction_at(const Chain& chain, int point);
 /// Returns the outward direction of a chain at an end.
 Direction lead(const Chain& chain, int last);
 

@@ -21,7 +21,7 @@ struct Meeting {
   }
 };
 
-void lead_to(Chain& chain, int last, std::array<float, 2> place) {
+void extend_to(Chain& chain, int last, std::array<float, 2> place) {
   constexpr float kSame = 0.75f;  // pixels
   ChainPoint& end = last ? chain.points.back() : chain.points.front();
   ChainPoint p = end;
@@ -51,12 +51,12 @@ void meet(Tracing& t) {
     for (int last = 0; last < 2 && !chain.closed; ++last) {
       const int node = chain.node[last];
       if (chain.joined[last] >= 0) {
-        lead_to(chain, last, of_edge[chain.joined[last]]);
+        extend_to(chain, last, of_edge[chain.joined[last]]);
       } else if (node >= 0 && meetings[node].passing + meetings[node].ends > 1) {
-        lead_to(chain, last, meetings[node].place());
+        extend_to(chain, last, meetings[node].place());
       } else if (node >= 0 && t.graph.at_border(t.graph.node(node))) {
         const auto [dx, dy] = lead(chain, last);
-        lead_to(chain, last, {chain.end(last).x + kBeyond * dx, chain.end(last).y + kBeyond * dy});
+        extend_to(chain, last, {chain.end(last).x + kBeyond * dx, chain.end(last).y + kBeyond * dy});
       }
     }
     if (chain.closed) chain.points.push_back(ChainPoint(chain.points.front()));

@@ -52,14 +52,14 @@ void find_links(const Tracing& t, const Search& search, const Ends& ends, int en
     };
     const auto squared_angle = [](float cosine) { return 2.0f - 2.0f * cosine; };  // approximate
     const float turn = turn_of(ends.lead[end], 1.0f);
-    if (turn < kStraightOn) return;
+    if (turn < kMinStraightCosine) return;
     const Chain& other = t.chains[e.chain];
     const float behind = (other.points[e.point].depth - from.depth) / (search.pixel.at(from.depth) * (d + 1.0f));
     const bool at_first = e.point == 0, at_last = e.point + 1 == int(other.points.size());
     const int other_end = 2 * e.chain + (at_first ? 0 : 1);
     if ((at_first || at_last) && ends.free[other_end] && other_end != end) {
       const float other_turn = turn_of(ends.lead[other_end], -1.0f);
-      if (other_end < end || other_turn < kStraightOn || std::abs(behind) > kMaxSteepness) return;
+      if (other_end < end || other_turn < kMinStraightCosine || std::abs(behind) > kMaxSteepness) return;
       const float bend = squared_angle(turn) + squared_angle(other_turn);
       const float cost = d * (1.0f + kTurning * bend) + std::abs(behind) / kMaxSteepness;
       if (cost < search.reach) links.push_back({cost, end, other_end, -1});

@@ -20,7 +20,7 @@ void describe(const Edge& e, ChainPoint& p) {
 
 /// Returns the outward direction of a chain at its end in a node. For a chain of few points it is the direction from
 /// its other node.
-Direction lead_at_node(const Tracing& t, int end) {
+Direction end_direction_at_node(const Tracing& t, int end) {
   constexpr int kFew = 3;
   const Chain& chain = t.chains[end / 2];
   if (int(chain.points.size()) >= kFew) return lead(chain, end % 2);
@@ -35,13 +35,13 @@ Direction lead_at_node(const Tracing& t, int end) {
 void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<float>& strength,
                std::vector<int>& mate) {
   const auto kind = [&](std::size_t k) { return t.chains[ends[k] / 2].end(ends[k] % 2).kind; };
-  int surest_kind = 0, count = 0;
+  int max_kind = 0, count = 0;
   std::array<Direction, EdgeGraph::kWays> leads;
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    if (kind(k) > surest_kind) count = 0;
-    surest_kind = std::max(surest_kind, int(kind(k)));
-    count += kind(k) == surest_kind;
-    leads[k] = lead_at_node(t, ends[k]);
+    if (kind(k) > max_kind) count = 0;
+    max_kind = std::max(max_kind, int(kind(k)));
+    count += kind(k) == max_kind;
+    leads[k] = end_direction_at_node(t, ends[k]);
   }
   std::array<std::tuple<float, int, int>, EdgeGraph::kWays*(EdgeGraph::kWays - 1) / 2> pairs;
   std::size_t found = 0;
@@ -50,11 +50,11 @@ void pair_node(const Tracing& t, std::span<const int> ends, const std::vector<fl
       const int chain_a = ends[a] / 2, chain_b = ends[b] / 2;
       if (chain_a == chain_b) continue;
       const float cosine = -(leads[a][0] * leads[b][0] + leads[a][1] * leads[b][1]);
-      const bool surest = count == 2 && kind(a) == surest_kind && kind(b) == surest_kind;
-      if (cosine < kStraightOn && !surest) continue;
+      const bool both_max_kind = count == 2 && kind(a) == max_kind && kind(b) == max_kind;
+      if (cosine < kMinStraightCosine && !both_max_kind) continue;
       const float sa = strength[chain_a], sb = strength[chain_b];
       const float likeness = (kind(a) == kind(b) ? 1.0f : 0.9f) * std::sqrt(2.0f * std::min(sa, sb) / (sa + sb));
-      pairs[found++] = {surest ? -2.0f : -cosine * likeness, ends[a], ends[b]};
+      pairs[found++] = {both_max_kind ? -2.0f : -cosine * likeness, ends[a], ends[b]};
     }
   for (int pair = 0; pair < EdgeGraph::kWays / 2; ++pair) {
     const std::tuple<float, int, int>* best = nullptr;

@@ -6,7 +6,7 @@
 namespace umbrage {
 namespace {
 
-constexpr float kAllLong = 1.5f;  // from this multiple of the min length on, a chain has full weight
+constexpr float kFullWeightLength = 1.5f;  // from this multiple of the min length on, a chain has full weight
 
 /// Removes chains without points, and references to their edges.
 void drop_empty(Tracing& t) {
@@ -27,7 +27,7 @@ void drop_short(Tracing& t, const std::function<float(const Chain& chain, int fr
   for (std::size_t before = 0; t.chains.size() != before;) {  // removed chains can leave others free
     before = t.chains.size();
     const std::vector<std::uint8_t> free = t.free_ends();
-    share.assign(before, kAllLong);
+    share.assign(before, kFullWeightLength);
     for (std::size_t k = 0; k < before; ++k) {
       Chain& chain = t.chains[k];
       const float min = min_px(chain, free[2 * k] + free[2 * k + 1]);
@@ -37,7 +37,7 @@ void drop_short(Tracing& t, const std::function<float(const Chain& chain, int fr
     drop_empty(t);
   }
   for (std::size_t k = 0; k < share.size(); ++k)
-    t.chains[k].weight *= std::min((share[k] - 1.0f) / (kAllLong - 1.0f), 1.0f);
+    t.chains[k].weight *= std::min((share[k] - 1.0f) / (kFullWeightLength - 1.0f), 1.0f);
 }
 
 }  // namespace umbrage

@@ -8,10 +8,10 @@
 namespace umbrage {
 namespace {
 
-constexpr float kTube = 0.6f;     // max distance of points from the parabola fitted to them, pixels
-constexpr float kMaxBend = 0.4f;  // max ratio of a parabola's bend to its length
-constexpr int kMaxRun = 256;      // max points per parabola
-constexpr int kRunsOver = 16;     // min number of runs that contain a point
+constexpr float kTube = 0.6f;         // max distance of points from the parabola fitted to them, pixels
+constexpr float kMaxBend = 0.4f;      // max ratio of a parabola's bend to its length
+constexpr int kMaxRun = 256;          // max points per parabola
+constexpr int kMinRunsPerPoint = 16;  // min number of runs that contain a point
 
 /// A parabola over u in [-1, 1], by polynomials that are orthogonal on evenly spaced points.
 struct Curve {
@@ -70,7 +70,7 @@ void smooth_places(Places& p) {
   if (count < 3) return;
   std::vector<std::array<float, 3>> sum(p.size(), {0.0f, 0.0f, 0.0f});
   int last = 0, before = -1;
-  for (int first = 0; first < count && before < count - 1; first += std::max(1, (last - first) / kRunsOver)) {
+  for (int first = 0; first < count && before < count - 1; first += std::max(1, (last - first) / kMinRunsPerPoint)) {
     last = std::max(last, first);
     for (int by = 1; by > 0;) {
       const bool longer = last + by < count && last + by - first <= kMaxRun && fits(p, first, last + by);

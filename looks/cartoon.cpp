@@ -31,7 +31,7 @@ Look look_cartoon() {
                       "output.background_r=0.93", "output.background_g=0.91",
                       "output.background_b=0.87"},
           .frames = 4,
-          .averages_for_eye = true};
+          .averages_square_roots = true};
 }
 
 }  // namespace umbrage

@@ -25,11 +25,11 @@ const Look* find_look(std::string_view name);
 inline constexpr std::string_view kNoOcclusion = "none";
 
 /// Returns the valid values of `occlusion`: the names of all occlusion techniques, including external ones, and `none`.
-std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in = {});
+std::vector<std::string_view> occlusion_names(std::span<const Effect* const> external_effects = {});
 
 /// Runs an external technique, which no device can run because it needs more than a frame. Adds its planes to the
 /// frame.
-using RunHandedIn = std::function<Result<void>(const Effect&, const ParameterBytes&, Frame&)>;
+using RunExternalEffect = std::function<Result<void>(const Effect&, const ParameterBytes&, Frame&)>;
 
 /// Returns the stops to add to the exposure of a picture, or nullopt for a strip whose picture is not complete yet.
 using Meter = std::function<Result<std::optional<float>>(Device&, const Frame&)>;
@@ -40,17 +40,17 @@ struct LookRun {
   std::string_view occlusion;  ///< name of the technique, or kNoOcclusion
   /// Downsampling factor of the technique and of the filters that follow it: 1, 2 or 4. External techniques always run
   /// at full resolution.
-  int occlusion_every = 1;
+  int occlusion_downsampling = 1;
   const EffectSettings* settings = nullptr;
   /// Requested planes; effects that contribute to none of them are skipped. nullopt: all effects run.
   std::optional<std::vector<std::string>> wanted = {};
   /// Called with the name of each effect when the effect is done.
   std::function<void(std::string_view)> after = [](std::string_view) {};
-  ProgressMonitor monitor = {};                   ///< passed to every effect
-  std::optional<float> stops = {};                ///< to add in place of metering; unused if Exposure::kAsSet
-  Meter meter = metered_stops;                    ///< used with Exposure::kPicture
-  std::span<const Effect* const> handed_in = {};  ///< external techniques
-  RunHandedIn run_handed_in = {};                 ///< required if an external technique is used
+  ProgressMonitor monitor = {};                          ///< passed to every effect
+  std::optional<float> stops = {};                       ///< to add in place of metering; unused if Exposure::kAsSet
+  Meter meter = metered_stops;                           ///< used with Exposure::kPicture
+  std::span<const Effect* const> external_effects = {};  ///< external techniques
+  RunExternalEffect run_external_effect = {};            ///< required if an external technique is used
 };
 
 /// Returns the effects of a run in order, with the occlusion technique in its place.
@@ -61,7 +61,7 @@ std::vector<const Effect*> steps_of(const LookRun& run);
 std::set<std::string> planes_read(const LookRun& run, int layers);
 
 /// The result of a run.
-struct LookDone : Progression {
+struct LookDone : RunState {
   float stops = 0.0f;  ///< stops added to the exposure by metering; 0: none
 };
 

@@ -8,9 +8,9 @@
 
 namespace umbrage {
 
-/// Returns the stops that bring a white surface facing the light to about 1: -log2(info.usual_light). 0 unless the
-/// light comes from a file.
-float usual_stops(const PictureInfo& info);
+/// Returns the stops that bring a white surface facing the light to about 1: -log2(info.lit_white_luminance). 0 unless
+/// the light comes from a file.
+float stops_from_lights(const PictureInfo& info);
 
 /// Collects the luminance of the visible surfaces of a picture, row by row.
 class Metering {
@@ -19,11 +19,11 @@ class Metering {
   /// are those of kMeteredPlanes, in that order: linear `lit`, and `depth`.
   void add(const Image& rows, int first, int height);
 
-  /// Returns the stops to add to the exposure, and clears the collected rows. `usual` is the result of usual_stops.
-  /// Metering moves the exposure from there so that the brightest surfaces, without highlights, approach
-  /// kMeteredWhite; it goes up to one stop beyond if most of the picture is far darker than they are and the geometric
-  /// mean is below kMeteredGrey. The correction is partial and limited, so that a dark scene still looks dark. Returns
-  /// `usual` if no surface is visible.
+  /// Returns the stops to add to the exposure, and clears the collected rows. `usual` is the result of
+  /// stops_from_lights. Metering moves the exposure from there so that the brightest surfaces, without highlights,
+  /// approach kMeteredWhite; it goes up to one stop beyond if most of the picture is far darker than they are and the
+  /// geometric mean is below kMeteredGrey. The correction is partial and limited, so that a dark scene still looks
+  /// dark. Returns `usual` if no surface is visible.
   float stops(float usual);
 
  private:

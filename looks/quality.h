@@ -8,10 +8,10 @@ namespace umbrage {
 
 struct Quality {
   std::string_view name, summary;
-  int frames = 1;           ///< number of samples of a picture that are averaged
-  int occlusion_every = 1;  ///< downsampling factor, see Look
-  int layers = 1;           ///< min, see CaptureSettings
-  int shadow_rays = 0;      ///< see CaptureSettings
+  int frames = 1;                  ///< number of samples of a picture that are averaged
+  int occlusion_downsampling = 1;  ///< downsampling factor, see Look
+  int layers = 1;                  ///< min, see CaptureSettings
+  int shadow_rays = 0;             ///< see CaptureSettings
   /// Settings, "effect.parameter=value": for a single picture, and for each of several averaged ones.
   std::vector<std::string_view> settings, settings_of_frames;
 };

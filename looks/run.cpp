@@ -27,9 +27,9 @@ std::span<const Look* const> looks() {
 
 const Look* find_look(std::string_view name) { return find_named(looks(), name); }
 
-std::vector<std::string_view> occlusion_names(std::span<const Effect* const> handed_in) {
+std::vector<std::string_view> occlusion_names(std::span<const Effect* const> external_effects) {
   std::vector<std::string_view> names;
-  for (const Effect* effect : all_effects(handed_in))
+  for (const Effect* effect : all_effects(external_effects))
     if (effect->kind == EffectKind::kOcclusion) names.push_back(effect->name);
   names.push_back(kNoOcclusion);
   return names;
@@ -65,20 +65,20 @@ const ParameterBytes& params_of(const LookRun& run, const Effect& effect) {
 /// Removes steps that write neither a requested plane nor a plane that a later step reads.
 void keep_needed(const LookRun& run, Steps& steps) {
   std::set<std::string_view> read;
-  for (const std::string& plane : *run.wanted) read.insert(of_first_layer(plane));
+  for (const std::string& plane : *run.wanted) read.insert(name_on_first_layer(plane));
   Steps kept;
   for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
     const ParameterBytes& params = params_of(run, **step);
     const auto makes_some = [&](const Dispatch& dispatch) {
       return runs(dispatch, params) &&
              std::any_of(dispatch.outputs.begin(), dispatch.outputs.end(),
-                         [&](std::string_view plane) { return read.contains(of_first_layer(plane)); });
+                         [&](std::string_view plane) { return read.contains(name_on_first_layer(plane)); });
     };
     if (std::none_of((*step)->dispatches.begin(), (*step)->dispatches.end(), makes_some)) continue;
     kept.insert(kept.begin(), *step);
     for (const Dispatch& dispatch : (*step)->dispatches)
       if (runs(dispatch, params))
-        for (const std::string_view plane : dispatch.inputs) read.insert(of_first_layer(plane));
+        for (const std::string_view plane : dispatch.inputs) read.insert(name_on_first_layer(plane));
   }
   steps = std::move(kept);
 }
@@ -92,8 +92,8 @@ bool runs_on_layers(const LookRun& run, const Steps& steps, std::size_t step) {
 
 /// Returns the end of the steps that run at reduced resolution from `step` on; `step` itself if it does not.
 std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step) {
-  const bool of_others = find_named(run.handed_in, steps[step]->name) != nullptr;
-  if (steps[step]->name != run.occlusion || run.occlusion_every == 1 || of_others) return step;
+  const bool of_others = find_named(run.external_effects, steps[step]->name) != nullptr;
+  if (steps[step]->name != run.occlusion || run.occlusion_downsampling == 1 || of_others) return step;
   ++step;
   while (step < steps.size() && steps[step]->kind == EffectKind::kFilter) ++step;
   return step;
@@ -101,15 +101,15 @@ std::size_t reduced_end(const LookRun& run, const Steps& steps, std::size_t step
 
 /// Returns whether a technique, after its run at reduced resolution, computes the pixels that no reduced pixel covers.
 bool fills_missing(const LookRun& run, const Effect& technique) {
-  return run.occlusion_every == 2 && runs_for_missing(technique, params_of(run, technique));
+  return run.occlusion_downsampling == 2 && runs_for_missing(technique, params_of(run, technique));
 }
 
 /// Runs one step: on every layer if a later step reads its outputs there, otherwise on the first.
-Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
+Result<RunState> run_step(const LookRun& run, const Steps& steps, std::size_t step, Device& device, Frame& frame) {
   const Effect& effect = *steps[step];
   const ParameterBytes& params = params_of(run, effect);
-  if (find_named(run.handed_in, effect.name)) {
-    if (auto done = run.run_handed_in(effect, params, frame); !done) return done.error();
+  if (find_named(run.external_effects, effect.name)) {
+    if (auto done = run.run_external_effect(effect, params, frame); !done) return done.error();
   } else {
     const int layers = runs_on_layers(run, steps, step) ? 1 + int(frame.info.more_layers.size()) : 1;
     for (int layer = 0; layer < layers; ++layer) {
@@ -118,7 +118,7 @@ Result<Progression> run_step(const LookRun& run, const Steps& steps, std::size_t
     }
   }
   run.after(effect.name);
-  return Progression();
+  return RunState();
 }
 
 /// The planes that a range of steps reads from a frame at reduced resolution, and whether the steps write `indirect`.
@@ -160,23 +160,24 @@ const Effect& filling_effect() {
 /// Runs the steps in [first, last) at reduced resolution and upsamples their occlusion and indirect light to the frame.
 /// At factor 2, a technique that supports it computes pixels that no reduced pixel covers at full resolution; at factor
 /// 4 there are too many of them.
-Result<Progression> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last,
-                                Device& device, Frame& frame) {
-  const ReducedPlanes planes = reduced_planes(run, steps, first, last, reduced_info(frame.info, run.occlusion_every));
-  auto small = device.reduced(frame, run.occlusion_every, planes.read);
+Result<RunState> run_reduced(const LookRun& run, const Steps& steps, std::size_t first, std::size_t last,
+                             Device& device, Frame& frame) {
+  const ReducedPlanes planes =
+      reduced_planes(run, steps, first, last, reduced_info(frame.info, run.occlusion_downsampling));
+  auto small = device.reduced(frame, run.occlusion_downsampling, planes.read);
   if (!small) return small.error();
   for (std::size_t step = first; step < last; ++step) {
     const auto done = run_step(run, steps, step, device, *small);
     if (!done || !done->finished) return done;
   }
-  std::vector<std::string> taken_back = {"ao"};
-  if (planes.light) taken_back.insert(taken_back.end(), {"indirect.r", "indirect.g", "indirect.b"});
-  if (auto done = device.place(*small, taken_back, frame); !done) return done.error();
+  std::vector<std::string> upsampled_planes = {"ao"};
+  if (planes.light) upsampled_planes.insert(upsampled_planes.end(), {"indirect.r", "indirect.g", "indirect.b"});
+  if (auto done = device.place(*small, upsampled_planes, frame); !done) return done.error();
   const Effect& technique = *steps[first];
   const bool leave = fills_missing(run, technique);
   const Effect& filling = filling_effect();
   ParameterBytes params = params_of(run, filling);
-  filling.set_reduction({run.occlusion_every, planes.light, leave}, params);
+  filling.set_reduction({run.occlusion_downsampling, planes.light, leave}, params);
   auto done = device.run(filling, params, frame, 0, PixelSet::kAll, run.monitor);
   if (done && done->finished && leave)
     done = device.run(technique, params_of(run, technique), frame, 0, PixelSet::kMissing, run.monitor);
@@ -190,7 +191,7 @@ Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& d
   LookDone done;
   if (const Exposure by = effect.exposed_by(params); by != Exposure::kAsSet) {
     std::optional<float> stops = run.stops;
-    if (!stops && by == Exposure::kLights) stops = usual_stops(frame.info);
+    if (!stops && by == Exposure::kLights) stops = stops_from_lights(frame.info);
     if (!stops) {
       const auto metered = run.meter(device, frame);
       if (!metered) return metered.error();
@@ -203,7 +204,7 @@ Result<LookDone> run_exposed(const LookRun& run, const Effect& effect, Device& d
   }
   const auto ran = device.run(effect, params, frame, 0, PixelSet::kAll, run.monitor);
   if (!ran) return ran.error();
-  static_cast<Progression&>(done) = *ran;
+  static_cast<RunState&>(done) = *ran;
   if (done.finished) run.after(effect.name);
   return done;
 }
@@ -217,7 +218,7 @@ std::vector<const Effect*> steps_of(const LookRun& run) {
       if (run.occlusion == kNoOcclusion) continue;  // `ao` then has its neutral value 1
       name = run.occlusion;
     }
-    const Effect* of_others = find_named(run.handed_in, name);
+    const Effect* of_others = find_named(run.external_effects, name);
     steps.push_back(of_others ? of_others : find_effect(name));
     if (!steps.back()) fail_check(fmt::format("look {}: there is no effect '{}'", run.look->name, name));
   }
@@ -238,7 +239,7 @@ std::set<std::string> planes_read(const LookRun& run, int layers) {
     if (const std::size_t last = reduced_end(run, steps, step); last > step) {
       if (fills_missing(run, effect)) add(effect, 0, &Dispatch::for_missing);
       step = last - 1;
-    } else if (!find_named(run.handed_in, effect.name)) {
+    } else if (!find_named(run.external_effects, effect.name)) {
       const int of_step = !effect.exposed_by && runs_on_layers(run, steps, step) ? layers : 1;
       for (int layer = 0; layer < of_step; ++layer) add(effect, layer, &Dispatch::for_all);
     }
@@ -251,9 +252,9 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
   const Steps steps = steps_of(run);
   for (std::size_t step = 0; step < steps.size();) {
     const Effect& effect = *steps[step];
-    const bool of_others = find_named(run.handed_in, effect.name) != nullptr;
-    if (of_others && !run.run_handed_in)
-      fail_check(fmt::format("LookRun::run_handed_in is not set; effect '{}' requires it", effect.name));
+    const bool of_others = find_named(run.external_effects, effect.name) != nullptr;
+    if (of_others && !run.run_external_effect)
+      fail_check(fmt::format("LookRun::run_external_effect is not set; effect '{}' requires it", effect.name));
     std::size_t next = step + 1;
     if (effect.exposed_by) {
       const auto done = run_exposed(run, effect, device, frame);
@@ -265,7 +266,7 @@ Result<LookDone> run_look(const LookRun& run, Device& device, Frame& frame) {
       const auto done =
           last > step ? run_reduced(run, steps, step, last, device, frame) : run_step(run, steps, step, device, frame);
       if (!done) return done.error();
-      static_cast<Progression&>(all) = *done;
+      static_cast<RunState&>(all) = *done;
       if (!done->finished) return all;
     }
     step = next;

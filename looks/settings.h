@@ -23,8 +23,8 @@ inline const ParameterBytes& params_of(const EffectSettings& settings, std::stri
   return settings.find(effect)->second;
 }
 
-/// Returns all effects: the registered ones, then `handed_in`.
-std::vector<const Effect*> all_effects(std::span<const Effect* const> handed_in);
+/// Returns all effects: the registered ones, then `external_effects`.
+std::vector<const Effect*> all_effects(std::span<const Effect* const> external_effects);
 
 /// A parsed "effect.parameter=value".
 struct Setting {
@@ -34,20 +34,20 @@ struct Setting {
 };
 
 /// Parses a setting without checking its value. Errors: kUsage, with a suggestion for a misspelt name.
-Result<Setting> parse_setting(std::string_view assignment, std::span<const Effect* const> handed_in = {});
+Result<Setting> parse_setting(std::string_view assignment, std::span<const Effect* const> external_effects = {});
 
 /// Applies one setting. Errors: kUsage.
 Result<void> apply_setting(EffectSettings& settings, std::string_view assignment,
-                           std::span<const Effect* const> handed_in = {});
+                           std::span<const Effect* const> external_effects = {});
 
-/// Returns the defaults of all effects, including `handed_in`.
-EffectSettings initial_settings(std::span<const Effect* const> handed_in = {});
+/// Returns the defaults of all effects, including `external_effects`.
+EffectSettings initial_settings(std::span<const Effect* const> external_effects = {});
 
 /// Returns the defaults of all effects with the presets of a look applied.
-EffectSettings look_settings(const Look& look, std::span<const Effect* const> handed_in = {});
+EffectSettings look_settings(const Look& look, std::span<const Effect* const> external_effects = {});
 
 /// Applies presets of the look named `look`; an invalid preset is a programming error (fail_check).
 void apply_presets(std::string_view look, const LookPresets& presets, EffectSettings& settings,
-                   std::span<const Effect* const> handed_in = {});
+                   std::span<const Effect* const> external_effects = {});
 
 }  // namespace umbrage

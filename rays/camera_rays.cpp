@@ -30,7 +30,7 @@ CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info) {
   return rays;
 }
 
-bool within_reach(const CameraRays& rays, const PictureInfo& info) {
+bool rays_within_limit(const CameraRays& rays, const PictureInfo& info) {
   for (const float x : {0.0f, float(info.width)})
     for (const float y : {0.0f, float(info.height)}) {
       if (!within_ray_limit(rays.origin_at(x, y)) || !within_ray_limit(rays.direction_at(x, y))) return false;

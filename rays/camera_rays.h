@@ -25,7 +25,7 @@ struct CameraRays {
 CameraRays camera_rays(const TracedScene& traced, const PictureInfo& info);
 
 /// Returns whether every ray of the picture is within kRayLimit; beyond it Embree ends the program.
-bool within_reach(const CameraRays& rays, const PictureInfo& info);
+bool rays_within_limit(const CameraRays& rays, const PictureInfo& info);
 
 /// Returns the albedo at the surface that the pixel with the centre (px, py) shows: the material's, times the mesh's
 /// colour, times the texture averaged over the pixel.

@@ -16,11 +16,11 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kSides = 4;
-constexpr int kGrid = 32;              // grid of rays, per side of the picture, that measure its depth
-constexpr float kShareOfRoom = 0.95f;  // of the free distance: keeps the camera out of the wall
-constexpr float kMaxTan = 1.428148f;   // tangent of half of 110 degrees
-constexpr float kGap = 0.03f;          // between c and a surface, as a fraction of the median depth
-constexpr float kFarthest = 1.6f;      // maximum distance of c from the picture's camera, in median depths
+constexpr int kGrid = 32;               // grid of rays, per side of the picture, that measure its depth
+constexpr float kFreeFraction = 0.95f;  // of the free distance: keeps the camera out of the wall
+constexpr float kMaxTan = 1.428148f;    // tangent of half of 110 degrees
+constexpr float kGap = 0.03f;           // between c and a surface, as a fraction of the median depth
+constexpr float kFarthest = 1.6f;       // maximum distance of c from the picture's camera, in median depths
 constexpr float kClearlyBetter = 1.1f;
 constexpr float kNearest = 1e-3f;  // minimum distance of a camera from c, as a fraction of that of the picture's camera
 
@@ -34,7 +34,7 @@ float free_distance(const TracedScene& traced, glm::vec3 origin, glm::vec3 direc
 float median_depth(const TracedScene& traced, const PictureInfo& info) {
   const CameraRays rays = camera_rays(traced, info);
   std::vector<float> depths;
-  if (within_reach(rays, info))
+  if (rays_within_limit(rays, info))
     for (int j = 0; j < kGrid; ++j)
       for (int i = 0; i < kGrid; ++i) {
         const float x = (float(i) + 0.5f) / kGrid * float(info.width),
@@ -99,9 +99,9 @@ std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& 
   const std::vector<float> crossings = crossings_of(traced, start, axis, kFarthest * median);
   if (!crossings.empty()) depths.push_back(crossings[0] - std::min(gap, 0.5f * crossings[0]));
   for (const float crossing : crossings) depths.push_back(crossing + gap);
-  std::array<bool, kSides> eye_sees_out{};
+  std::array<bool, kSides> camera_sees_out{};
   for (int k = 0; k < kSides; ++k)
-    eye_sees_out[k] = !std::isfinite(free_distance(traced, traced.unit_of(start), sides[k]));
+    camera_sees_out[k] = !std::isfinite(free_distance(traced, traced.unit_of(start), sides[k]));
   glm::vec3 c = start + axis * depths[0];
   float best_room = -1.0f;
   std::array<float, kSides> distances{};
@@ -109,17 +109,17 @@ std::vector<Camera> extra_cameras(const TracedScene& traced, const PictureInfo& 
     const glm::vec3 point = start + axis * depth;
     std::array<float, kSides> free{};
     float room = 0.0f;
-    bool left_the_house = false;
+    bool outside_room = false;
     for (int k = 0; k < kSides; ++k) {
       const float ahead = free_distance(traced, traced.unit_of(point), sides[k]) / traced.scale;
       // A camera outside a room sees nothing in it, so c must not have an open direction that the picture's camera
       // lacks. k = 0, straight ahead, is exempt.
-      left_the_house = left_the_house || (k > 0 && !std::isfinite(ahead) && !eye_sees_out[k]);
-      free[k] = std::max(std::min(kShareOfRoom * ahead, depth * axis_length), kNearest * own_distance);
+      outside_room = outside_room || (k > 0 && !std::isfinite(ahead) && !camera_sees_out[k]);
+      free[k] = std::max(std::min(kFreeFraction * ahead, depth * axis_length), kNearest * own_distance);
       // The square root makes some space for each camera worth more than much space for one.
       room += std::sqrt(std::min(free[k] / own_distance, 1.0f));
     }
-    if (!(room > best_room * kClearlyBetter) || (left_the_house && best_room >= 0.0f)) continue;
+    if (!(room > best_room * kClearlyBetter) || (outside_room && best_room >= 0.0f)) continue;
     best_room = room;
     c = point;
     distances = free;

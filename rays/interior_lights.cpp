@@ -17,10 +17,10 @@ namespace umbrage {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr int kGrid = 32;                // grid of rays, per side of the picture
-constexpr float kReachesEnough = 0.15f;  // mean cosine of the default light on the visible surfaces that suffices
-constexpr float kNoWayIn = 0.02f;        // mean cosine of the best sun below which sunlight cannot enter
-constexpr float kLikeUsual = 0.2f;       // bonus of a sun in the direction of the default light
+constexpr int kGrid = 32;                   // grid of rays, per side of the picture
+constexpr float kMinDefaultCosine = 0.15f;  // mean cosine of the default light on the visible surfaces that suffices
+constexpr float kMinSunCosine = 0.02f;      // mean cosine of the best sun below which sunlight cannot enter
+constexpr float kDefaultDirectionBonus = 0.2f;  // bonus of a sun in the direction of the default light
 // Brighter than the default light, since many visible surfaces are in shadow and there is only this light.
 constexpr glm::vec3 kSun(1.5f, 1.38f, 1.18f), kLamp(1.1f, 1.0f, 0.85f);
 // Oblique light shows shapes better: a sun at this height scores best; the loss per degree of deviation.
@@ -35,10 +35,10 @@ struct Seen {
   float distance;   // from the camera, scene units
 };
 
-std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& info) {
+std::vector<Seen> visible_surfaces(const TracedScene& traced, const PictureInfo& info) {
   const CameraRays rays = camera_rays(traced, info);
   std::vector<Seen> seen;
-  if (!within_reach(rays, info)) return seen;
+  if (!rays_within_limit(rays, info)) return seen;
   for (int j = 0; j < kGrid; ++j)
     for (int i = 0; i < kGrid; ++i) {
       const float x = (float(i) + 0.5f) / kGrid * float(info.width), y = (float(j) + 0.5f) / kGrid * float(info.height);
@@ -47,8 +47,8 @@ std::vector<Seen> seen_surfaces(const TracedScene& traced, const PictureInfo& in
       if (!first_hit(traced, origin, direction, hit)) continue;
       const Surface surface = surface_at(traced, hit.hit.geomID, hit.hit.primID, hit.hit.u, hit.hit.v, origin,
                                          direction, {hit.hit.Ng_x, hit.hit.Ng_y, hit.hit.Ng_z}, hit.ray.tfar);
-      seen.push_back(
-          {surface, start_above(traced, surface, rays.eye), glm::distance(surface.position, rays.eye) / traced.scale});
+      seen.push_back({surface, ray_origin_above(traced, surface, rays.eye),
+                      glm::distance(surface.position, rays.eye) / traced.scale});
     }
   return seen;
 }
@@ -83,9 +83,9 @@ float median_distance(std::vector<Seen>& seen) {
 
 std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo& info,
                                    const std::vector<Light>& usual) {
-  std::vector<Seen> seen = seen_surfaces(traced, info);
+  std::vector<Seen> seen = visible_surfaces(traced, info);
   if (seen.empty() || usual.empty()) return {};
-  if (mean_light(traced, seen, usual[0].direction) >= kReachesEnough) return {};
+  if (mean_light(traced, seen, usual[0].direction) >= kMinDefaultCosine) return {};
 
   const glm::vec3 up = glm::normalize(traced.scene->up);
   const glm::vec3 some = std::abs(up.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1);
@@ -99,13 +99,13 @@ std::vector<Light> interior_lights(const TracedScene& traced, const PictureInfo&
       const glm::vec3 direction = glm::normalize(
           up * std::sin(height) + (across * std::cos(angle) + along * std::sin(angle)) * std::cos(height));
       const float light = mean_light(traced, seen, direction);
-      const float score = light * (1.0f + kLikeUsual * glm::dot(direction, usual[0].direction)) *
+      const float score = light * (1.0f + kDefaultDirectionBonus * glm::dot(direction, usual[0].direction)) *
                           (1.0f - kWorseByDeg * std::abs(height_deg - kBestHeightDeg));
       if (score > best_score) best_score = score, best_light = light, best = direction;
     }
   Light light;
   light.casts_shadow = true;
-  if (best_light > kNoWayIn) {
+  if (best_light > kMinSunCosine) {
     light.direction = best;
     light.color = kSun;
     light.angle_deg = kSunDeg;

@@ -32,7 +32,7 @@ Scene hall(bool open) {
 }
 
 std::vector<Light> lights_in(const Scene& scene, const Camera& camera) {
-  const auto traced = trace_ready(scene);
+  const auto traced = build_traced_scene(scene);
   return interior_lights(**traced, {.width = 64, .height = 48, .camera = camera}, default_lights(scene, camera));
 }
 

@@ -13,7 +13,7 @@ float light_size(const Light& light) {
   return light.kind == LightKind::kPoint ? light.radius : std::tan(glm::radians(0.5f * light.angle_deg));
 }
 
-bool casts_from_afar(const Light& light) {
+bool casts_visible_shadow(const Light& light) {
   // A head light is at the camera: its shadows are not visible.
   return light.casts_shadow && light.kind != LightKind::kHead;
 }
@@ -48,7 +48,7 @@ std::vector<ShadowLight> shadow_lights(const TracedScene& traced, const CameraRa
   std::vector<ShadowLight> lights;
   for (int k = 0; k < std::min({int(info.lights.size()), settings.shadows, kMaxShadows}); ++k) {
     const Light& light = info.lights[k];
-    if (!casts_from_afar(light)) continue;
+    if (!casts_visible_shadow(light)) continue;
     const bool point = light.kind == LightKind::kPoint;
     const glm::vec3 where = rays.world_from_view * (point ? light.position * traced.scale : light.direction);
     const float size = light_size(light) * (point ? traced.scale : 1.0f);
@@ -90,7 +90,7 @@ DiscPoints disc_points() {
   return points;
 }
 
-std::array<glm::vec2, kPacket> rim_points() {
+std::array<glm::vec2, kPacket> disc_border_points() {
   std::array<glm::vec2, kPacket> points;
   for (int k = 0; k < kPacket; ++k) {
     const double angle = 2.0 * glm::pi<double>() * k / kPacket;

@@ -27,7 +27,7 @@ struct ShadowLight {
 float light_size(const Light& light);
 
 /// Returns whether a light casts shadows that the camera can see.
-bool casts_from_afar(const Light& light);
+bool casts_visible_shadow(const Light& light);
 
 /// Returns two unit directions perpendicular to `direction` and to each other.
 std::pair<glm::vec3, glm::vec3> disc_axes(const glm::vec3& direction);
@@ -58,6 +58,6 @@ using DiscPoints = std::array<std::array<glm::vec2, kPacket>, kDiscPoints>;
 DiscPoints disc_points();
 
 /// Returns points on the border of the unit disc, one for each pixel of a packet.
-std::array<glm::vec2, kPacket> rim_points();
+std::array<glm::vec2, kPacket> disc_border_points();
 
 }  // namespace umbrage

@@ -86,11 +86,11 @@ Surface surface_at(const TracedScene& traced, unsigned mesh_index, unsigned tria
   return surface;
 }
 
-glm::vec3 start_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
+glm::vec3 ray_origin_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
   const glm::vec3 extent = glm::abs(surface.position) + glm::abs(surface.position - seen_from);
   float height = kStartOffset * std::max({extent.x, extent.y, extent.z});
   const Mesh& mesh = *surface.mesh;
-  if (mesh.points && !mesh.spheres) height += kAboveDisc * traced.scale * mesh.radii[surface.triangle];
+  if (mesh.points && !mesh.spheres) height += kDiscRayOffset * traced.scale * mesh.radii[surface.triangle];
   return surface.position + surface.geometric * height;
 }
 
@@ -103,12 +103,12 @@ glm::vec3 mesh_color(const Surface& surface) {
          mesh.colors[i[2]] * surface.v;
 }
 
-glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
+glm::vec3 ray_origin_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from) {
   const Mesh& mesh = *surface.mesh;
-  if (mesh.points) return start_above(traced, surface, seen_from);
+  if (mesh.points) return ray_origin_above(traced, surface, seen_from);
   const std::uint32_t* i = mesh.indices.data() + std::size_t(surface.triangle) * 3;
   const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
-  const glm::vec3 start = start_above(traced, surface, seen_from);
+  const glm::vec3 start = ray_origin_above(traced, surface, seen_from);
   constexpr float kFlat = 1.0f - 1e-6f;  // cosine: at most 0.1 % of a triangle's size is cut off
   const auto is_flat = [&](int k) { return std::abs(glm::dot(mesh.normals[i[k]], surface.geometric)) > kFlat; };
   if (is_flat(0) && is_flat(1) && is_flat(2)) return start;
@@ -156,12 +156,12 @@ bool fill_points(const TracedScene& traced, const Mesh& mesh, RTCGeometry geomet
 
 }  // namespace
 
-Result<TracedScenePtr> trace_ready(const Scene& scene, int threads, const ProgressMonitor& monitor) {
+Result<TracedScenePtr> build_traced_scene(const Scene& scene, int threads, const ProgressMonitor& monitor) {
   tbb::task_arena arena(threads);
-  return arena.execute([&] { return trace_ready(scene, monitor); });
+  return arena.execute([&] { return build_traced_scene(scene, monitor); });
 }
 
-Result<TracedScenePtr> trace_ready(const Scene& scene, const ProgressMonitor& monitor) {
+Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMonitor& monitor) {
   Watch watch(monitor, 1);
   TracedScenePtr traced(new TracedScene);
   traced->scene = &scene;

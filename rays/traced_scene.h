@@ -37,9 +37,9 @@ using TracedScenePtr = std::unique_ptr<TracedScene, FreeTracedScene>;
 
 /// Builds the hierarchy. The scene must outlive the result. Rays pass through texels that alpha cuts out. Errors:
 /// kDevice if Embree cannot build it (out of memory); kInterrupted.
-Result<TracedScenePtr> trace_ready(const Scene& scene, const ProgressMonitor& monitor = {});
+Result<TracedScenePtr> build_traced_scene(const Scene& scene, const ProgressMonitor& monitor = {});
 /// The same with at most `threads` threads.
-Result<TracedScenePtr> trace_ready(const Scene& scene, int threads, const ProgressMonitor& monitor = {});
+Result<TracedScenePtr> build_traced_scene(const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
 /// The surface that a ray hit, in unit space.
 struct Surface {
@@ -61,15 +61,15 @@ Surface surface_at(const TracedScene& traced, unsigned mesh, unsigned triangle, 
 /// Returns the origin for a ray that leaves the surface: offset along the geometric normal so that rounding does not
 /// make it hit the surface again; above a disc so far that the surrounding discs, which deviate slightly in height, do
 /// not block it. `seen_from` is the origin of the ray that hit the surface.
-glm::vec3 start_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
+glm::vec3 ray_origin_above(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
 
 /// Returns the origin for a ray to a light: on the smooth surface that the vertex normals of the triangle suggest. The
 /// triangle lies below that surface; at grazing light, rays from the triangle itself would be blocked by its neighbours
 /// and give jagged shadows. [Hanika 2021]
-glm::vec3 start_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
+glm::vec3 ray_origin_to_light(const TracedScene& traced, const Surface& surface, glm::vec3 seen_from);
 
 /// Offset of a ray's origin above a disc, as a fraction of the disc's radius.
-inline constexpr float kAboveDisc = 0.3f;
+inline constexpr float kDiscRayOffset = 0.3f;
 
 /// Returns the mesh's colour at a hit; white if the mesh has none.
 glm::vec3 mesh_color(const Surface& surface);

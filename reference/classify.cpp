@@ -28,15 +28,15 @@ constexpr float kTolerancePx = 1.0f;
 
 // Silhouettes extend 2 pixels to either side of a discontinuity in a picture 1024 pixels high: the width over which a
 // screen-space technique mixes both sides when it filters or lacks a neighbour.
-constexpr double kSilhouetteShare = 2.0 / 1024.0;
+constexpr double kSilhouetteFraction = 2.0 / 1024.0;
 constexpr int kSilhouetteMin = 1;
 
 // Thin is a tenth of a usual radius (a tenth of the height): samples step over it or take it for a wall.
-constexpr double kThinShare = 0.01;
+constexpr double kThinFraction = 0.01;
 constexpr int kThinMin = 2;
 
 // The picture's border: as wide as the inner half of a usual radius, where the samples with the largest weight lie.
-constexpr double kBorderShare = 0.04;
+constexpr double kBorderFraction = 0.04;
 constexpr int kBorderMin = 1;
 
 int share_of(int size, double share, int min) { return std::max(min, int(std::lround(size * share))); }
@@ -69,13 +69,13 @@ class SurfelRows {
 
   /// Returns whether the next pixel's point is in front of the surfel's plane by more than an error of the normal
   /// explains.
-  bool lies_before(const Surfel& surfel, const Surfel& point) const {
+  bool is_in_front(const Surfel& surfel, const Surfel& point) const {
     return surface_.plane_distance(surfel.point, surfel.normal, point.point, kTolerancePx) > 1.0f;
   }
 
   /// Returns whether a point `pixels` pixels away is behind the surfel's plane. The normal is taken as exact: with an
   /// allowance for its error, the steep plane at a silhouette would explain any gap.
-  bool lies_behind(const Surfel& surfel, const Surfel& point, int pixels) const {
+  bool is_behind(const Surfel& surfel, const Surfel& point, int pixels) const {
     return surface_.plane_distance_px(surfel.point, surfel.normal, point.point) < -kTolerancePx * float(pixels);
   }
 
@@ -96,21 +96,21 @@ class SurfelRows {
 };
 
 /// The direction of a depth discontinuity from a pixel to its neighbour, or none.
-enum class Jump : std::int8_t { kNone, kDown, kUp };  // kDown: the neighbour is farther
+enum class Discontinuity : std::int8_t { kNone, kDown, kUp };  // kDown: the neighbour is farther
 
 /// Returns the discontinuity between the middle two of four surfels in a line.
-Jump jump_between(const SurfelRows& rows, const Surfel& before, const Surfel& pixel, const Surfel& neighbour,
-                  const Surfel& beyond) {
-  if (!pixel.covered && !neighbour.covered) return Jump::kNone;
+Discontinuity discontinuity_between(const SurfelRows& rows, const Surfel& before, const Surfel& pixel,
+                                    const Surfel& neighbour, const Surfel& beyond) {
+  if (!pixel.covered && !neighbour.covered) return Discontinuity::kNone;
   const bool down = !neighbour.covered || (pixel.covered && pixel.point.z >= neighbour.point.z);
   if (pixel.covered && neighbour.covered) {
     const Surfel &near = down ? pixel : neighbour, &far = down ? neighbour : pixel;
     const Surfel& next_to_near = down ? before : beyond;
-    if (!rows.lies_before(far, near)) return Jump::kNone;
-    if (!rows.lies_behind(near, far, 1) && !(next_to_near.covered && rows.lies_behind(next_to_near, far, 2)))
-      return Jump::kNone;
+    if (!rows.is_in_front(far, near)) return Discontinuity::kNone;
+    if (!rows.is_behind(near, far, 1) && !(next_to_near.covered && rows.is_behind(next_to_near, far, 2)))
+      return Discontinuity::kNone;
   }
-  return down ? Jump::kDown : Jump::kUp;
+  return down ? Discontinuity::kDown : Discontinuity::kUp;
 }
 
 /// The neighbours with which each pixel is compared; the opposite ones compare with it.
@@ -122,17 +122,17 @@ constexpr int kStraightSteps = 2;  // the steps along the axes come first
 constexpr int kMargin = 2;         // reach of a step's line of four surfels beyond the picture
 
 /// The discontinuities between each pixel and its neighbours.
-struct JumpMap {
+struct DiscontinuityMap {
   int width, height;
-  std::array<std::vector<Jump>, kSteps.size()> jumps;  ///< kNone beyond the picture
+  std::array<std::vector<Discontinuity>, kSteps.size()> jumps;  ///< kNone beyond the picture
 
   bool inside(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
-  Jump at(int step, int x, int y) const { return jumps[step][std::size_t(y) * width + x]; }
+  Discontinuity at(int step, int x, int y) const { return jumps[step][std::size_t(y) * width + x]; }
 };
 
-JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
-  JumpMap map{width, height, {}};
-  for (auto& jumps : map.jumps) jumps.assign(std::size_t(width) * height, Jump::kNone);
+DiscontinuityMap find_discontinuities(const SurfelRows& surfels, int width, int height) {
+  DiscontinuityMap map{width, height, {}};
+  for (auto& jumps : map.jumps) jumps.assign(std::size_t(width) * height, Discontinuity::kNone);
   constexpr int kGrain = 32;  // rows per task: enough to outweigh the extra rows read above and below
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
     // Rows y - 1 to y + 2; row r is stored at index r mod 4.
@@ -152,7 +152,8 @@ JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
         };
         for (int x = 0; x < width; ++x)
           if (map.inside(x + dx, y + dy))
-            map.jumps[s][std::size_t(y) * width + x] = jump_between(surfels, at(x, -1), at(x, 0), at(x, 1), at(x, 2));
+            map.jumps[s][std::size_t(y) * width + x] =
+                discontinuity_between(surfels, at(x, -1), at(x, 0), at(x, 1), at(x, 2));
       }
     }
   });
@@ -160,14 +161,14 @@ JumpMap find_jumps(const SurfelRows& surfels, int width, int height) {
 }
 
 /// Marks pixels at most `reach` pixels along the axes from a discontinuity; 1: only the pixels beside it.
-std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
+std::vector<char> mark_silhouettes(const DiscontinuityMap& map, int reach) {
   const int width = map.width, height = map.height;
   const std::size_t size = std::size_t(width) * height;
   std::vector<char> beside(size, 0), along(size, 0), marked(size, 0);
   for (int s = 0; s < kStraightSteps; ++s)
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        if (map.at(s, x, y) == Jump::kNone) continue;
+        if (map.at(s, x, y) == Discontinuity::kNone) continue;
         beside[std::size_t(y) * width + x] = 1;
         beside[std::size_t(y + kSteps[s].y) * width + x + kSteps[s].x] = 1;
       }
@@ -188,7 +189,7 @@ std::vector<char> mark_silhouettes(const JumpMap& map, int reach) {
 }
 
 /// Marks runs of at most `most` pixels along the step that begin with a kUp and end with a kDown.
-void mark_runs(const JumpMap& map, int step, int max, std::vector<char>& marked) {
+void mark_runs(const DiscontinuityMap& map, int step, int max, std::vector<char>& marked) {
   const auto [dx, dy] = kSteps[step];
   for (int y0 = 0; y0 < map.height; ++y0)
     for (int x0 = 0; x0 < map.width; ++x0) {
@@ -196,16 +197,16 @@ void mark_runs(const JumpMap& map, int step, int max, std::vector<char>& marked)
       constexpr int kNoRun = -1;
       int begin = kNoRun;
       for (int i = 0; map.inside(x0 + i * dx, y0 + i * dy); ++i) {
-        const Jump jump = map.at(step, x0 + i * dx, y0 + i * dy);
-        if (jump == Jump::kNone) continue;
-        if (jump == Jump::kDown && begin != kNoRun && i - begin < max)
+        const Discontinuity jump = map.at(step, x0 + i * dx, y0 + i * dy);
+        if (jump == Discontinuity::kNone) continue;
+        if (jump == Discontinuity::kDown && begin != kNoRun && i - begin < max)
           for (int j = begin; j <= i; ++j) marked[std::size_t(y0 + j * dy) * map.width + x0 + j * dx] = 1;
-        begin = jump == Jump::kUp ? i + 1 : kNoRun;
+        begin = jump == Discontinuity::kUp ? i + 1 : kNoRun;
       }
     }
 }
 
-std::vector<char> mark_thin(const JumpMap& map, int width) {
+std::vector<char> mark_thin(const DiscontinuityMap& map, int width) {
   std::vector<char> marked(std::size_t(map.width) * map.height, 0);
   const int diagonal = std::max(1, int(width / std::numbers::sqrt2));
   for (int s = 0; s < int(kSteps.size()); ++s) mark_runs(map, s, s < kStraightSteps ? width : diagonal, marked);
@@ -223,10 +224,10 @@ ClassMap classify(const GBuffer& gbuffer) {
   if (!depth) return map;
 
   const SurfelRows surfels(gbuffer);
-  const JumpMap jumps = find_jumps(surfels, width, height);
-  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteShare, kSilhouetteMin));
-  const auto thin = mark_thin(jumps, share_of(height, kThinShare, kThinMin));
-  const int border = share_of(std::min(width, height), kBorderShare, kBorderMin);
+  const DiscontinuityMap jumps = find_discontinuities(surfels, width, height);
+  const auto silhouette = mark_silhouettes(jumps, share_of(height, kSilhouetteFraction, kSilhouetteMin));
+  const auto thin = mark_thin(jumps, share_of(height, kThinFraction, kThinMin));
+  const int border = share_of(std::min(width, height), kBorderFraction, kBorderMin);
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       if (!surfels.is_surface(x, y)) continue;

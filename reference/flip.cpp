@@ -252,7 +252,7 @@ struct Eye {
   Detectors detectors = make_detectors();
 };
 
-void see_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& scratch, Seen& seen) {
+void filter_row(const Eye& eye, const std::vector<Plane>& channels, int y, Row& scratch, Seen& seen) {
   const int width = channels[0].width;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     seen.colour[c].assign(width, 0.0f);
@@ -306,18 +306,18 @@ Plane flip_map(const Image& picture, const Image& truth, const ClassMap& classes
   static const Eye eye;
   const bool grey = picture.planes.size() == 1;
   const std::vector<Plane> channels = opponent_channels(picture, classes);
-  const std::vector<Plane> true_channels = opponent_channels(truth, classes);
+  const std::vector<Plane> reference_channels = opponent_channels(truth, classes);
   tbb::parallel_for(tbb::blocked_range<int>(0, height, kGrain), [&](const tbb::blocked_range<int>& rows) {
     Row scratch(width);
-    Seen seen, truly_seen;
+    Seen seen, reference_seen;
     for (int y = rows.begin(); y < rows.end(); ++y) {
-      see_row(eye, channels, y, scratch, seen);
-      see_row(eye, true_channels, y, scratch, truly_seen);
+      filter_row(eye, channels, y, scratch, seen);
+      filter_row(eye, reference_channels, y, scratch, reference_seen);
       for (int x = 0; x < width; ++x) {
         if (!is_counted(classes.row(y)[x])) continue;
-        const float distance = colour_distance(seen, truly_seen, x, grey);
+        const float distance = colour_distance(seen, reference_seen, x, grey);
         if (distance == 0.0f) continue;
-        map.row(y)[x] = std::pow(colour_error(distance), 1.0f - feature_error(seen, truly_seen, x));
+        map.row(y)[x] = std::pow(colour_error(distance), 1.0f - feature_error(seen, reference_seen, x));
       }
     }
   });

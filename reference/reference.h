@@ -25,7 +25,7 @@ struct ReferenceParams {
 };
 
 /// Returns name, summary, parameter table and output planes. Its dispatch has no kernel, because it needs the scene,
-/// which no frame holds: looks run it by LookRun::run_handed_in.
+/// which no frame holds: looks run it by LookRun::run_external_effect.
 const Effect& reference_effect();
 
 /// Traces the planes that the parameters select: those of trace_occlusion and of trace_light.

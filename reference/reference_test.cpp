@@ -105,7 +105,7 @@ struct Stage {
 
 Stage stage_of(Scene scene) {
   Stage stage{std::make_unique<Scene>(std::move(scene)), {}};
-  auto traced = trace_ready(*stage.scene);
+  auto traced = build_traced_scene(*stage.scene);
   EXPECT_TRUE(traced);
   stage.traced = std::move(*traced);
   return stage;
@@ -216,7 +216,7 @@ struct Openness {
   glm::dvec3 moment{0.0};
 };
 
-Openness openness(const std::vector<Wall>& walls, double ceiling, double radius) {
+Openness assumed_visibility(const std::vector<Wall>& walls, double ceiling, double radius) {
   constexpr int kAzimuths = 4000;
   Openness open;
   // A direction that projects to r at this azimuth meets the ceiling at ceiling / sqrt(1 - r^2).
@@ -248,10 +248,10 @@ double weight_of(Falloff falloff, double share) {
 // ---- occlusion ----
 
 TEST(Reference, QuadratureAgreesWithTheClosedForms) {
-  EXPECT_NEAR(openness({{0.0, 0.4}}, 9.0, 1.0).share, 1.0 - segment(0.4), 1e-6);
-  EXPECT_NEAR(openness({}, 0.6, 1.0).share, 0.36, 1e-12);
-  EXPECT_NEAR(openness({}, 9.0, 1.0).moment.z, 2.0 / 3.0, 1e-12);
-  EXPECT_NEAR(openness({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).share, 0.25, 1e-12);
+  EXPECT_NEAR(assumed_visibility({{0.0, 0.4}}, 9.0, 1.0).share, 1.0 - segment(0.4), 1e-6);
+  EXPECT_NEAR(assumed_visibility({}, 0.6, 1.0).share, 0.36, 1e-12);
+  EXPECT_NEAR(assumed_visibility({}, 9.0, 1.0).moment.z, 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(assumed_visibility({{0.0, 0.0}, {M_PI / 2, 0.0}}, 9.0, 1.0).share, 0.25, 1e-12);
 }
 
 TEST(Reference, APlaneIsOpenToTheBit) {
@@ -325,15 +325,15 @@ TEST(Reference, CornersOfInfiniteWalls) {
   // An infinite wall blocks half of the disc, two walls at a corner three quarters, three walls all of it.
   const Mesh floor = level_square(4.0f);
   const PictureInfo info = stage_of(scene_of({floor})).info(from_above(1, 1), 24, 24);
-  const auto expect_share = [&](std::vector<Mesh> walls, double share) {
+  const auto expect_fraction = [&](std::vector<Mesh> walls, double share) {
     walls.push_back(floor);
     const Stage stage = stage_of(scene_of(walls));
     expect_occlusion(
         stage, info, {.samples = 256}, [&](glm::dvec3) { return share; }, "infinite walls");
   };
-  expect_share({wall_x(1)}, 0.5);
-  expect_share({wall_x(1), wall_y(1)}, 0.25);
-  expect_share({wall_x(1), wall_y(1), wall_y(-2)}, 0.0);
+  expect_fraction({wall_x(1)}, 0.5);
+  expect_fraction({wall_x(1), wall_y(1)}, 0.25);
+  expect_fraction({wall_x(1), wall_y(1), wall_y(-2)}, 0.0);
 }
 
 TEST(Reference, CornersWithinARadius) {
@@ -344,7 +344,7 @@ TEST(Reference, CornersWithinARadius) {
     const auto truth = [&](glm::dvec3 p) {
       std::vector<Wall> all = {{0.0, 1.0 - p.x}, {M_PI / 2, 0.8 - p.y}, {M_PI, p.x + 1.2}};
       all.resize(std::size_t(walls));
-      return openness(all, 100.0, kRadius).share;
+      return assumed_visibility(all, 100.0, kRadius).share;
     };
     const Stage stage = stage_of(scene_of(meshes));
     expect_occlusion(stage, stage.info(from_above(1.8f, 1.2f), 30, 20), {.samples = 256, .radius = kRadius}, truth,
@@ -458,7 +458,7 @@ TEST(Reference, BentNormalBesideAWall) {
       for_each_pixel(info, [&](int x, int y) {
         const glm::dvec3 bent = bent_at(image, info, x, y);
         const double distance = 1.0 - on_floor(ray_of(info, x, y)).x;
-        const glm::dvec3 expected = glm::normalize(openness({{0.0, distance}}, 1e9, radius).moment);
+        const glm::dvec3 expected = glm::normalize(assumed_visibility({{0.0, distance}}, 1e9, radius).moment);
         ASSERT_NEAR(glm::length(bent), 1.0, 1e-6);
         ASSERT_GT(glm::dot(bent, expected), 0.99);
         towards.add(glm::dot(bent, glm::dvec3(expected.z, 0.0, -expected.x)));
@@ -637,7 +637,7 @@ TEST(Reference, WithoutShadowsDirectLightIsTheLightingEffects) {
   const Scene scene = scene_of({wavy_floor()}, {shiny}, lights);
   const auto device = make_cpu_device();
   ASSERT_TRUE(device->prepare(scene));
-  const auto traced = trace_ready(scene);
+  const auto traced = build_traced_scene(scene);
   const Effect& effect = *find_effect("lighting");
   for (const Camera& camera : {perspective_camera({1, -3, 3}, {0, 0, 0}, {0, 0, 1}, 40.0f, 1.0f),
                                orthographic_camera({1, -3, 3}, {0, 0, 0}, {0, 0, 1}, 3.0f, 1.0f)}) {

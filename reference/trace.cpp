@@ -80,7 +80,7 @@ template <class Trace>
 Result<void> for_each_surface(const TracedScene& traced, const PictureInfo& info, const TraceControl& control,
                               const Trace& trace) {
   const CameraRays rays = camera_rays(traced, info);
-  if (!within_reach(rays, info)) {  // no surface is visible from there
+  if (!rays_within_limit(rays, info)) {  // no surface is visible from there
     if (!control.progress(1.0)) return Error{ErrorKind::kInterrupted, "interrupted"};
     return {};
   }
@@ -142,8 +142,8 @@ float weight_of(Falloff falloff, float share) {
 /// A light in the unit space of TracedScene.
 struct TracedLight {
   bool point = false;
-  bool from_eye = false;  ///< directional light that starts at the plane of the camera
-  glm::vec3 where{0.0f};  ///< direction to the light, unit, or its centre
+  bool from_camera = false;  ///< directional light that starts at the plane of the camera
+  glm::vec3 where{0.0f};     ///< direction to the light, unit, or its centre
   glm::vec3 color{0.0f};
   float reach_squared = 0.0f;  ///< 0: no distance falloff
   float radius = 0.0f;         ///< of a spherical light
@@ -161,7 +161,7 @@ std::vector<TracedLight> traced_lights(const TracedScene& traced, const CameraRa
     out.point = light.kind == LightKind::kPoint || (head && info.camera.projection == Projection::kPerspective);
     if (head) {
       out.where = out.point ? rays.eye : rays.world_from_view[2];
-      out.from_eye = !out.point;
+      out.from_camera = !out.point;
     } else if (out.point) {
       out.where = rays.eye + rays.world_from_view * (light.position * traced.scale);
       out.reach_squared = light.reach * light.reach * traced.scale * traced.scale;
@@ -197,7 +197,7 @@ LightSample sample_light(const TracedLight& light, const CameraRays& rays, glm::
   if (!light.point) {
     const glm::vec3 direction = basis_around(light.where) * cone_direction(sample, light.cone_height);
     const float distance =
-        light.from_eye ? glm::dot(rays.eye - from, light.where) : std::numeric_limits<float>::infinity();
+        light.from_camera ? glm::dot(rays.eye - from, light.where) : std::numeric_limits<float>::infinity();
     return {direction, distance, light.color * cone_gain(light.cone_height)};
   }
   const glm::vec3 to_center = light.where - from;
@@ -242,14 +242,14 @@ float highlight_of(const Surface& surface, glm::vec3 to_light, glm::vec3 to_eye)
 struct DirectLight {
   glm::vec3 diffuse{0.0f};  ///< before the albedo
   glm::vec3 highlight{0.0f};
-  float key_arrives = 1.0f;
+  float key_visibility = 1.0f;
 };
 
 DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, const Surface& surface, glm::vec3 to_eye,
                          const std::vector<TracedLight>& lights, const SampleTable& table, int samples,
                          std::uint32_t seed) {
   DirectLight sum;
-  const glm::vec3 start = start_to_light(traced, surface, rays.eye);
+  const glm::vec3 start = ray_origin_to_light(traced, surface, rays.eye);
   for (std::size_t l = 0; l < lights.size(); ++l) {
     const TracedLight& light = lights[l];
     const bool hard = light.point ? !(light.radius > 0.0f) : !(light.cone_height > 0.0f);
@@ -276,7 +276,7 @@ DirectLight direct_light(const TracedScene& traced, const CameraRays& rays, cons
         sum.highlight += color * highlight_of(surface, sample[k].direction, to_eye);
       }
     }
-    if (l == 0) sum.key_arrives = float(arrived) / float(count);
+    if (l == 0) sum.key_visibility = float(arrived) / float(count);
   }
   return sum;
 }
@@ -287,7 +287,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
                         const std::vector<TracedLight>& lights, const SampleTable& table, int samples, float reach,
                         std::uint32_t seed) {
   glm::vec3 sum(0.0f);
-  const glm::vec3 start = start_above(traced, surface, rays.eye);
+  const glm::vec3 start = ray_origin_above(traced, surface, rays.eye);
   const glm::mat3 basis = basis_around(surface.normal);
   for (int first = 0; first < samples; first += kPacket) {
     const int n = std::min(kPacket, samples - first);
@@ -316,7 +316,7 @@ glm::vec3 bounced_light(const TracedScene& traced, const CameraRays& rays, const
         const float lambert = glm::dot(hits[k].normal, sample.direction);
         if (!(lambert > 0.0f)) continue;
         reflected[k] = albedo[k] * sample.color * lambert;
-        to_light.set(k, start_to_light(traced, hits[k], surface.position), sample.direction, 0.0f,
+        to_light.set(k, ray_origin_to_light(traced, hits[k], surface.position), sample.direction, 0.0f,
                      ray_length(lights[l], sample.distance));
       }
       to_light.find_blocked(traced, Coherence::kIncoherent);
@@ -342,7 +342,7 @@ Result<Image> trace_occlusion(const TracedScene& traced, const PictureInfo& info
   const glm::mat3 view_from_world(info.camera.view_from_world);
   const auto done =
       for_each_surface(traced, info, control, [&](int x, int y, const Surface& surface, const CameraRays& rays) {
-        const glm::vec3 start = start_above(traced, surface, rays.eye);
+        const glm::vec3 start = ray_origin_above(traced, surface, rays.eye);
         const glm::vec3 normal = settings.normal == HemisphereNormal::kTriangle ? surface.geometric : surface.normal;
         const glm::mat3 basis = basis_around(normal);
         const std::uint32_t seed = hash(pixel_seed(info, x, y, settings.seed), kHemisphere);
@@ -407,7 +407,7 @@ Result<Image> trace_light(const TracedScene& traced, const PictureInfo& info, co
         const DirectLight light = direct_light(traced, rays, surface, to_eye, lights, table, settings.samples, seed);
         const glm::vec3 emission = pixel_emission(traced, rays, surface, float(x) + 0.5f, float(y) + 0.5f);
         direct.store(x, y, light.diffuse * albedo + light.highlight + emission);
-        shadow->at(x, y) = light.key_arrives;
+        shadow->at(x, y) = light.key_visibility;
       });
   if (!done) return done.error();
   return image;

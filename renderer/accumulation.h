@@ -14,7 +14,7 @@ inline constexpr int kMaxFrames = 256;
 /// Returns the offset of the sample positions from the pixel centres for sample index `frame` of `count`, in pixels:
 /// well distributed over (-0.5, 0.5)^2, with mean 0 for `count` >= 3. Index 0 samples the centres.
 /// Based on [Roberts 2018], R2.
-glm::vec2 frame_offset(int frame, int count);
+glm::vec2 sample_offset(int frame, int count);
 
 /// Returns the camera that samples at its pixel centres what `camera` sees `offset` pixels to the right of and below
 /// its own, in a picture of width x height pixels.
@@ -22,7 +22,7 @@ Camera shifted_camera(const Camera& camera, glm::vec2 offset, int width, int hei
 
 /// A sum of pictures.
 struct PictureSum {
-  bool for_eye = false;  ///< colour is averaged as square roots of light, as in mixed_for_the_eye
+  bool as_square_roots = false;  ///< colour is averaged as square roots of light, as in mixed_as_square_roots
   int count = 0;
   Image sum;  ///< colour (or its square roots) multiplied by alpha; alpha; the other averaged planes, unchanged
 };
@@ -38,7 +38,7 @@ void add_rows(PictureSum& total, const Image& rows, int first, int height);
 PictureSum rows_of(const PictureSum& total, int first, int count);
 
 /// Returns the averaged colour as a G-buffer for effect `output`: lit (multiplied by alpha), cover (mean alpha; named
-/// `cover_for_eye` if `for_eye` is set), and a depth of infinity everywhere.
+/// `cover_for_eye` if `as_square_roots` is set), and a depth of infinity everywhere.
 GBuffer mean_picture(const PictureSum& total, const PictureInfo& info);
 
 /// Returns the means of these planes, which are not colour.

@@ -18,7 +18,7 @@ std::vector<std::string> line_planes(const Plan& plan) {
   return names;
 }
 
-std::vector<std::string> also_averaged(const Plan& plan) {
+std::vector<std::string> other_averaged_planes(const Plan& plan) {
   std::vector<std::string> names = plan.recipe.averaged;
   for (const std::string& plane : line_planes(plan)) std::erase(names, plane);
   return names;
@@ -27,14 +27,14 @@ std::vector<std::string> also_averaged(const Plan& plan) {
 std::vector<std::string> averaged_planes(const Plan& plan) {
   std::vector<std::string> names;
   if (plan.recipe.wants("color.r")) names = {"color.r", "color.g", "color.b", "color.a"};
-  const auto also = also_averaged(plan);
+  const auto also = other_averaged_planes(plan);
   names.insert(names.end(), also.begin(), also.end());
   return names;
 }
 
-Result<Progression> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
-                               StageTimes& times) {
-  if (plan.lines.empty() || plan.capture.sample > 0) return Progression();
+Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
+                            StageTimes& times) {
+  if (plan.lines.empty() || plan.capture.sample > 0) return RunState();
   auto done = device.run(*find_effect("outline"), plan.lines, frame, 0, PixelSet::kAll, monitor);
   times.done("outline");
   return done;
@@ -71,7 +71,8 @@ Image with_guard_band(const Image& inner, int band) {
 }  // namespace
 
 Result<void> finish_average(Device& device, const PictureSum& total, const Plan& plan, Frame& frame) {
-  if (auto done = device.add(with_guard_band(mean_planes(total, also_averaged(plan)), frame.info.guard), frame); !done)
+  if (auto done = device.add(with_guard_band(mean_planes(total, other_averaged_planes(plan)), frame.info.guard), frame);
+      !done)
     return done;
   if (!plan.recipe.wants("color.r")) return {};
   Image lines;

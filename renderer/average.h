@@ -9,13 +9,13 @@
 
 namespace umbrage {
 
-/// Returns the planes that are averaged; also_averaged returns only those that are not colour.
+/// Returns the planes that are averaged; other_averaged_planes returns only those that are not colour.
 std::vector<std::string> averaged_planes(const Plan& plan);
-std::vector<std::string> also_averaged(const Plan& plan);
+std::vector<std::string> other_averaged_planes(const Plan& plan);
 
 /// Draws the lines that lie over the average. Runs at sample index 0; does nothing at the others.
-Result<Progression> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
-                               StageTimes& times);
+Result<RunState> draw_lines(Device& device, const Plan& plan, Frame& frame, const ProgressMonitor& monitor,
+                            StageTimes& times);
 
 /// Returns the planes of sample 0 from which `output` draws the lines.
 std::vector<std::string> line_planes(const Plan& plan);

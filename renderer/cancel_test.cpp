@@ -153,10 +153,10 @@ TEST_F(Cancel, AHierarchyIsNotBuiltToItsEnd) {
     expect_ends([&](const ProgressMonitor& monitor) { return device->prepare(scene, monitor); }, "prepare");
     expect_ends(
         [&](const ProgressMonitor& monitor) {
-          const auto traced = trace_ready(scene, threads, monitor);
+          const auto traced = build_traced_scene(scene, threads, monitor);
           return traced ? Result<void>() : traced.error();
         },
-        "trace_ready");
+        "build_traced_scene");
   }
   expect_ends(
       [&](const ProgressMonitor& monitor) {

@@ -27,7 +27,7 @@ class Stage {
       : device_(device), scene_(*load_scene("scene:solids?detail=2000")) {
     Recipe recipe = recipe_of({look, {}});
     recipe.ground = ground;
-    furnish(scene_, recipe);
+    complete_scene(scene_, recipe);
     EXPECT_TRUE(device.prepare(scene_));
   }
 

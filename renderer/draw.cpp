@@ -46,15 +46,15 @@ class DrawProgress {
   bool tell(double share) {
     const double of_frame = std::min((step_ + share) / steps_, 1.0);
     // An effect of several dispatches or on several layers restarts at 0 for each; reported progress never decreases.
-    told_ = std::max(told_, std::min((frame_ + of_frame) / frames_, 1.0));
-    return !monitor_ || monitor_(told_);
+    reported_ = std::max(reported_, std::min((frame_ + of_frame) / frames_, 1.0));
+    return !monitor_ || monitor_(reported_);
   }
 
   const ProgressMonitor& monitor_;
   const double steps_;
   const int frames_;
   int step_ = 0, frame_ = 0;
-  double told_ = 0.0;
+  double reported_ = 0.0;
 };
 
 /// Returns the run of the recipe's look; finished effects are reported to `times` and `progress`.
@@ -80,19 +80,19 @@ Result<Drawn> draw_samples(Device& device, const Scene& scene, const Plan& plann
   TracedScenePtr hierarchy;  // of the reference; built once for all samples
   LookRun run = timed_look_run(plan.recipe, times, progress);
   run.stops = stops;
-  run.run_handed_in = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
+  run.run_external_effect = [&](const Effect&, const ParameterBytes& params, Frame& on) -> Result<void> {
     if (!hierarchy) {
-      auto traced = trace_ready(scene, device.threads(), [&](double) { return of_step(0.0); });
+      auto traced = build_traced_scene(scene, device.threads(), [&](double) { return of_step(0.0); });
       if (!traced) return traced.error();
       hierarchy = std::move(*traced);
     }
     const auto planes = trace_reference(*hierarchy, on.info, params, {device.threads(), own_thread_only(of_step)});
     return planes ? device.add(*planes, on) : planes.error();
   };
-  PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
   // Sample 0 is drawn last; its frame is returned.
   for (int k = plan.recipe.frames - 1;; --k) {
-    const Camera camera = begin_frame(plan, k);
+    const Camera camera = begin_sample(plan, k);
     auto frame = frame_of(plan, camera);
     if (!frame) return frame.error();
     if (auto added = add_sky(device, plan, *frame); !added) return added.error();
@@ -127,7 +127,7 @@ Result<void> add_sky(Device& device, const Plan& plan, Frame& frame) {
 
 Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTimes& times,
                    const ProgressMonitor& monitor, std::optional<float> stops) {
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   DrawProgress progress(monitor, 1 + effect_count(plan), plan.recipe.frames);
   const ProgressMonitor of_step = progress.of_step();
   const auto captured = [&](const Plan& sample, const Camera& camera) {
@@ -140,13 +140,13 @@ Result<Drawn> draw(Device& device, const Scene& scene, const Plan& plan, StageTi
 }
 
 Result<Captures> capture(Device& device, const Plan& planned, StageTimes& times, const ProgressMonitor& monitor) {
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   Plan plan = planned;
   DrawProgress progress(monitor, 1, plan.recipe.frames);
   const ProgressMonitor of_step = progress.of_step();
   Captures captures;
   for (int k = 0; k < plan.recipe.frames; ++k) {
-    auto frame = device.capture(begin_frame(plan, k), plan.capture, of_step);
+    auto frame = device.capture(begin_sample(plan, k), plan.capture, of_step);
     if (!frame) return frame.error();
     captures.push_back(std::move(*frame));
     times.done("capture");
@@ -166,7 +166,7 @@ bool same_captures(const Plan& a, const Plan& b) {
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
                             StageTimes& times, const ProgressMonitor& monitor, std::optional<float> stops) {
   check_equal(captures.size(), std::size_t(plan.recipe.frames), "captures of a picture");
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   DrawProgress progress(monitor, std::max<std::size_t>(effect_count(plan), 1), plan.recipe.frames);
   const auto kept_frame = [&](const Plan& sample, const Camera&) {
     return Result<Frame>(device.branch(captures[std::size_t(sample.capture.sample)]));

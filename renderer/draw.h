@@ -27,7 +27,7 @@ bool same_captures(const Plan& a, const Plan& b);
 Result<Drawn> draw_captured(Device& device, const Scene& scene, const Plan& plan, const Captures& captures,
                             StageTimes& times, const ProgressMonitor& monitor = {}, std::optional<float> stops = {});
 
-/// Plans and draws a scene that `furnish` has completed.
+/// Plans and draws a scene that `complete_scene` has completed.
 Result<Frame> draw(Device& device, const Scene& scene, const Recipe& recipe, StageTimes& times);
 
 /// Makes a recipe, plans and draws; environment images are not read. Errors: kUsage, and those of draw.

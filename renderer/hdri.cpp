@@ -13,7 +13,7 @@
 #include "core/check.h"
 #include "core/srgb.h"
 #include "io/format.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/texture_file.h"
 
 namespace umbrage {
@@ -69,7 +69,7 @@ Result<Panorama> read_file(const std::string& file, const ProgressMonitor& monit
   if (!own) return own.error();
   if (*own) return read_own_format(file);
   Poll poll(monitor);
-  return read_panorama_apart(file, &poll);
+  return read_panorama_in_child_process(file, &poll);
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ Lighting image_lighting(const Hdri& hdri, glm::vec3 up) {
   lighting.ambient = light.ambient * hdri.intensity;
   lighting.ambient_shape = turned(light.shape, axes);
   for (glm::mat4& matrix : lighting.ambient_shape.by_color) matrix *= hdri.intensity;
-  lighting.usual_light = light.brightest > 0.0f ? light.brightest : 1.0f;
+  lighting.lit_white_luminance = light.brightest > 0.0f ? light.brightest : 1.0f;
   return lighting;
 }
 

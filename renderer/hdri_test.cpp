@@ -7,7 +7,7 @@
 
 #include "run_program.h"
 #include "scene/environment.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "umbrage/umbrage.hpp"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
@@ -240,7 +240,7 @@ TEST(Environment, OddPixelsHaveDefinedResults) {
   const float infinity = std::numeric_limits<float>::infinity();
   Panorama odd{"odd", 2, 2, {NAN, 1, 1, -1, 2, 2, infinity, 3, 3, 4, 4, 3e38f}};
   EXPECT_EQ(clean_panorama(odd), 4u);
-  EXPECT_EQ(odd.rgb, (std::vector<float>{0, 1, 1, 0, 2, 2, 65504, 3, 3, 4, 4, kBrightestSky}));
+  EXPECT_EQ(odd.rgb, (std::vector<float>{0, 1, 1, 0, 2, 2, 65504, 3, 3, 4, 4, kMaxRadiance}));
   EXPECT_EQ(clean_panorama(odd), 0u);
   const EnvironmentLight light = environment_light(odd);
   for (const dvec3& n : normals_all_around()) EXPECT_TRUE(std::isfinite(luminance(irradiance(light, n))));
@@ -331,7 +331,7 @@ class HdriFile : public test::ProgramTest {
 
 TEST_F(HdriFile, ReadsWhatDecodersRead) {
   write_hdr("sky.hdr");
-  const auto hdr = read_panorama_apart(path("sky.hdr"));
+  const auto hdr = read_panorama_in_child_process(path("sky.hdr"));
   ASSERT_TRUE(hdr) << hdr.error().message;
   const auto expected = values(sky_image());
   ASSERT_EQ(hdr->rgb.size(), expected.size());
@@ -343,7 +343,7 @@ TEST_F(HdriFile, ReadsWhatDecodersRead) {
   ASSERT_TRUE(stbi_write_jpg(path("grey.jpg").c_str(), 32, 16, 3, grey(32, 16, 188).data(), 95));
   ASSERT_TRUE(stbi_write_tga(path("grey.tga").c_str(), 32, 16, 3, grey(32, 16, 188).data()));
   for (const char* name : {"grey.jpg", "grey.tga"}) {
-    const auto grey = read_panorama_apart(path(name));
+    const auto grey = read_panorama_in_child_process(path(name));
     ASSERT_TRUE(grey) << grey.error().message;
     for (const float v : grey->rgb) EXPECT_NEAR(v, 0.5029f, 0.01f) << name;
   }
@@ -354,7 +354,7 @@ TEST_F(HdriFile, ReadsRadianceHoweverItLies) {
   const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";
   const auto read = [&](const std::string& bytes) {
     write("two.hdr", bytes);
-    const auto panorama = read_panorama_apart(path("two.hdr"));
+    const auto panorama = read_panorama_in_child_process(path("two.hdr"));
     EXPECT_TRUE(panorama) << panorama.error().message;
     return panorama ? panorama->rgb : std::vector<float>();
   };

@@ -11,7 +11,7 @@ Lens lens_of(const Request& request) {
   const GBufferSettings& g = request.gbuffer;
   return {.width = request.width,
           .height = request.height,
-          .depth_kind = DepthMeaning(choice_of("depth_kind", g.depth_kind)),
+          .depth_kind = DepthMeaning(choice_index("depth_kind", g.depth_kind)),
           .near_plane = g.near_plane,
           .far_plane = g.far_plane != 0.0f ? g.far_plane : std::numeric_limits<float>::infinity(),
           .orthographic = g.orthographic,
@@ -26,7 +26,7 @@ Result<void> check_lens(const Lens& lens) {
   for (const int side : {lens.width, lens.height})
     if (side < 1 || side > kMaxSide)
       return usage_error("a G-buffer cannot be {} pixels wide or high: it takes 1 to {}", side, kMaxSide);
-  const bool planes = has_planes(lens.depth_kind);
+  const bool planes = has_depth_planes(lens.depth_kind);
   if (planes && !(lens.near_plane > 0.0f && std::isfinite(lens.near_plane) && lens.far_plane > lens.near_plane))
     return usage_error("`near_plane` {} and `far_plane` {} are not valid: it takes 0 < near_plane < far_plane",
                        lens.near_plane, lens.far_plane);

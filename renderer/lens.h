@@ -20,7 +20,9 @@ struct Lens {
 Lens lens_of(const Request& request);
 
 /// Returns whether depth of this kind is defined by a near and a far plane.
-inline bool has_planes(DepthMeaning kind) { return kind == DepthMeaning::kWindow || kind == DepthMeaning::kReversed; }
+inline bool has_depth_planes(DepthMeaning kind) {
+  return kind == DepthMeaning::kWindow || kind == DepthMeaning::kReversed;
+}
 
 /// Errors: kUsage.
 Result<void> check_lens(const Lens& lens);

@@ -228,7 +228,7 @@ Result<void> check_together(const Request& r) {
 Interval interval_of(const Option& option) {
   const bool whole = std::holds_alternative<FieldOf<int>>(option.where) ||
                      std::holds_alternative<FieldOf<std::optional<int>>>(option.where);
-  return {.min = option.min, .max = option.max, .kind = whole ? NumberKind::kWhole : NumberKind::kReal};
+  return {.min = option.min, .max = option.max, .kind = whole ? NumberKind::kInteger : NumberKind::kReal};
 }
 
 Result<void> set_option(const Option& option, std::string_view text, Request& request) {

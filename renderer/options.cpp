@@ -43,7 +43,7 @@ std::vector<std::string_view> quality_names() {
   return names;
 }
 
-std::vector<std::string_view> technique_names() { return occlusion_names(handed_in()); }
+std::vector<std::string_view> technique_names() { return occlusion_names(external_effects()); }
 
 // In the order of the help.
 const std::vector<Option> kOptions = {

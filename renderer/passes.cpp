@@ -36,7 +36,7 @@ std::vector<std::string> averaged_passes(const std::vector<std::string>& words) 
 }
 
 /// Returns the name of the first look that writes the pass; empty if none does.
-std::string_view look_with(std::string_view pass) {
+std::string_view look_with_pass(std::string_view pass) {
   for (const Look* look : looks())
     for (const std::string_view name : look->effects) {
       const Effect* effect = find_effect(name == kOcclusionStep ? look->occlusion : name);
@@ -76,7 +76,7 @@ const std::vector<std::string>& known_planes() {
     for (const Effect* effect : every_effect())
       for (const Dispatch& dispatch : effect->dispatches)
         for (const auto& planes : {dispatch.inputs, dispatch.outputs})
-          for (const std::string_view plane : planes) names.emplace(of_first_layer(plane));
+          for (const std::string_view plane : planes) names.emplace(name_on_first_layer(plane));
     return std::vector<std::string>(names.begin(), names.end());
   }();
   return all;
@@ -84,7 +84,7 @@ const std::vector<std::string>& known_planes() {
 
 std::vector<std::string> channels_of(std::string_view pass) {
   std::vector<std::string> channels;
-  const std::string_view name = of_first_layer(pass);
+  const std::string_view name = name_on_first_layer(pass);
   for (const char* channel : {"", ".x", ".y", ".z", ".r", ".g", ".b", ".a"})
     if (std::binary_search(known_planes().begin(), known_planes().end(), std::string(name) + channel))
       channels.emplace_back(channel);
@@ -108,8 +108,8 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
     for (const std::string& name : captured_passes()) names.push_back(layer_plane(layer, name));
   for (const Effect* effect : steps_of(look_run(recipe))) {
     // Planes that the technique and its filters write at reduced resolution are unavailable, except the upsampled ones.
-    const bool reduced =
-        recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
+    const bool reduced = recipe.occlusion_downsampling > 1 &&
+                         (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
     for (const Dispatch& dispatch : effect->dispatches) {
       if (dispatch.needed && !dispatch.needed(params_of(recipe.settings, effect->name))) continue;
       for (std::string_view plane : dispatch.outputs) {
@@ -126,7 +126,8 @@ std::vector<std::string> passes_of(const Recipe& recipe) {
 }
 
 /// Returns the error for an unknown pass, with its reason.
-Error no_pass(const std::string& word, std::vector<std::string> names, const Request& request, const Recipe& recipe) {
+Error unknown_pass_error(const std::string& word, std::vector<std::string> names, const Request& request,
+                         const Recipe& recipe) {
   const Look& look = *recipe.look;
   const int captured_layers = *layer_count(recipe.capture);
   const int layers = layers_for(word, captured_passes());
@@ -134,7 +135,7 @@ Error no_pass(const std::string& word, std::vector<std::string> names, const Req
     return usage_error("there is no pass '{}': this picture has {} layers, counted from 0", word, captured_layers);
   if (layers > 0)
     return usage_error("there is no pass '{}' with `layers` {}: it takes `layers` {}", word, captured_layers, layers);
-  if (const std::string_view other = look_with(word); !other.empty() && other != look.name)
+  if (const std::string_view other = look_with_pass(word); !other.empty() && other != look.name)
     return usage_error("the look '{}' writes no pass '{}': the look {} does", look.name, word, other);
   // Passes of further layers are suggested only for a misspelling: the full list would be too long.
   std::string hint = suggestion(word, names);
@@ -160,7 +161,8 @@ Result<void> take_passes(const Request& request, Recipe& recipe) {
   if (words.empty() || all) return {};
   const std::vector<std::string> names = passes_of(recipe);
   for (const std::string& word : words) {
-    if (std::find(names.begin(), names.end(), word) == names.end()) return no_pass(word, names, request, recipe);
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      return unknown_pass_error(word, names, request, recipe);
     if (std::count(words.begin(), words.end(), word) > 1) return usage_error("`passes` names '{}' twice", word);
   }
   if (words.size() > 1 && std::find(words.begin(), words.end(), kAll) != words.end())
@@ -171,8 +173,8 @@ Result<void> take_passes(const Request& request, Recipe& recipe) {
 namespace {
 
 /// Returns the error for a pass that a capture lacks.
-Error not_captured(const std::string& word, std::span<const std::string> captured) {
-  if (of_first_layer(word) == "emission")
+Error missing_pass_error(const std::string& word, std::span<const std::string> captured) {
+  if (name_on_first_layer(word) == "emission")
     return usage_error("there is no pass '{}' in this picture: no material emits light; leave it out of `passes`",
                        word);
   std::vector<std::string> shadows;
@@ -192,7 +194,7 @@ Result<void> check_captured(const Recipe& recipe, std::span<const std::string> c
   for (int layer = 0; layer < layers; ++layer)
     for (const std::string& plane : captured) there.insert(layer_plane(layer, pass_of(plane)));
   for (const std::string& word : recipe.passes)
-    if (can_be_lacking(of_first_layer(word)) && !there.contains(word)) return not_captured(word, captured);
+    if (can_be_lacking(name_on_first_layer(word)) && !there.contains(word)) return missing_pass_error(word, captured);
   return {};
 }
 
@@ -208,7 +210,7 @@ bool averages_something(const Recipe& recipe) {
 
 }  // namespace
 
-void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides) {
+void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides) {
   if (recipe.passes.empty() || recipe.passes[0] == kAll) return;
   recipe.wanted.emplace(besides.begin(), besides.end());
   int deepest = 0;  // highest requested layer
@@ -219,14 +221,14 @@ void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides
   const auto steps = steps_of(look_run(recipe));
   if (!averages_something(recipe)) recipe.frames = 1;  // sample 0, at the pixel centres
   std::vector<std::string>& captured = recipe.capture.planes.emplace();
-  for (const std::string& plane : *recipe.wanted) captured.emplace_back(of_first_layer(plane));
+  for (const std::string& plane : *recipe.wanted) captured.emplace_back(name_on_first_layer(plane));
   for (const Effect* effect : steps)
     for (const Dispatch& dispatch : effect->dispatches)
-      for (const std::string_view plane : dispatch.inputs) captured.emplace_back(of_first_layer(plane));
+      for (const std::string_view plane : dispatch.inputs) captured.emplace_back(name_on_first_layer(plane));
   int shadows = 0;
   for (int light = 0; light < kMaxShadows; ++light)
     for (const std::string& pass : recipe.passes)
-      if (pass_of(of_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
+      if (pass_of(name_on_first_layer(pass)) == shadow_plane(light)) shadows = light + 1;
   recipe.capture.shadows = std::min(recipe.capture.shadows, std::max(shadows, shadows_read(recipe, steps)));
   if (!steps.empty() || deepest > 0) return;
   // Nothing reads the other layers.

@@ -36,7 +36,7 @@ Result<void> take_passes(const Request& request, Recipe& recipe);
 Result<void> check_captured(const Recipe& recipe, std::span<const std::string> captured);
 
 /// Removes from a recipe everything that neither its passes nor the planes `besides` need, including the picture.
-void keep_passes_alone(Recipe& recipe, std::span<const std::string_view> besides = {});
+void keep_only_passes(Recipe& recipe, std::span<const std::string_view> besides = {});
 
 /// Selects the planes of these passes among those of a frame, in the order of `words`. Errors: kUsage for a pass that
 /// nothing in the scene produces.

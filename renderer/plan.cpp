@@ -22,7 +22,7 @@ namespace umbrage {
 namespace {
 
 /// Returns whether the camera is inside the scene's bounding box.
-bool stands_inside(const Camera& camera, const Scene& scene) {
+bool is_inside_scene(const Camera& camera, const Scene& scene) {
   const glm::vec3 eye = camera.eye();
   return glm::all(glm::greaterThan(eye, scene.bounds_min)) && glm::all(glm::lessThan(eye, scene.bounds_max));
 }
@@ -55,10 +55,10 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
     const Effect* effect = find_effect(name);
     seen = seen || (effect && by_scene_lights(*effect, recipe.settings));
   }
-  const bool inside = stands_inside(plan.camera, scene);
+  const bool inside = is_inside_scene(plan.camera, scene);
   plan.lit_from_camera = !inside;
   if (!inside || !seen) return {};
-  const auto traced = trace_ready(scene, threads, monitor);
+  const auto traced = build_traced_scene(scene, threads, monitor);
   if (!traced) return traced.error();
   const PictureInfo info{.width = recipe.width, .height = recipe.height, .camera = plan.camera};
   std::vector<Light> lights = interior_lights(**traced, info, lighting.lights);
@@ -70,8 +70,8 @@ Result<void> add_lights(const Scene& scene, int threads, const ProgressMonitor& 
 
 /// In a courtyard or a hall little of an environment image's light arrives: a look with light metering uses picture
 /// metering there, unless the request sets `metering`.
-void meter_inside(const Scene& scene, Plan& plan) {
-  if (!plan.recipe.hdri.lights() || !stands_inside(plan.camera, scene)) return;
+void meter_indoors(const Scene& scene, Plan& plan) {
+  if (!plan.recipe.hdri.lights() || !is_inside_scene(plan.camera, scene)) return;
   for (const Setting& said : plan.recipe.said)
     if (said.effect->exposed_by && said.parameter->name == "metering") return;
   auto& output = as<OutputParams>(params_of(plan.recipe.settings, "output"));
@@ -87,7 +87,7 @@ void widen_key_light(float angle_deg, const Scene& scene, Lighting& lighting) {
 }
 
 /// Converts relative lengths to scene units and checks that lengths fit the scene. Errors: kUsage.
-Result<void> measure_lengths(const Scene& scene, Plan& plan) {
+Result<void> resolve_lengths(const Scene& scene, Plan& plan) {
   Recipe& recipe = plan.recipe;
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (recipe.radius) {
@@ -103,7 +103,7 @@ Result<void> measure_lengths(const Scene& scene, Plan& plan) {
 
 /// Returns the gain of the background. Looks that ignore the brightness of lights show the sky relative to white.
 float sky_gain(const Plan& plan) {
-  const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting().usual_light;
+  const float intensity = plan.recipe.hdri.intensity, usual = plan.lighting().lit_white_luminance;
   return shows_light(plan.recipe) || !(usual > 0.0f) ? intensity : intensity / usual;
 }
 
@@ -115,7 +115,7 @@ const Parameter* noise_of(const Recipe& recipe) {
 
 /// Moves the parameters of lines that are drawn once, over the average, to plan.lines; the samples draw none. Lines of
 /// outline.mode=paper are drawn in each sample.
-void keep_lines(Plan& plan) {
+void separate_lines(Plan& plan) {
   const auto steps = steps_of(look_run(plan.recipe));
   if (!find_named<Effect>(steps, "outline")) return;
   ParameterBytes& params = params_of(plan.recipe.settings, "outline");
@@ -127,7 +127,7 @@ void keep_lines(Plan& plan) {
 
 }  // namespace
 
-bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
+bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
   if (!recipe.look->ground || recipe.ground == Ground::kOff) return false;
   if (recipe.ground == Ground::kOn) return true;
   const Camera camera = frame_scene(scene, recipe.framing, recipe.width, recipe.height);
@@ -139,12 +139,12 @@ bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe) {
                          ? glm::dot(looks_along, scene.up) > 0.0f
                          : glm::dot(eye - lowest, scene.up) < 0.0f || (glm::dot(looks_along, scene.up) > 0.0f &&
                                                                        glm::dot(eye - scene.center(), scene.up) < 0.0f);
-  return lacks_one && !below && !stands_inside(camera, scene);
+  return lacks_one && !below && !is_inside_scene(camera, scene);
 }
 
-void furnish(Scene& scene, const Recipe& recipe) {
+void complete_scene(Scene& scene, const Recipe& recipe) {
   if (recipe.hdri.lights()) set_lighting(image_lighting(recipe.hdri, scene.up), scene);
-  if (wants_ground(scene, lacks_ground(scene), recipe))
+  if (needs_ground(scene, lacks_ground(scene), recipe))
     add_ground(scene, recipe.hdri.lights() ? lowest_light_deg(scene) : std::nullopt);
 }
 
@@ -160,12 +160,12 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
     if (scene.lights.empty() && !recipe.hdri.lights())
       if (auto added = add_lights(scene, threads, monitor, plan); !added) return added.error();
   }
-  meter_inside(scene, plan);
+  meter_indoors(scene, plan);
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
-  if (auto measured = measure_lengths(scene, plan); !measured) return measured.error();
+  if (auto measured = resolve_lengths(scene, plan); !measured) return measured.error();
   plan.sky_gain = sky_gain(plan);
   if (const Parameter* noise = noise_of(recipe))
-    plan.first_noise = whole_value(*noise, params_of(settings, recipe.occlusion));
+    plan.first_noise = int_value(*noise, params_of(settings, recipe.occlusion));
   const PictureInfo info = picture_info(scene, plan.camera, plan.capture);
   if (auto fine = check_captured(plan.recipe, captured_planes(scene, info, plan.capture)); !fine) return fine.error();
   plan.output = params_of(settings, "output");
@@ -174,7 +174,7 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
   auto& output = as<OutputParams>(params_of(settings, "output"));
   output.transfer = kTransferNone;
   if (!recipe.hdri.shown()) output.transparent = 1;
-  keep_lines(plan);
+  separate_lines(plan);
   return plan;
 }
 
@@ -197,16 +197,16 @@ Plan turned(const Plan& first, const Scene& scene, float angle_deg) {
   }
   if (recipe.light_size_deg) widen_key_light(*recipe.light_size_deg, scene, plan.lighting());
   plan.sky_gain = sky_gain(plan);
-  if (auto measured = measure_lengths(scene, plan); !measured) fail_check(measured.error().message);
+  if (auto measured = resolve_lengths(scene, plan); !measured) fail_check(measured.error().message);
   return plan;
 }
 
-Camera begin_frame(Plan& plan, int frame) {
+Camera begin_sample(Plan& plan, int frame) {
   plan.capture.sample = frame;
   Recipe& recipe = plan.recipe;
   if (const Parameter* noise = noise_of(recipe); noise && plan.averages())
-    set_whole(*noise, (plan.first_noise + frame) % kMaxFrames, params_of(recipe.settings, recipe.occlusion));
-  return shifted_camera(plan.camera, frame_offset(frame, recipe.frames), recipe.width, recipe.height);
+    set_int(*noise, (plan.first_noise + frame) % kMaxFrames, params_of(recipe.settings, recipe.occlusion));
+  return shifted_camera(plan.camera, sample_offset(frame, recipe.frames), recipe.width, recipe.height);
 }
 
 }  // namespace umbrage

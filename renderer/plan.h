@@ -11,7 +11,7 @@ struct Plan {
   CaptureSettings capture;       ///< includes the lighting
   bool lit_from_camera = false;  ///< the lights were placed relative to the camera and rotate with it around the scene
   glm::vec3 up{0.0f, 1.0f, 0.0f};  ///< up direction of the scene
-  bool has_ground = false;         ///< the scene has a ground that `furnish` added
+  bool has_ground = false;         ///< the scene has a ground that `complete_scene` added
   float sky_gain = 1.0f;           ///< factor on the radiance of the environment image as background
   ParameterBytes output;           ///< parameters of `output` for the averaged picture
   /// Parameters of `outline` if it is drawn once, by sample 0, over the averaged picture; else empty.
@@ -26,14 +26,14 @@ struct Plan {
 };
 
 /// Returns whether a ground is added below the scene. `lacks_one`: the scene has none of its own.
-bool wants_ground(const Scene& scene, bool lacks_one, const Recipe& recipe);
+bool needs_ground(const Scene& scene, bool lacks_one, const Recipe& recipe);
 
 /// Adds to a scene what the picture needs besides the model: the ground, and the light of the environment image, which
 /// replaces the scene's lights. Call it before Device::prepare.
-void furnish(Scene& scene, const Recipe& recipe);
+void complete_scene(Scene& scene, const Recipe& recipe);
 
-/// Plans a scene that `furnish` has completed. Uses the lighting of recipe.capture if it has one. Missing lights are
-/// placed using `threads` threads; 0: all. Errors: kUsage; kInterrupted.
+/// Plans a scene that `complete_scene` has completed. Uses the lighting of recipe.capture if it has one. Missing lights
+/// are placed using `threads` threads; 0: all. Errors: kUsage; kInterrupted.
 Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, const ProgressMonitor& monitor = {});
 
 /// Returns the plan with the model turned in front of the camera: the camera moves by `angle_deg` around it,
@@ -42,6 +42,6 @@ Result<Plan> make_plan(const Recipe& recipe, const Scene& scene, int threads, co
 Plan turned(const Plan& first, const Scene& scene, float angle_deg);
 
 /// Sets the plan to sample index `frame` and returns the camera of that sample.
-Camera begin_frame(Plan& plan, int frame);
+Camera begin_sample(Plan& plan, int frame);
 
 }  // namespace umbrage

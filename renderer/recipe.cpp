@@ -26,7 +26,7 @@ bool is_lit_by_image(const Request& request) { return !request.hdri_file.empty()
 glm::vec3 vector_of(const Vector3& v) { return {v[0], v[1], v[2]}; }
 
 /// Returns whether the look's own technique computes indirect light.
-bool gathers_light(const Look& look, const EffectSettings& settings) {
+bool computes_indirect_light(const Look& look, const EffectSettings& settings) {
   const Effect* technique = find_effect(look.occlusion);
   if (!technique) return false;
   const ParameterBytes& params = params_of(settings, technique->name);
@@ -38,7 +38,7 @@ bool gathers_light(const Look& look, const EffectSettings& settings) {
 
 /// Applies the changes that an environment image makes to a look: a look that is lit by it and depends on the
 /// brightness of lights uses its light unchanged, with an exposure to match.
-void use_image(const Request& request, Recipe& recipe) {
+void apply_environment(const Request& request, Recipe& recipe) {
   const Look& look = *recipe.look;
   auto& output = as<OutputParams>(params_of(recipe.settings, "output"));
   if (recipe.hdri.shown()) output.sky = 1;
@@ -50,7 +50,7 @@ void use_image(const Request& request, Recipe& recipe) {
 /// Applies "effect.parameter=value" assignments of a request. Errors: kUsage.
 Result<void> apply_settings(const std::vector<std::string>& assignments, Recipe& recipe) {
   for (const std::string& assignment : assignments) {
-    const auto setting = parse_setting(assignment, handed_in());
+    const auto setting = parse_setting(assignment, external_effects());
     if (!setting) return setting.error();
     const Effect& effect = *setting->effect;
     const Parameter& row = *setting->parameter;
@@ -80,12 +80,12 @@ Result<void> apply_request(const Request& request, Recipe& recipe) {
 }
 
 /// Resolves the look and the technique. Errors: kUsage.
-Result<void> find_names(const Request& request, Recipe& recipe) {
+Result<void> resolve_names(const Request& request, Recipe& recipe) {
   const auto look = require_named("look", looks(), request.look);
   if (!look) return look.error();
   recipe.look = *look;
   recipe.occlusion = request.occlusion.empty() ? std::string(recipe.look->occlusion) : request.occlusion;
-  const auto techniques = occlusion_names(handed_in());
+  const auto techniques = occlusion_names(external_effects());
   if (std::find(techniques.begin(), techniques.end(), recipe.occlusion) == techniques.end())
     return usage_error("there is no occlusion technique '{}'{}", recipe.occlusion,
                        suggestion(recipe.occlusion, techniques));
@@ -99,17 +99,17 @@ Result<void> find_names(const Request& request, Recipe& recipe) {
 }
 
 /// Sets the downsampling factor of occlusion. Errors: kUsage.
-Result<void> choose_scale(const Request& request, const Quality* quality, Recipe& recipe) {
+Result<void> resolve_scale(const Request& request, const Quality* quality, Recipe& recipe) {
   const bool traced = !find_effect(recipe.occlusion);  // or there is no technique
-  recipe.occlusion_every = quality ? quality->occlusion_every : recipe.look->occlusion_every;
-  if (traced) recipe.occlusion_every = 1;
+  recipe.occlusion_downsampling = quality ? quality->occlusion_downsampling : recipe.look->occlusion_downsampling;
+  if (traced) recipe.occlusion_downsampling = 1;
   if (request.occlusion_scale.empty()) return {};
   const auto every = parse_scale("occlusion_scale", request.occlusion_scale);
   if (!every) return every.error();
   if (traced && *every > 1)
     return usage_error("`occlusion_scale` cannot be '{}' with `occlusion` {}: it takes full, or another technique",
                        request.occlusion_scale, recipe.occlusion);
-  recipe.occlusion_every = *every;
+  recipe.occlusion_downsampling = *every;
   return {};
 }
 
@@ -134,7 +134,7 @@ Result<Recipe> recipe_of_effects(const Request& request) {
   recipe.own_look = std::make_shared<const Look>(std::move(*look));
   recipe.look = recipe.own_look.get();
   recipe.occlusion = kNoOcclusion;
-  recipe.settings = initial_settings(handed_in());
+  recipe.settings = initial_settings(external_effects());
   if (auto done = apply_request(request, recipe); !done) return done.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   return recipe;
@@ -142,7 +142,7 @@ Result<Recipe> recipe_of_effects(const Request& request) {
 
 }  // namespace
 
-std::span<const Effect* const> handed_in() {
+std::span<const Effect* const> external_effects() {
   static const Effect* const all[] = {&reference_effect()};
   return all;
 }
@@ -150,16 +150,16 @@ std::span<const Effect* const> handed_in() {
 LookRun look_run(const Recipe& recipe) {
   return {.look = recipe.look,
           .occlusion = recipe.occlusion,
-          .occlusion_every = recipe.occlusion_every,
+          .occlusion_downsampling = recipe.occlusion_downsampling,
           .settings = &recipe.settings,
           .wanted = recipe.wanted,
-          .handed_in = handed_in()};
+          .external_effects = external_effects()};
 }
 
 int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
   int wanted = 0;
   for (const Effect* effect : steps) {
-    if (find_named(handed_in(), effect->name)) continue;
+    if (find_named(external_effects(), effect->name)) continue;
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
     const Parameter* strength = find_parameter(*effect, "shadow");
     if (strength && real_value(*strength, params) == 0.0f) continue;
@@ -172,11 +172,11 @@ int shadows_read(const Recipe& recipe, std::span<const Effect* const> steps) {
   return wanted;
 }
 
-std::vector<const Effect*> every_effect() { return all_effects(handed_in()); }
+std::vector<const Effect*> every_effect() { return all_effects(external_effects()); }
 
 bool by_scene_lights(const Effect& effect, const EffectSettings& settings) {
   const Parameter* rig = find_parameter(effect, "rig");
-  return rig && whole_value(*rig, params_of(settings, effect.name)) == int(Rig::kScene);
+  return rig && int_value(*rig, params_of(settings, effect.name)) == int(Rig::kScene);
 }
 
 bool shows_light(const Recipe& recipe) {
@@ -184,7 +184,7 @@ bool shows_light(const Recipe& recipe) {
   return lighting && by_scene_lights(*lighting, recipe.settings);
 }
 
-int choice_of(std::string_view field, std::string_view text) {
+int choice_index(std::string_view field, std::string_view text) {
   const auto& choices = option_of(field).choices;
   const auto found = std::find(choices.begin(), choices.end(), text);
   if (found == choices.end()) fail_check(fmt::format("{} is no choice of {}", text, field));
@@ -215,7 +215,7 @@ Result<ImportSettings> import_settings(const Request& request) {
   if (request.up) settings.up = glm::normalize(vector_of(*request.up));
   settings.scene_index = request.scene_index;
   if (!request.point_size.empty()) settings.points.size = *parse_length("point_size", request.point_size);
-  settings.points.shape = PointShape(choice_of("point_sprites", request.point_sprites));
+  settings.points.shape = PointShape(choice_index("point_sprites", request.point_sprites));
   if (request.crease_angle_deg) settings.crease_angle_deg = *request.crease_angle_deg;
   return settings;
 }
@@ -250,15 +250,15 @@ Result<CaptureSettings> capture_settings(const Request& request, const Look& loo
 Result<Recipe> make_recipe(const Request& request, long max_pixels) {
   if (auto fine = check_request(request, max_pixels); !fine) return fine.error();
   Recipe recipe{.width = request.width, .height = request.height};
-  if (auto found = find_names(request, recipe); !found) return found.error();
+  if (auto found = resolve_names(request, recipe); !found) return found.error();
   const Look& look = *recipe.look;
   const Quality* quality = quality_of(request, look);
   recipe.frames = request.anti_aliasing.value_or(quality ? quality->frames : look.frames);
-  if (auto fine = choose_scale(request, quality, recipe); !fine) return fine.error();
+  if (auto fine = resolve_scale(request, quality, recipe); !fine) return fine.error();
   if (!request.occlusion_radius.empty()) recipe.radius = *parse_length("occlusion_radius", request.occlusion_radius);
   recipe.framing = framing_of(request.camera);
   recipe.camera_index = request.camera.index;
-  recipe.ground = Ground(choice_of("ground", request.ground));
+  recipe.ground = Ground(choice_index("ground", request.ground));
   recipe.hdri = {.file = request.hdri_file,
                  .ambient = request.hdri_ambient,
                  .skybox = request.hdri_skybox,
@@ -266,12 +266,12 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels) {
                  .intensity = request.hdri_intensity,
                  .panorama = nullptr};
   recipe.light_size_deg = request.light_size_deg;
-  recipe.settings = look_settings(look, handed_in());
+  recipe.settings = look_settings(look, external_effects());
   if (quality)
     apply_presets(quality->name, recipe.frames > 1 ? quality->settings_of_frames : quality->settings, recipe.settings);
-  use_image(request, recipe);
+  apply_environment(request, recipe);
   // The reference computes indirect light, too, if the look's technique does, unless the request sets it.
-  if (recipe.occlusion == reference_effect().name && gathers_light(look, recipe.settings))
+  if (recipe.occlusion == reference_effect().name && computes_indirect_light(look, recipe.settings))
     as<ReferenceParams>(params_of(recipe.settings, recipe.occlusion)).light = kReferenceBounce;
   if (auto done = apply_request(request, recipe); !done) return done.error();
   const auto capture = capture_settings(request, look, shadows_read(recipe, steps_of(look_run(recipe))), max_pixels);
@@ -294,9 +294,9 @@ Result<Recipe> make_shading_recipe(const Request& request) {
 }
 
 Result<EffectSettings> effect_settings(std::span<const std::string> assignments) {
-  EffectSettings settings = initial_settings(handed_in());
+  EffectSettings settings = initial_settings(external_effects());
   for (const std::string& assignment : assignments)
-    if (auto done = apply_setting(settings, assignment, handed_in()); !done) return done.error();
+    if (auto done = apply_setting(settings, assignment, external_effects()); !done) return done.error();
   return settings;
 }
 
@@ -304,7 +304,7 @@ Result<void> apply_variant(EffectSettings& settings, const Effect& effect, std::
   for (std::size_t start = 0; start < variant.size();) {
     const std::size_t end = std::min(variant.find(' ', start), variant.size());
     const std::string setting = fmt::format("{}.{}", effect.name, variant.substr(start, end - start));
-    if (auto set = apply_setting(settings, setting, handed_in()); !set) return set;
+    if (auto set = apply_setting(settings, setting, external_effects()); !set) return set;
     start = end + 1;
   }
   return {};

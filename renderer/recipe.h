@@ -28,7 +28,7 @@ struct Recipe {
   const Look* look = nullptr;
   std::shared_ptr<const Look> own_look;  ///< owns `look` if the request names effects in place of a look; else null
   std::string occlusion;                 ///< the technique, or kNoOcclusion
-  int occlusion_every = 1;               ///< downsampling factor of occlusion: 1, 2 or 4; see LookRun
+  int occlusion_downsampling = 1;        ///< downsampling factor of occlusion: 1, 2 or 4; see LookRun
   int frames = 1;                        ///< number of averaged pictures
   EffectSettings settings;               ///< all settings of the request are applied; `radius` is not
   /// The parameters that the request sets, without values. They take precedence over derived values.
@@ -52,9 +52,9 @@ struct Recipe {
 };
 
 /// Returns the occlusion techniques that no device runs because they need the scene: the ray-traced reference.
-std::span<const Effect* const> handed_in();
+std::span<const Effect* const> external_effects();
 
-/// Returns all effects and the techniques of handed_in.
+/// Returns all effects and the techniques of external_effects.
 std::vector<const Effect*> every_effect();
 
 /// Resolves a request. Errors: kUsage, also for more than `max_pixels` pixels in all layers, guard band included.
@@ -65,7 +65,7 @@ Result<Recipe> make_recipe(const Request& request, long max_pixels = kMaxPixels)
 Result<Recipe> make_shading_recipe(const Request& request);
 
 /// Returns the index of a text in the choices of an option; check_request must have accepted it.
-int choice_of(std::string_view field, std::string_view text);
+int choice_index(std::string_view field, std::string_view text);
 
 Framing framing_of(const CameraSettings& camera);
 /// Returns how to import the model of a request. Errors: kUsage.

@@ -82,7 +82,7 @@ Result<void> check_image(const Lens& lens, std::span<const NamedImage> images, c
   if (image.type == PixelType::kUint32 && !is_id(named.name))
     return usage_error("the image '{}' cannot be of 32-bit integers: ids alone are", named.name);
   if (std::any_of(images.begin(), images.end(), [&](const NamedImage& other) {
-        return is_id(named.name) && of_first_layer(other.name) == of_first_layer(named.name) &&
+        return is_id(named.name) && name_on_first_layer(other.name) == name_on_first_layer(named.name) &&
                is_whole(other.image.type) != is_whole(image.type);
       }))
     return usage_error("the image '{}' has integers in one layer and floats in another: all layers take the same",
@@ -100,7 +100,7 @@ bool holds_ids(const NamedImage& named) { return is_id(named.name) && is_whole(n
 std::vector<std::uint32_t> ids_of(std::span<const NamedImage> images, std::string_view name) {
   std::vector<std::uint32_t> ids;
   for (const NamedImage& named : images)
-    if (holds_ids(named) && of_first_layer(named.name) == name)
+    if (holds_ids(named) && name_on_first_layer(named.name) == name)
       read_ids(named.image, [&](int, int, std::uint32_t id) {
         if (ids.empty() || ids.back() != id) ids.push_back(id);
       });
@@ -110,7 +110,7 @@ std::vector<std::uint32_t> ids_of(std::span<const NamedImage> images, std::strin
 }
 
 /// Returns whether the image has the memory layout of a plane, so that it can be used without a copy.
-bool lies_as_planes(const NamedImage& named, int channels) {
+bool has_plane_layout(const NamedImage& named, int channels) {
   const SharedImage& image = named.image;
   const auto size = std::ptrdiff_t(sizeof(float));
   return image.type == PixelType::kFloat32 && image.pixel_stride == size && image.width % kRowAlignment == 0 &&
@@ -122,10 +122,10 @@ bool lies_as_planes(const NamedImage& named, int channels) {
 /// Adds the planes of an image to a layer, as views of the image where possible.
 void add_image(const NamedImage& named, const SharedIds& ids, Image& layer) {
   const auto channels = channels_of(named.name);
-  const std::string name(of_first_layer(named.name));
+  const std::string name(name_on_first_layer(named.name));
   for (std::size_t c = 0; c < channels.size(); ++c) {
     Plane& plane = layer.add(name + channels[c]);
-    if (lies_as_planes(named, int(channels.size()))) {
+    if (has_plane_layout(named, int(channels.size()))) {
       plane =
           Plane::view(reinterpret_cast<const float*>(place_of(named.image, int(c), 0, 0)), layer.width, layer.height);
       continue;
@@ -183,7 +183,7 @@ DepthRange range_of(const float* depths, int count) {
 }
 
 /// Converts depth to view depth, in place. Returns its range.
-DepthRange take_depth(const Lens& lens, Plane& depth) {
+DepthRange convert_depth(const Lens& lens, Plane& depth) {
   std::vector<DepthRange> of_rows(std::size_t(depth.height));
   const auto whole_range = [&] {
     DepthRange range;
@@ -209,7 +209,7 @@ DepthRange take_depth(const Lens& lens, Plane& depth) {
 }
 
 /// Rotates normals to view space and normalizes them; invalid ones become zero.
-void turn_normals(const std::vector<float>& turn, Image& layer) {
+void rotate_normals(const std::vector<float>& turn, Image& layer) {
   constexpr float kUnit = 2e-6f;  // tolerance of the squared length of a unit vector
   Plane &nx = layer.plane("normal.x"), &ny = layer.plane("normal.y"), &nz = layer.plane("normal.z");
   const bool turned = turn != GBufferSettings().view_from_normal;
@@ -239,9 +239,9 @@ void turn_normals(const std::vector<float>& turn, Image& layer) {
 }
 
 /// Computes the extent of the scene from the depth of the first layer and its range.
-void measure_extent(const Lens& request, const Plane& depth, const DepthRange& range, PictureInfo& info) {
-  constexpr int kSamples = 1 << 16;   // pixels to sample: more do not improve the estimate
-  constexpr double kOutliers = 0.01;  // fraction of the pixels to ignore, on either side
+void compute_extent(const Lens& request, const Plane& depth, const DepthRange& range, PictureInfo& info) {
+  constexpr int kSamples = 1 << 16;          // pixels to sample: more do not improve the estimate
+  constexpr double kOutlierFraction = 0.01;  // fraction of the pixels to ignore, on either side
   const int every = std::max(1, int(std::sqrt(double(depth.width) * depth.height / kSamples)));
   std::vector<float> along[3];
   for (int y = 0; y < depth.height; y += every)
@@ -267,7 +267,7 @@ void measure_extent(const Lens& request, const Plane& depth, const DepthRange& r
       std::nth_element(values.begin(), place, values.end());
       return *place;
     };
-    const float size = at(1.0 - kOutliers) - at(kOutliers);
+    const float size = at(1.0 - kOutlierFraction) - at(kOutlierFraction);
     squares[axis] = size * size;
   });
   const float square = squares[0] + squares[1] + squares[2];
@@ -284,7 +284,7 @@ Error unknown_image(const std::string& name) {
 }
 
 bool is_id(std::string_view pass) {
-  const std::string_view name = of_first_layer(pass);
+  const std::string_view name = name_on_first_layer(pass);
   return name == "object_id" || name == "material_id";
 }
 
@@ -320,9 +320,9 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   DepthRange first_range;
   for (Image& layer : gbuffer.layers) {
     Plane& depth = layer.plane("depth");
-    const DepthRange range = take_depth(lens, depth);
+    const DepthRange range = convert_depth(lens, depth);
     if (&layer == &gbuffer.layers[0]) first_range = range;
-    if (layer.find("normal.x")) turn_normals(request.gbuffer.view_from_normal, layer);
+    if (layer.find("normal.x")) rotate_normals(request.gbuffer.view_from_normal, layer);
     for (const auto& [name, ids] : shared.ids)
       if (Plane* plane = layer.find(name)) {
         own(*plane);
@@ -337,7 +337,7 @@ Result<SharedGBuffer> gbuffer_of(const Request& request, std::span<const NamedIm
   PictureInfo& info = gbuffer.info;
   set_lens(lens, info);
   for (LayerInfo& layer : info.more_layers) layer.camera = info.camera;
-  measure_extent(lens, gbuffer.layers[0].plane("depth"), first_range, info);
+  compute_extent(lens, gbuffer.layers[0].plane("depth"), first_range, info);
   return shared;
 }
 

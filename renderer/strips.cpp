@@ -40,14 +40,14 @@ class StripProgress {
  private:
   bool tell() {
     const double of_frame = std::min((sweep_ + share_) / usual_, 1.0);
-    told_ = std::max(told_, (frame_ + of_frame) / frames_);
-    return !monitor_ || monitor_(told_);
+    reported_ = std::max(reported_, (frame_ + of_frame) / frames_);
+    return !monitor_ || monitor_(reported_);
   }
 
   const ProgressMonitor& monitor_;
   const int frames_;
   int frame_ = 0, sweep_ = 0, usual_ = 2;
-  double share_ = 0.0, told_ = 0.0;
+  double share_ = 0.0, reported_ = 0.0;
 };
 
 /// Draws the strips of one sample of a picture.
@@ -134,8 +134,8 @@ class StripDrawer {
     kept_rows_ = rows.count();
   }
 
-  Result<Progression> try_strip(const Camera& camera, const Strip& strip, const std::vector<std::string>& planes,
-                                const Finish& finish) {
+  Result<RunState> try_strip(const Camera& camera, const Strip& strip, const std::vector<std::string>& planes,
+                             const Finish& finish) {
     plan_.capture.strip = strip;
     auto frame = device_.capture(camera, plan_.capture, run_.monitor);
     if (!frame) return frame.error();
@@ -146,15 +146,15 @@ class StripDrawer {
     metered_missing_ = 0;
     const auto looked = run_look(run_, device_, *frame);
     if (!looked) return looked.error();
-    if (!looked->finished) return Progression{false, std::max(looked->missing_rows, metered_missing_)};
+    if (!looked->finished) return RunState{false, std::max(looked->missing_rows, metered_missing_)};
     const auto lined = draw_lines(device_, plan_, *frame, run_.monitor, times_);
     if (!lined || !lined->finished) return lined;
-    if (const int missing = device_.missing_rows(*frame, planes); missing > 0) return Progression{false, missing};
+    if (const int missing = device_.missing_rows(*frame, planes); missing > 0) return RunState{false, missing};
     const auto rows = device_.download(*frame, planes);
     if (!rows) return rows.error();
     if (rows->height > 0)
       if (auto taken = finish(*frame, *rows, first_); !taken) return taken.error();
-    return Progression();
+    return RunState();
   }
 
   /// Meters a strip. Metering reads all strips before any of them is finished.
@@ -164,7 +164,7 @@ class StripDrawer {
     const auto rows = device.download(frame, kMeteredPlanes);
     if (!rows) return rows.error();
     seen_.add(*rows, first_, plan_.capture.height);
-    usual_ = usual_stops(frame.info);
+    usual_ = stops_from_lights(frame.info);
     metering_ = true;
     return std::optional<float>();
   }
@@ -183,7 +183,7 @@ class StripDrawer {
   int height_ = 0;
   std::size_t sweep_ = 0;     // of the sample
   std::vector<int> margins_;  // of the strips of each sweep; the same for all samples
-  std::optional<KeptPlanes> kept_;
+  std::optional<ScopedPlanePool> kept_;
   int kept_rows_ = 0;
   int first_ = 0;  // first inner row of the strip
 };
@@ -200,20 +200,20 @@ PlaneCount count_planes(const Recipe& recipe, int layers) {
   constexpr int kCaptured = 17;       // per layer: with a second shadow, and emission
   constexpr double kBesides = 7.0;    // uniform planes, and output
   constexpr double kOfAverage = 6.0;  // the finished picture and its inputs
-  const double reduced = 1.0 / double(recipe.occlusion_every * recipe.occlusion_every);
+  const double reduced = 1.0 / double(recipe.occlusion_downsampling * recipe.occlusion_downsampling);
   constexpr double kOfHostStep = 3.0;  // working set, for lines: edges, chains and their positions
   double of_host_steps = 0.0;
   std::set<std::string> full, small, far_full, far_small;
   for (const Effect* effect : steps_of(look_run(recipe))) {
-    const bool is_small =
-        recipe.occlusion_every > 1 && (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
+    const bool is_small = recipe.occlusion_downsampling > 1 &&
+                          (effect->kind == EffectKind::kOcclusion || effect->kind == EffectKind::kFilter);
     const ParameterBytes& params = params_of(recipe.settings, effect->name);
     for (const Dispatch& dispatch : effect->dispatches) {
       if (dispatch.needed && !dispatch.needed(params)) continue;
       const auto there = [&](std::string_view plane) { return layer_of_plane(plane) < layers; };
       for (const std::string_view plane : dispatch.outputs)
         if (dispatch.for_all && there(plane)) (is_small ? small : full).emplace(plane);
-      for (const std::string_view plane : dispatch.reach ? dispatch.far_inputs : dispatch.inputs)
+      for (const std::string_view plane : dispatch.reach ? dispatch.unbounded_inputs : dispatch.inputs)
         if (there(plane)) (is_small && dispatch.for_all ? far_small : far_full).emplace(plane);
       if (dispatch.host) far_full.insert(dispatch.outputs.begin(), dispatch.outputs.end());
       if (dispatch.host) of_host_steps += kOfHostStep;
@@ -241,7 +241,7 @@ Result<StripSizes> plan_strips(const Device& device, const Recipe& recipe, doubl
   const double width = recipe.width + 2.0 * recipe.capture.guard, height = recipe.height + 2.0 * recipe.capture.guard;
   StripSizes plan;
   plan.bytes = kFixed + (count.held + count.averaged) * kBytes * width * height;
-  const bool traced = find_named(handed_in(), recipe.occlusion);
+  const bool traced = find_named(external_effects(), recipe.occlusion);
   const bool fits = width * height * layers <= double(kMaxPixels);
   if (fits && plan.bytes <= memory) return plan;
   if (!device.draws_strips() || traced) {
@@ -283,7 +283,7 @@ Result<Image> averaged_rows(Device& device, const Plan& plan, const PictureSum& 
     if (!made) return made;
     color = std::move(*made);
   }
-  const Image means = mean_planes(sum, also_averaged(plan));
+  const Image means = mean_planes(sum, other_averaged_planes(plan));
   Image finished(rows.width, rows.height);
   for (const std::string& name : planes) {
     const Plane* made = color.find(name) ? color.find(name) : means.find(name);
@@ -299,7 +299,7 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
   Plan plan = planned;
   StripProgress progress(monitor, plan.recipe.frames);
   StripDrawer drawer(device, plan, rows, progress, times);
-  PictureSum total{.for_eye = plan.recipe.look->averages_for_eye};
+  PictureSum total{.as_square_roots = plan.recipe.look->averages_square_roots};
   std::vector<std::string> wanted = planes;  // planes of sample 0
   if (plan.averages())
     for (const auto& more : {averaged_planes(plan), line_planes(plan)})
@@ -318,9 +318,9 @@ Result<Lines> draw_strips(Device& device, const Plan& planned, int rows, const s
     return take(frame.info, *finished, first);
   };
   for (int k = plan.recipe.frames - 1; k > 0; --k)
-    if (auto drawn = drawer.draw_frame(begin_frame(plan, k), averaged_planes(plan), false, add); !drawn)
+    if (auto drawn = drawer.draw_frame(begin_sample(plan, k), averaged_planes(plan), false, add); !drawn)
       return drawn.error();
-  auto drawn = drawer.draw_frame(begin_frame(plan, 0), wanted, lines, finish);
+  auto drawn = drawer.draw_frame(begin_sample(plan, 0), wanted, lines, finish);
   if (!drawn) return drawn.error();
   if (auto ended = progress.end(); !ended) return ended.error();
   return drawn;

@@ -25,8 +25,8 @@ Image drawn(const Request& settings, int rows, const std::vector<std::string>& p
   const auto device = make_cpu_device({.threads = threads});
   auto recipe = make_recipe(settings, kMaxStripPixels);
   EXPECT_TRUE(recipe) << recipe.error().message;
-  if (alone) keep_passes_alone(*recipe);
-  furnish(scene, *recipe);
+  if (alone) keep_only_passes(*recipe);
+  complete_scene(scene, *recipe);
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   if (rows == 0) {

@@ -20,12 +20,12 @@ bool runs(const Recipe& recipe, std::string_view effect) {
   return effect == recipe.occlusion || effect == "upsample" || contains(recipe.look->effects, effect);
 }
 
-void add_of_effects(const Request& request, const Recipe& recipe, const std::function<bool(std::string_view)>& is_told,
-                    std::vector<std::string>& sentences) {
-  const auto techniques = occlusion_names(handed_in());
+void add_of_effects(const Request& request, const Recipe& recipe,
+                    const std::function<bool(std::string_view)>& is_reported, std::vector<std::string>& sentences) {
+  const auto techniques = occlusion_names(external_effects());
   for (const std::string& setting : request.settings) {
     const std::string effect = setting.substr(0, setting.find('.'));
-    if (runs(recipe, effect) || !is_told(setting)) continue;
+    if (runs(recipe, effect) || !is_reported(setting)) continue;
     if (recipe.own_look)
       sentences.push_back(fmt::format("`settings` {} does nothing: {} is not among the `effects`", setting, effect));
     else if (contains(techniques, effect))
@@ -75,9 +75,9 @@ void add_of_images(const Request& request, const Recipe& recipe, std::vector<std
 }  // namespace
 
 std::vector<std::string> unused_settings(const Request& request, const Recipe& recipe, const Scene* scene,
-                                         const std::function<bool(std::string_view setting)>& is_told) {
+                                         const std::function<bool(std::string_view setting)>& is_reported) {
   std::vector<std::string> sentences;
-  add_of_effects(request, recipe, is_told, sentences);
+  add_of_effects(request, recipe, is_reported, sentences);
   if (recipe.own_look) add_of_looks(request, sentences);
   if (recipe.radius && recipe.occlusion == kNoOcclusion && !recipe.own_look)
     sentences.push_back(

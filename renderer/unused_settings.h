@@ -10,9 +10,9 @@
 
 namespace umbrage {
 
-/// Returns one sentence for each of them. `scene`: null for a G-buffer. `is_told`: whether to report this
+/// Returns one sentence for each of them. `scene`: null for a G-buffer. `is_reported`: whether to report this
 /// "effect.parameter=value"; settings for other looks may be intended.
 std::vector<std::string> unused_settings(const Request& request, const Recipe& recipe, const Scene* scene,
-                                         const std::function<bool(std::string_view setting)>& is_told);
+                                         const std::function<bool(std::string_view setting)>& is_reported);
 
 }  // namespace umbrage

@@ -20,10 +20,10 @@ struct Made {
 Made made_for(const std::string& look, const std::vector<std::string>& passes, const std::vector<std::string>& planes) {
   Request request{.look = look, .width = 48, .height = 36, .passes = passes};
   Made made{.stages = {}, .recipe = *make_recipe(request), .planes = {}, .names = {}};
-  keep_passes_alone(made.recipe);
+  keep_only_passes(made.recipe);
   auto scene = load_scene("scene:solids?detail=2000");
   const auto device = make_cpu_device();
-  furnish(*scene, made.recipe);
+  complete_scene(*scene, made.recipe);
   EXPECT_TRUE(device->prepare(*scene));
   StageTimes times;
   const auto frame = draw(*device, *scene, made.recipe, times);
@@ -65,7 +65,7 @@ TEST(Wanted, PassesAreThoseOfTheWholePicture) {
       auto scene = load_scene("scene:solids?detail=2000");
       const auto device = make_cpu_device();
       const auto recipe = make_recipe(request);
-      furnish(*scene, *recipe);
+      complete_scene(*scene, *recipe);
       ASSERT_TRUE(device->prepare(*scene));
       StageTimes times;
       const auto frame = draw(*device, *scene, *recipe, times);
@@ -110,7 +110,7 @@ TEST(Wanted, PlansTellOfPassesThatNothingInTheSceneMakes) {
         request.anti_aliasing = 1;
         auto recipe = make_recipe(request);
         if (!recipe) continue;  // the look has no such pass
-        keep_passes_alone(*recipe);
+        keep_only_passes(*recipe);
         const auto plan = make_plan(*recipe, *scene, device->threads());
         Recipe unchecked = *recipe;
         unchecked.passes.clear();

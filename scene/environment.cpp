@@ -252,9 +252,9 @@ std::size_t clean_panorama(Panorama& panorama) {
     bool other = false;
     for (std::size_t k = p; k < p + 3; ++k) {
       float& v = panorama.rgb[k];
-      if (v >= 0.0f && v <= kBrightestSky) continue;
+      if (v >= 0.0f && v <= kMaxRadiance) continue;
       other = true;
-      v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kMaxHalf : kBrightestSky;
+      v = !(v > 0.0f) ? 0.0f : std::isinf(v) ? kMaxHalf : kMaxRadiance;
     }
     changed += other;
   }

@@ -20,10 +20,10 @@ struct Panorama {
 };
 
 /// Upper limit of Panorama::rgb. Larger values are errors of the file, and their sums would exceed the range of floats.
-inline constexpr float kBrightestSky = 1e10f;
+inline constexpr float kMaxRadiance = 1e10f;
 
 /// Makes every value finite: NaN and negative values become 0, infinity becomes 65504 (the largest half float), other
-/// values above kBrightestSky become kBrightestSky. Returns the number of changed pixels.
+/// values above kMaxRadiance become kMaxRadiance. Returns the number of changed pixels.
 std::size_t clean_panorama(Panorama& panorama);
 
 /// Downsamples a panorama to at most that size: each pixel is the mean of the pixels it covers, weighted by solid

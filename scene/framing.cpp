@@ -59,12 +59,12 @@ glm::vec3 rotated(const glm::vec3& v, const glm::vec3& axis, float angle_deg) {
 glm::vec3 turned(glm::vec3 side, const glm::vec3& up, float azimuth_deg, float elevation_deg) {
   if (azimuth_deg != 0.0f) side = rotated(side, up, azimuth_deg);
   if (elevation_deg != 0.0f) {
-    constexpr float kHighestDeg = 89.9f;
+    constexpr float kMaxElevationDeg = 89.9f;
     const float distance = glm::length(side);
     const float now = glm::degrees(std::asin(std::clamp(glm::dot(side, up) / distance, -1.0f, 1.0f)));
     const glm::vec3 flat = side - glm::dot(side, up) * up;
     const glm::vec3 level = is_direction(flat) ? glm::normalize(flat) : front_of(up);
-    const float goal = glm::radians(std::clamp(now + elevation_deg, -kHighestDeg, kHighestDeg));
+    const float goal = glm::radians(std::clamp(now + elevation_deg, -kMaxElevationDeg, kMaxElevationDeg));
     side = distance * (std::cos(goal) * level + std::sin(goal) * up);
   }
   return side;
@@ -212,7 +212,7 @@ Camera placed(glm::vec3 eye, const glm::vec3& target, const glm::vec3& up, float
 }
 
 /// Returns whether the scene's own view is used.
-bool by_own_view(const Scene& scene, const Framing& framing) {
+bool uses_scene_view(const Scene& scene, const Framing& framing) {
   return !scene.views.empty() && !framing.position && !framing.focal_point && !framing.direction;
 }
 
@@ -227,11 +227,11 @@ glm::vec3 target_of(const Scene& scene, const Framing& framing) {
 
 Camera camera_before_turn(const Scene& scene, const Framing& framing, int width, int height) {
   const float aspect = float(std::max(width, 1)) / float(std::max(height, 1));
-  const bool by_view = by_own_view(scene, framing);
+  const bool by_view = uses_scene_view(scene, framing);
   const glm::vec3 up =
       unit_or(framing.view_up, by_view && is_direction(scene.views[0].up) ? scene.views[0].up : scene.up);
-  const float wished_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
-  const float angle_deg = std::clamp(wished_angle, kMinAngleDeg, kMaxAngleDeg);
+  const float requested_angle = framing.view_angle_deg.value_or(by_view ? scene.views[0].angle_deg : kViewAngleDeg);
+  const float angle_deg = std::clamp(requested_angle, kMinAngleDeg, kMaxAngleDeg);
   if (by_view) {
     const View& view = scene.views[0];
     return placed(view.eye, view.target, up, angle_deg, aspect, framing, view.height);
@@ -251,7 +251,7 @@ Camera camera_before_turn(const Scene& scene, const Framing& framing, int width,
 }  // namespace
 
 glm::vec3 turn_center(const Scene& scene, const Framing& framing) {
-  if (by_own_view(scene, framing)) return scene.views[0].target;
+  if (uses_scene_view(scene, framing)) return scene.views[0].target;
   return framing.position ? target_of(scene, framing) : framing.focal_point.value_or(scene.center());
 }
 

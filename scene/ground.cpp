@@ -41,9 +41,9 @@ Extent extent_of(const Scene& scene, const Plan& plan) {
 }
 
 /// Height and slope of the top surface in each cell of the plan, seen from straight above.
-class FromAbove {
+class PlanGrid {
  public:
-  FromAbove(const Plan& plan, const Extent& extent)
+  PlanGrid(const Plan& plan, const Extent& extent)
       : plan_(plan), min_(extent.min), scale_(float(kCells) / glm::max(extent.max - extent.min, 1e-30f)) {}
 
   void add_triangle(glm::vec3 a, glm::vec3 b, glm::vec3 c, bool floor) {
@@ -83,7 +83,7 @@ class FromAbove {
   }
 
   /// Returns the fraction of the plan whose top surface is more than `height` above the lowest upward-facing surface.
-  float share_under_roofs(float height) const {
+  float fraction_under_roofs(float height) const {
     int count = 0;
     for (const Top& top : tops_) count += top.height - top.floor > height;
     return float(count) / float(kCells * kCells);
@@ -127,7 +127,7 @@ bool lacks_ground(const Scene& scene) {
   constexpr float kLevel = 0.9f;    // minimum cosine of the slope of a level surface
   // Maximum fraction of the plan that a slab fills in a scene without ground. A round slab fills 0.79 of its square,
   // minus the objects on it.
-  constexpr float kMaxPlanShare = 0.4f;
+  constexpr float kMaxPlanFraction = 0.4f;
   constexpr float kMaxValley = 0.2f;      // the same for low land between hills
   constexpr float kMaxUnderRoofs = 0.5f;  // for hills: trees count as roofs
   if (scene.meshes.empty()) return false;
@@ -136,7 +136,7 @@ bool lacks_ground(const Scene& scene) {
   const glm::vec3 size = extent.max - extent.min;
   const float width = std::max(size.x, size.z);
   if (!(width > 0.0f) || !std::isfinite(width)) return false;
-  FromAbove seen(plan, extent);
+  PlanGrid seen(plan, extent);
   for (const Mesh& mesh : scene.meshes) {
     for (std::size_t i = 0; i < mesh.radii.size(); ++i)
       seen.add_disc(mesh.positions[i], mesh.radii[i],
@@ -151,8 +151,8 @@ bool lacks_ground(const Scene& scene) {
   const bool filled = seen.share(extent.max.y, 0.0f) > kFilled;
   if (filled && size.y < kFlat * width) return false;
   // In a hilly landscape low ground is a valley, not a floor under a roof.
-  const bool hills = filled && seen.share_under_roofs(kLow * width) < kMaxUnderRoofs;
-  return seen.share(extent.min.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanShare);
+  const bool hills = filled && seen.fraction_under_roofs(kLow * width) < kMaxUnderRoofs;
+  return seen.share(extent.min.y + kLow * width, kLevel) <= (hills ? kMaxValley : kMaxPlanFraction);
 }
 
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
@@ -167,11 +167,11 @@ void add_ground(Scene& scene, std::optional<float> lowest_light_deg) {
   if (lowest_light_deg) {
     const float longest = 4.0f / std::tan(glm::radians(std::clamp(*lowest_light_deg, 1.0f, 90.0f)));
     wide = std::clamp(kUsual + longest, kUsual, kMaxWidth);
-    scene.ground_fades = wide * radius;
+    scene.ground_fade_distance = wide * radius;
   }
   const float height = extent.min.y - kBelow * radius;
   const glm::vec3 middle = scene.center() + plan.up * (height - glm::dot(scene.center(), plan.up));
-  scene.ground_middle = middle;
+  scene.ground_center = middle;
   Mesh disc;
   disc.name = "ground";
   disc.positions.push_back(middle);

@@ -14,7 +14,7 @@ bool lacks_ground(const Scene& scene);
 /// Adds a white diffuse disc under the scene, several times wider than it, as an object of its own
 /// (Scene::ground_object). The bounds stay those of the model. `lowest_light_deg` is the height of the lowest light
 /// above the horizon: the disc then extends as far as its shadows do, up to a limit, and shadows fade over its outer
-/// half (Scene::ground_fades).
+/// half (Scene::ground_fade_distance).
 void add_ground(Scene& scene, std::optional<float> lowest_light_deg = {});
 
 }  // namespace umbrage

@@ -28,9 +28,9 @@ constexpr float kMinNormalLength = 1e-12f;
 // pinholes look better than oversized discs.
 constexpr double kMaxHoleWidth = 2.5, kMaxDisc = 1.5;
 // At the border of a surface, with no neighbours beyond it: the radius of a disc, in units of the mean distance of the
-// kAtRim nearest neighbours.
-constexpr double kRimRadius = 0.75;
-constexpr int kAtRim = 3;
+// kBorderNeighbors nearest neighbours.
+constexpr double kBorderRadius = 0.75;
+constexpr int kBorderNeighbors = 3;
 constexpr float kSlack = 1.05f;        // factor for discs: those of a curved surface are tilted against each other
 constexpr float kSphereRadius = 0.5f;  // in units of the spacing: spheres on a grid touch
 // An isolated point has no neighbour to derive its size from: discs are limited to this ratio to the kMax quantile.
@@ -74,8 +74,8 @@ struct Tree {
       return a.position[axis] != b.position[axis] ? a.position[axis] < b.position[axis] : a.index < b.index;
     });
     axes[middle] = std::uint8_t(axis);
-    constexpr std::size_t kWorthAThread = 20000;
-    if (end - begin > kWorthAThread) {
+    constexpr std::size_t kMinParallelSize = 20000;
+    if (end - begin > kMinParallelSize) {
       tbb::parallel_invoke([&] { divide(begin, middle); }, [&] { divide(middle + 1, end); });
     } else {
       divide(begin, middle);
@@ -123,14 +123,14 @@ struct Nearest {
 };
 
 /// The direction of the smallest variance of a symmetric matrix, and its fraction of the total.
-struct Thinnest {
+struct SmallestVariance {
   glm::vec3 direction{0.0f, 1.0f, 0.0f};
   float share = 0.0f;
 };
 
 /// Computes the eigenvalues in closed form [Smith 1961].
-Thinnest thinnest_of(const glm::dmat3& m) {
-  Thinnest thinnest;
+SmallestVariance smallest_variance_of(const glm::dmat3& m) {
+  SmallestVariance thinnest;
   const double mean = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
   if (!(mean > 0.0) || !std::isfinite(mean)) return thinnest;
   const glm::dmat3 deviation = m / mean - glm::dmat3(1.0);
@@ -215,8 +215,8 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
     corners = kept;
   }
   double rim = 0.0;
-  for (int k = 0; k < std::min(count, kAtRim); ++k) rim += glm::length(offsets[std::size_t(k)]);
-  rim *= kRimRadius / std::min(count, kAtRim);
+  for (int k = 0; k < std::min(count, kBorderNeighbors); ++k) rim += glm::length(offsets[std::size_t(k)]);
+  rim *= kBorderRadius / std::min(count, kBorderNeighbors);
   double furthest = 0.0;
   for (int i = 0; i < corners; ++i) {
     const Corner& c = cell[std::size_t(i)];
@@ -228,17 +228,17 @@ double covering_radius(const Offsets& offsets, int count, const glm::dvec3& norm
 }
 
 /// Estimates from each point's neighbours.
-struct Surroundings {
+struct NeighborEstimates {
   std::vector<float> spacing;  ///< mean distance of neighbours on a surface
   std::vector<float> cover;    ///< see covering_radius
-  std::vector<Thinnest> planes;
+  std::vector<SmallestVariance> planes;
   int count = 0;
 };
 
-Surroundings surroundings_of(const Mesh& mesh) {
+NeighborEstimates neighbor_estimates_of(const Mesh& mesh) {
   const std::size_t size = mesh.positions.size();
-  Surroundings around{std::vector<float>(size), std::vector<float>(size), std::vector<Thinnest>(size),
-                      int(std::min<std::size_t>(kNeighbors, size - 1))};
+  NeighborEstimates around{std::vector<float>(size), std::vector<float>(size), std::vector<SmallestVariance>(size),
+                           int(std::min<std::size_t>(kNeighbors, size - 1))};
   if (around.count == 0) return around;
   std::vector<Placed> placed(size);
   for (std::size_t i = 0; i < size; ++i) placed[i] = {mesh.positions[i], std::uint32_t(i)};
@@ -266,7 +266,7 @@ Surroundings surroundings_of(const Mesh& mesh) {
         const glm::dvec3 away = offsets[std::size_t(k)] - middle;
         variance += glm::outerProduct(away, away);
       }
-      around.planes[out] = thinnest_of(variance);
+      around.planes[out] = smallest_variance_of(variance);
       const glm::vec3 own = mesh.normals.empty() ? glm::vec3(0.0f) : mesh.normals[out];
       const glm::vec3 normal = own == glm::vec3(0.0f) ? around.planes[out].direction : own;
       around.cover[out] = float(covering_radius(offsets, nearest.count, glm::dvec3(normal), spacing));
@@ -321,13 +321,13 @@ void shape_points(Mesh& mesh, const PointSettings& settings, float scene_radius)
   const bool given_radii = !mesh.radii.empty();
   const bool given_size = given_radii || settings.size.value > 0.0f;
   const bool wants_planes = settings.shape != PointShape::kSpheres && (!has_normals || !lacking.empty());
-  Surroundings around;
-  if (wants_planes || !given_size) around = surroundings_of(mesh);
+  NeighborEstimates around;
+  if (wants_planes || !given_size) around = neighbor_estimates_of(mesh);
   mesh.spheres = settings.shape == PointShape::kSpheres;
   if (settings.shape == PointShape::kAuto && !has_normals) {
     std::vector<float> shares(size);
     std::transform(around.planes.begin(), around.planes.end(), shares.begin(),
-                   [](const Thinnest& plane) { return plane.share; });
+                   [](const SmallestVariance& plane) { return plane.share; });
     mesh.spheres = nth_of(std::move(shares), 0.5) > kFlat;
   }
   if (mesh.spheres) {

@@ -71,11 +71,12 @@ struct Scene {
   glm::vec3 ambient{0.3f};     ///< radiance of ambient light, averaged over all normals
   AmbientShape ambient_shape;  ///< change of ambient light with the normal, world space
   /// Luminance of a white surface that faces the light; pictures are exposed for it. With the built-in lights about 1.
-  float usual_light = 1.0f;
+  float lit_white_luminance = 1.0f;
   glm::vec3 bounds_min{0.0f}, bounds_max{0.0f};  ///< filled by finish_scene
   int ground_object = -1;                        ///< object id of the disc from add_ground; below 0: there is none
-  glm::vec3 ground_middle{0.0f};                 ///< centre of that disc
-  float ground_fades = 0.0f;  ///< distance from there at which shadows on it have faded out; 0: they do not fade
+  glm::vec3 ground_center{0.0f};                 ///< centre of that disc
+  float ground_fade_distance =
+      0.0f;  ///< distance from there at which shadows on it have faded out; 0: they do not fade
   std::vector<std::string> warnings;  ///< one sentence each, shown to the user
 
   glm::vec3 center() const { return 0.5f * (bounds_min + bounds_max); }

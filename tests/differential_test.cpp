@@ -247,7 +247,7 @@ TEST_P(Differential, VulkanRunsAreEqualToTheBitAndDefined) {
 
 bool has_gpu_ways(const Effect& effect) {
   return std::any_of(effect.dispatches.begin(), effect.dispatches.end(),
-                     [](const Dispatch& dispatch) { return !dispatch.gpu_ways.empty(); });
+                     [](const Dispatch& dispatch) { return !dispatch.gpu_variants.empty(); });
 }
 
 TEST_P(Differential, WaysOfAGpuAreEqualToTheBit) {

@@ -16,7 +16,7 @@ struct Faults {
   std::uint64_t memory_left = ~std::uint64_t(0);         ///< bytes, of all allocations from now on
   bool reuses_memory = false;                            ///< what is freed can be allocated again
   std::uint32_t loader_version = 0, device_version = 0;  ///< 0: what they are
-  VkDeviceSize largest_allocation = 0;                   ///< 0: what it is
+  VkDeviceSize max_allocation = 0;                       ///< 0: what it is
   std::uint32_t largest_bound = 0, bound_buffers = 0;    ///< of a storage buffer, bytes; and how many: 0: what it is
   bool has_addresses = true;
   bool draws = true;  ///< queues do
@@ -88,9 +88,9 @@ inline VKAPI_ATTR void VKAPI_CALL faulty_properties2(VkPhysicalDevice gpu, VkPhy
   faulty().properties2(gpu, out);
   put_in_limits(out->properties.limits);
   for (auto* next = static_cast<VkBaseOutStructure*>(out->pNext); next; next = next->pNext)
-    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES && faulty().faults.largest_allocation)
+    if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES && faulty().faults.max_allocation)
       reinterpret_cast<VkPhysicalDeviceMaintenance3Properties*>(next)->maxMemoryAllocationSize =
-          faulty().faults.largest_allocation;
+          faulty().faults.max_allocation;
 }
 inline VKAPI_ATTR void VKAPI_CALL faulty_features(VkPhysicalDevice gpu, VkPhysicalDeviceFeatures2* out) {
   faulty().features(gpu, out);

@@ -47,7 +47,7 @@ TEST(Registry, PassesHaveAllTheirKernelsAndConsistentPlanes) {
       EXPECT_FALSE(dispatch.outputs.empty()) << effect->name;
       if (dispatch.host) {
         EXPECT_TRUE(!dispatch.kernel.scalar && !dispatch.kernel.lanes && !dispatch.tuned &&
-                    dispatch.kernel.spirv.empty() && dispatch.gpu_ways.empty())
+                    dispatch.kernel.spirv.empty() && dispatch.gpu_variants.empty())
             << effect->name << ": a host step has no kernel";
         EXPECT_TRUE(!dispatch.reach && dispatch.for_all && !dispatch.for_missing)
             << effect->name << ": it is of whole planes";
@@ -80,7 +80,7 @@ TEST(Registry, ShadersReachExactlyTheirPlanes) {
       for (std::string_view name : dispatch.later_inputs)
         EXPECT_NE(std::find(dispatch.inputs.begin(), dispatch.inputs.end(), name), dispatch.inputs.end())
             << effect->name << name;
-      for (const GpuWay& way : dispatch.gpu_ways) {
+      for (const GpuVariant& way : dispatch.gpu_variants) {
         std::set<std::string_view> there(dispatch.inputs.begin(), dispatch.inputs.end()), made;
         for (const GpuStep& step : way.steps) {
           expect_exactly_its_planes(step, effect->name);

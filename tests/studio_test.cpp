@@ -26,12 +26,12 @@ TEST(Frames, OffsetsAreSpreadOverThePixel) {
     glm::dvec2 mean(0.0);
     int quarters[2][2] = {};
     for (int k = 0; k < count; ++k) {
-      const glm::vec2 offset = frame_offset(k, count);
+      const glm::vec2 offset = sample_offset(k, count);
       EXPECT_LE(std::max(std::fabs(offset.x), std::fabs(offset.y)), 0.5f);
       mean += glm::dvec2(offset) / double(count);
       ++quarters[offset.x < 0.0f][offset.y < 0.0f];
     }
-    EXPECT_EQ(frame_offset(0, count), glm::vec2(0.0f));
+    EXPECT_EQ(sample_offset(0, count), glm::vec2(0.0f));
     if (count < 3) continue;
     EXPECT_NEAR(mean.x, 0.0, 0.02) << count;
     EXPECT_NEAR(mean.y, 0.0, 0.02) << count;
@@ -75,7 +75,7 @@ TEST(Frames, ColourIsAveragedByItsAlpha) {
 }
 
 TEST(Frames, ColourIsAveragedForTheEyeWhereALookIs) {
-  PictureSum total{.for_eye = true};
+  PictureSum total{.as_square_roots = true};
   add_picture(total, one_pixel(0.64f, 1.0f, 0.25f));
   add_picture(total, one_pixel(0.3f, 0.0f, 0.75f));
   add_picture(total, one_pixel(0.04f, 1.0f, 0.5f));
@@ -380,10 +380,10 @@ TEST(GroundUnderModels, HidesNothingFromBelow) {
     draw_with.look = "studio";
     draw_with.camera.elevation_deg = -60.0f;
     draw_with.camera.orthographic = orthographic;
-    furnish(scene, *make_recipe(draw_with));
+    complete_scene(scene, *make_recipe(draw_with));
     EXPECT_LT(scene.ground_object, 0) << orthographic;
     draw_with.camera.elevation_deg = 20.0f;
-    furnish(scene, *make_recipe(draw_with));
+    complete_scene(scene, *make_recipe(draw_with));
     EXPECT_EQ(scene.ground_object, 1) << orthographic;
   }
 }
@@ -396,7 +396,7 @@ Image studio_picture(Scene scene, const std::string& ground, const std::vector<s
   draw_with.look = "studio";
   draw_with.ground = ground;
   draw_with.settings = settings;
-  furnish(scene, *make_recipe(draw_with));
+  complete_scene(scene, *make_recipe(draw_with));
   EXPECT_TRUE(device->prepare(scene));
   StageTimes times;
   const auto frame = draw(*device, scene, draw_with, times);

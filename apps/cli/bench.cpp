@@ -33,7 +33,7 @@ struct Times {
 /// planes between runs, as for frames that are drawn one after the other.
 template <class Run>
 Result<Times> time_of(int runs, Device& device, const Run& run) {
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   std::vector<double> ms, gpu_ms;
   if (auto done = device.finish(); !done) return done.error();
   for (int i = 0; i <= runs; ++i) {
@@ -56,7 +56,7 @@ Result<Times> time_of(int runs, Device& device, const Run& run) {
 }
 
 /// Returns whether --ao-scale applies to the effect.
-bool runs_reduced(const Effect& effect) {
+bool supports_scale(const Effect& effect) {
   return effect.kind == EffectKind::kOcclusion || effect.kind == EffectKind::kFilter;
 }
 
@@ -84,7 +84,7 @@ Result<BenchPlan> plan_of(const BenchOptions& o) {
   const auto every = parse_scale("occlusion_scale", plan.scale);
   if (!every) return every.error();
   plan.every = *every;
-  if (plan.every > 1 && !o.effect.empty() && (o.effect == "capture" || !runs_reduced(*find_effect(o.effect))))
+  if (plan.every > 1 && !o.effect.empty() && (o.effect == "capture" || !supports_scale(*find_effect(o.effect))))
     return usage_error("--ao-scale cannot be '{}' with --effect {}: it takes full, or a technique or filter",
                        plan.scale, o.effect);
   for (const std::string& text : o.sizes) {
@@ -126,7 +126,7 @@ class Bench {
     for (const Effect* effect : effects()) {
       if (!is_wanted(effect->name)) continue;
       show(effect->name);
-      if (plan_.every > 1 && !runs_reduced(*effect)) continue;
+      if (plan_.every > 1 && !supports_scale(*effect)) continue;
       if (auto done = time_effect(*effect, *frame); !done) return done;
     }
     return {};
@@ -194,7 +194,8 @@ class Bench {
       // Includes all work of --ao-scale half: downsampling, the technique, upsampling and filling in between.
       Look alone;
       alone.effects = {"occlusion"};
-      const LookRun half = {.look = &alone, .occlusion = effect.name, .occlusion_every = 2, .settings = &settings};
+      const LookRun half = {
+          .look = &alone, .occlusion = effect.name, .occlusion_downsampling = 2, .settings = &settings};
       const std::string setting = variant.empty() ? "scale=half" : fmt::format("{} scale=half", variant);
       done = time_run(effect.name, setting, [&]() -> Result<void> {
         const auto drawn = run_look(half, device_, frame);
@@ -246,7 +247,7 @@ void add_bench(CLI::App& app, std::function<Result<void>()>& run) {
   add_one(*command, *options, "occlusion_scale", "",
           "full; half or quarter measure techniques and filters alone, at that resolution", "full");
   add_sizes(*command, options->sizes, "1024,1024");
-  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kWhole}, "runs per measured time");
+  add_number(*command, "--runs", options->runs, {1, 10000, NumberKind::kInteger}, "runs per measured time");
   command->add_flag("--json", options->json, "print JSON");
   add_device_options(*command, *options, kBench);
   command->callback([options, &run] { run = with_options(options, bench); });

@@ -87,7 +87,7 @@ TEST_F(CliRefusals, RefusesPlacesToWrite) {
   }
 }
 
-TEST_F(CliRefusals, RefusesPlacesBeyondReach) {
+TEST_F(CliRefusals, RefusesValuesOutOfRange) {
   bad_option("--camera-position 1e19,0,0", {"--camera-position", "'1e19,0,0'", "1e+15"});
   bad_option("--camera-focal-point 0,1e30,0", {"--camera-focal-point", "1e+15"});
   bad_option("--ao-radius 0", {"--ao-radius", "'0'"});
@@ -195,7 +195,7 @@ TEST_F(CliRefusals, RefusesValues) {
                {"--background-color", fmt::format("'{}'", text), "three numbers from 0 to 1"});
 }
 
-TEST_F(CliRefusals, RefusesWhatIsMissingOrTooMuch) {
+TEST_F(CliRefusals, RefusesMissingAndExtraArguments) {
   bad("", 2, {"name a model", "umbrage --help"});
   bad("render", 2, {"required", "umbrage render --help"});
   bad("-o out.png", 2, {"MODEL", "required"});

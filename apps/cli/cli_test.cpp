@@ -24,7 +24,7 @@ class Cli : public test::ProgramTest {};
 
 // ---- Rendering
 
-TEST_F(Cli, SaysWhoItIs) {
+TEST_F(Cli, PrintsHelpAndVersion) {
   for (const char* line : {"--help", "-h", "render --help", "list --help", "bench --help", "figures --help"}) {
     const Outcome help = good(line);
     EXPECT_NE(help.out.find("Usage: umbrage"), std::string::npos) << line << ": " << help.out;
@@ -157,7 +157,7 @@ TEST_F(Cli, JsonTellsTheTimeOfEachStage) {
     EXPECT_TRUE(stages.count(stage)) << stage;
 }
 
-TEST_F(Cli, BackgroundIsAsAsked) {
+TEST_F(Cli, BackgroundOptionsApply) {
   good("tri.obj -o color.exr --background-color 0.25,0.5,0.75" + kSmall);
   EXPECT_EQ(image("color.exr").plane("color.r").at(0, 0), 0.25f);
   EXPECT_EQ(image("color.exr").plane("color.b").at(0, 0), 0.75f);

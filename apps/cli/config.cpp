@@ -51,7 +51,7 @@ std::optional<std::string> named_file(const std::vector<std::string>& words) {
   return named;
 }
 
-fs::path usual_file() {
+fs::path default_file() {
   if (const char* folder = std::getenv("XDG_CONFIG_HOME"); folder && *folder)
     return fs::path(folder) / "umbrage/config";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".config/umbrage/config";
@@ -106,7 +106,7 @@ Result<std::vector<std::string>> with_config(CLI::App& app, std::vector<std::str
   if (!command || !command->get_option_no_throw(kOption)) return words;
   const auto named = named_file(words);
   if (named && *named == kNone) return words;
-  const fs::path file = named ? fs::path(*named) : usual_file();
+  const fs::path file = named ? fs::path(*named) : default_file();
   std::error_code ignored;
   if (!named && (file.empty() || !fs::is_regular_file(file, ignored))) return words;
   std::ifstream stream(file);

@@ -151,9 +151,10 @@ void add_figures(CLI::App& app, std::function<Result<void>()>& run) {
   auto options = std::make_shared<FiguresOptions>();
   command->add_option("--paper", options->paper, "unsharp, cartoon or bleeding [unsharp]");
   command->add_option("-o,--output", options->output, "folder to write to [figures]");
-  add_number(*command, "--size", options->size, {128, 4096, NumberKind::kWhole}, "side of the pictures in pixels",
+  add_number(*command, "--size", options->size, {128, 4096, NumberKind::kInteger}, "side of the pictures in pixels",
              "the paper's: unsharp 1024, cartoon 512, bleeding 768");
-  add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kWhole}, "runs per measured time in the tables");
+  add_number(*command, "--runs", options->runs, {1, 1000, NumberKind::kInteger},
+             "runs per measured time in the tables");
   command->add_option("--bunny", options->bunny, "the Stanford bunny, for unsharp [Debian's glmark2-data]");
   add_device_options(*command, *options, kFigures);
   command->callback([options, &run] { run = with_options(options, make_figures); });

@@ -34,11 +34,11 @@ Result<FrameNames> frame_names(const std::string& output) {
     at = end;
   }
   if (numbered) return names;
-  constexpr int kUsualDigits = 4;
+  constexpr int kDefaultDigits = 4;
   const std::filesystem::path plain(names.before);
   names.after = plain.extension().string();
   names.before = names.before.substr(0, names.before.size() - names.after.size()) + "_";
-  names.digits = kUsualDigits;
+  names.digits = kDefaultDigits;
   return names;
 }
 

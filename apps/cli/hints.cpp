@@ -16,7 +16,7 @@ void Seen::add(const Plane& depth, const Plane* ao) {
     }
 }
 
-std::vector<std::string> seen_planes(const Recipe& recipe) {
+std::vector<std::string> hint_planes(const Recipe& recipe) {
   std::vector<std::string> planes = {"depth"};
   if (recipe.radius && recipe.occlusion != kNoOcclusion && recipe.wants("ao")) planes.emplace_back("ao");
   return planes;
@@ -26,14 +26,14 @@ namespace {
 
 /// Returns a hint if the radius set by the user leaves hardly any occlusion; else an empty string.
 std::string radius_hint(const Recipe& recipe, const Seen& seen, float scene_radius) {
-  constexpr double kHardlyAny = 1e-3;              // fraction of the pixels that show a surface
+  constexpr double kMinChangedFraction = 1e-3;     // fraction of the pixels that show a surface
   constexpr double kTooSmall = 0.5, kUsual = 5.0;  // percent of the bounding-sphere radius
   const auto& length = recipe.radius;
   if (!length || recipe.occlusion == kNoOcclusion || !seen.has_ao) return "";
   const double percent =
       length->relative ? double(length->value) : 100.0 * double(length->value) / double(scene_radius);
   const double pixels = double(seen.surfaces), changed = double(seen.changed);
-  if (seen.surfaces == 0 || percent >= kTooSmall || changed > kHardlyAny * pixels) return "";
+  if (seen.surfaces == 0 || percent >= kTooSmall || changed > kMinChangedFraction * pixels) return "";
   return fmt::format(
       "occlusion changes {:.2g} % of the model's pixels: its radius is {:.2g} % of the scene's; try --ao-radius {:g}%",
       100.0 * changed / pixels, percent, kUsual);

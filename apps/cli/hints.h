@@ -19,7 +19,7 @@ struct Seen {
 };
 
 /// Returns the planes that the statistics need: depth, and ao if the user set its radius and the picture has occlusion.
-std::vector<std::string> seen_planes(const Recipe& recipe);
+std::vector<std::string> hint_planes(const Recipe& recipe);
 
 /// Prints hints about a picture to standard error.
 void print_hints(const Recipe& recipe, const Seen& seen, const Scene& scene);

@@ -125,7 +125,7 @@ nlohmann::json records_of(const Scene& scene, const std::string& format) {
                        {"color_b", light.color.b},
                        {"shadow", light.casts_shadow}});
   for (const std::string& warning : scene.warnings)
-    records.push_back({{"what", "warning"}, {"text", in_options(warning)}});
+    records.push_back({{"what", "warning"}, {"text", with_option_names(warning)}});
   return records;
 }
 
@@ -190,7 +190,7 @@ void print_text(const Scene& scene, const std::string& format) {
   more(cameras.size());
   print_line("lights",
              scene.lights.empty() ? "none: the lights of the look are used" : fmt::format("{}", scene.lights.size()));
-  for (const std::string& warning : scene.warnings) print_line("warning", in_options(warning));
+  for (const std::string& warning : scene.warnings) print_line("warning", with_option_names(warning));
 }
 
 Result<void> info(const InfoOptions& o) {

@@ -49,7 +49,7 @@ Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile&
   return {};
 }
 
-void draw_lines_alone(Request& request) {
+void disable_unused_effects(Request& request) {
   request.anti_aliasing = 1;
   if (!request.occlusion_radius.empty()) return;  // a hint about the radius needs occlusion
   request.occlusion = kNoOcclusion;

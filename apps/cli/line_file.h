@@ -32,7 +32,7 @@ Result<void> take_recipe(const RenderOptions& o, const Recipe& recipe, LineFile&
 
 /// Turns off anti-aliasing and occlusion for lines alone, which do not depend on them. Occlusion stays on if its radius
 /// is given, for the hint about it.
-void draw_lines_alone(Request& request);
+void disable_unused_effects(Request& request);
 
 /// Traces the lines of a frame and writes them. Errors: kFile; those of Device::download.
 Result<void> write_lines(const LineFile& lines, int frame_number, Device& device, const Frame& frame);

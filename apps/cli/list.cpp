@@ -34,8 +34,8 @@ nlohmann::json list_effects() {
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     for (const Parameter& row : effect->parameters)
       records.push_back({{"name", fmt::format("{}.{}", effect->name, row.name)},
-                         {"summary", in_options(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
-                                                            parameter_text(row, initial)))}});
+                         {"summary", with_option_names(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
+                                                                   parameter_text(row, initial)))}});
   }
   return records;
 }
@@ -56,7 +56,7 @@ Result<nlohmann::json> list_devices() {
   nlohmann::json records = nlohmann::json::array({{{"name", "cpu"}, {"summary", summary}}});
   const auto gpus = vulkan_gpus();
   if (!gpus) {
-    records.push_back({{"name", "vulkan"}, {"summary", "not available: " + in_options(gpus.error().message)}});
+    records.push_back({{"name", "vulkan"}, {"summary", "not available: " + with_option_names(gpus.error().message)}});
     return records;
   }
   for (const VulkanGpu& gpu : *gpus) records.push_back({{"name", gpu.name}, {"summary", gpu.summary}});

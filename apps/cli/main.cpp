@@ -117,7 +117,7 @@ std::string quoted(const std::string& word) {
 
 int report(const Error& error) {
   // fmt::print would throw if standard error cannot be written.
-  std::fputs(("umbrage: " + in_options(error.message) + "\n").c_str(), stderr);
+  std::fputs(("umbrage: " + with_option_names(error.message) + "\n").c_str(), stderr);
   return int(error.kind);
 }
 

@@ -277,7 +277,7 @@ TEST_F(Manners, CompareAndTuneTakeACameraAndStandardInput) {
   EXPECT_EQ(shell("$UMBRAGE tune - --trials 2 --input-format gltf <a.gltf" + few).code, 0);
 }
 
-TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
+TEST_F(Manners, ConfigurationFileSetsOptions) {
   write(
       "mine",
       "# a comment\nresolution = 20x10  # at its end\ndevice = cpu\n\n[render] # and here\nlook = \"ao\" # too\nset = "
@@ -313,7 +313,7 @@ TEST_F(Manners, TheConfigurationStandsForWordsOfTheCommandLine) {
 }
 
 // Lines of a repeatable option add up within one heading. Values on the command line replace them.
-TEST_F(Manners, LinesOfTheConfigurationAddUpWhereTheOptionTakesSeveralValues) {
+TEST_F(Manners, ConfigurationLinesOfRepeatableOptionsAddUp) {
   write("mine", "resolution = 24x24\n[bench]\nresolution = 32x32\nresolution = 40x40\n[render]\nresolution = 48x48\n");
   const auto sizes = [&](const std::string& more) {
     std::set<int> widths;
@@ -328,7 +328,7 @@ TEST_F(Manners, LinesOfTheConfigurationAddUpWhereTheOptionTakesSeveralValues) {
   EXPECT_EQ(image("g.png").width, 48);
 }
 
-TEST_F(Manners, WrongValuesOfTheConfigurationAreSaidWithTheirLine) {
+TEST_F(Manners, InvalidConfigurationValuesNameTheLine) {
   const auto refused = [&](const std::string& command, const std::string& line, const std::string& text) {
     write("wrong", "# a comment\n" + line + "\n");
     bad(command + " --config wrong", 2, {"umbrage: 'wrong', line 2: " + text});
@@ -359,7 +359,7 @@ TEST_F(Manners, WrongValuesOfTheConfigurationAreSaidWithTheirLine) {
 }
 
 // File names in messages are not rewritten to option names.
-TEST_F(Manners, FilesMayBeCalledAsOptionsAre) {
+TEST_F(Manners, FileNamesLikeOptionsAreNotReplaced) {
   bad(Words{"`width`.obj", "-o", "x.png"}, 3, {"'`width`.obj'", "no such file"});
   bad(Words{"a `look` b.obj", "-o", "x.png"}, 3, {"'a `look` b.obj'", "no such file"});
   write("`look`.ply", "ply\n");
@@ -371,7 +371,7 @@ TEST_F(Manners, FilesMayBeCalledAsOptionsAre) {
   bad(Words{"tri.obj", "-o", "x.png", "--config", "`up`"}, 2, {"'`up`', line 1: --layers cannot be '17'"});
 }
 
-TEST_F(Manners, WhatCannotBePrintedIsAnErrorOfTheFile) {
+TEST_F(Manners, UnwritableOutputIsAFileError) {
   for (const char* words : {"list effects", "manual", "--help", "--version", "render --help"}) {
     const int status = std::system((std::string(UMBRAGE_PROGRAM) + " " + words + " > /dev/full 2> /dev/null").c_str());
     ASSERT_TRUE(WIFEXITED(status)) << words;

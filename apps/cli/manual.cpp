@@ -325,9 +325,9 @@ std::string man_of(const CLI::App& app, const std::vector<const CLI::App*>& comm
     const ParameterBytes initial = initial_parameters(effect->parameters, effect->params_size);
     out += ".SS " + std::string(effect->name) + "\n" + roff(effect->summary) + "\n";
     for (const Parameter& row : effect->parameters)
-      out += fmt::format(
-          ".TP\n\\fB{}.{}\\fR\n{}\n", effect->name, roff(row.name),
-          roff(in_options(fmt::format("{}: {} [{}]", row.help, parameter_range(row), parameter_text(row, initial)))));
+      out += fmt::format(".TP\n\\fB{}.{}\\fR\n{}\n", effect->name, roff(row.name),
+                         roff(with_option_names(fmt::format("{}: {} [{}]", row.help, parameter_range(row),
+                                                            parameter_text(row, initial)))));
   }
   out += ".SH EXIT STATUS\n";
   const std::pair<int, const char*> codes[] = {{0, "done"},

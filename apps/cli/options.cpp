@@ -15,11 +15,11 @@
 namespace umbrage::cli {
 namespace {
 
-/// Returns the help text with the range of an integer, if its upper end is below kTold, and the default.
+/// Returns the help text with the range of an integer, if its upper end is below kMaxShownRange, and the default.
 std::string help_with(std::string_view help, const Interval& takes, std::string_view initial) {
-  constexpr double kTold = 2000.0;
+  constexpr double kMaxShownRange = 2000.0;
   std::string text(help);
-  if (takes.kind != NumberKind::kReal && takes.max < kTold)
+  if (takes.kind != NumberKind::kReal && takes.max < kMaxShownRange)
     text += fmt::format(", {} to {}", long(takes.min), long(takes.max));
   return initial.empty() ? text : fmt::format("{} [{}]", text, initial);
 }
@@ -93,8 +93,8 @@ void add_one(CLI::App& command, CommonOptions& o, std::string_view field, std::s
              std::string_view initial) {
   const Option& row = option_of(field);
   const std::string name = "--" + std::string(row.option);
-  const std::string text =
-      in_options(help_with(help.empty() ? row.help : help, interval_of(row), initial.empty() ? row.initial : initial));
+  const std::string text = with_option_names(
+      help_with(help.empty() ? row.help : help, interval_of(row), initial.empty() ? row.initial : initial));
   CLI::Option* option = nullptr;
   if (const auto* of = std::get_if<FieldOf<bool>>(&row.where)) {
     bool& flag = o.flags[row.option];
@@ -157,7 +157,7 @@ Result<void> take_options(CommonOptions& o) {
   return {};
 }
 
-std::string in_options(std::string_view message) {
+std::string with_option_names(std::string_view message) {
   return with_fields_renamed(message, [](const Option& row) { return "--" + std::string(row.option); });
 }
 

@@ -96,7 +96,7 @@ ModelCommand<Options> add_model_command(CLI::App& app, std::function<Result<void
 }
 
 /// Returns a message of the library with field names replaced by option names.
-std::string in_options(std::string_view message);
+std::string with_option_names(std::string_view message);
 
 /// Creates the requested device and applies --isa and --threads to the process.
 Result<std::unique_ptr<Device>> device_of(const CommonOptions& options);

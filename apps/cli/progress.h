@@ -33,8 +33,8 @@ class ProgressLine {
   bool ends_ = false, wanted_ = false;
   std::string what_;
   std::optional<double> share_;
-  double first_share_ = 0.0;  // the first reported fraction
-  Clock::time_point made_ = Clock::now(), first_told_, told_;
+  double first_fraction_ = 0.0;  // the first reported fraction
+  Clock::time_point made_ = Clock::now(), first_report_time_, reported_;
   std::size_t width_ = 0;  // width of the text on the terminal
   std::thread ticker_;
 };
@@ -43,6 +43,6 @@ class ProgressLine {
 std::string duration_text(double seconds);
 
 /// Wipes the line; nothing is drawn afterwards. Async-signal-safe.
-void drop_progress();
+void wipe_progress();
 
 }  // namespace umbrage::cli

@@ -84,7 +84,7 @@ Result<std::vector<std::string>> pass_planes(const RenderOptions& o, Device& dev
   auto recipe = make_recipe(small);
   if (!recipe) return recipe.error();
   recipe->hdri = plan.recipe.hdri;
-  keep_passes_alone(*recipe);
+  keep_only_passes(*recipe);
   StageTimes times;
   const auto frame = draw(device, scene, *recipe, times);
   if (!frame) return frame.error();
@@ -109,7 +109,7 @@ Result<void> draw_into_file(const RenderOptions& o, const Order& order, Device& 
     names = std::move(*planes);
   }
   std::vector<std::string> wanted = names;
-  for (const std::string& name : seen_planes(recipe))
+  for (const std::string& name : hint_planes(recipe))
     if (std::find(names.begin(), names.end(), name) == names.end()) wanted.push_back(name);
   // The planes of the file are found from a picture of one pixel.
   Image pixel(1, 1);
@@ -233,7 +233,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
               (frame_number + done) / output.frames);
     return true;
   };
-  const KeptPlanes kept(device.pool());
+  const ScopedPlanePool kept(device.pool());
   std::unique_ptr<Video> video;
   Place place{o.output, nullptr, {}};
   if (output.is_video) {
@@ -252,7 +252,7 @@ Result<void> draw_frames(const RenderOptions& o, const Order& order, Device& dev
     stops = drawn->stops;
     if (frame_number == 0) {
       line.wipe();
-      const auto planes = device.download(frame, seen_planes(order.recipe));
+      const auto planes = device.download(frame, hint_planes(order.recipe));
       if (!planes) return planes.error();
       Seen seen;
       seen.add(planes->plane("depth"), planes->find("ao"));
@@ -304,14 +304,14 @@ Result<Order> order_of(const RenderOptions& o) {
     if (auto taken = take_recipe(o, order.asked, order.lines); !taken) return taken.error();
   if (order.lines.alone) {
     Request of_lines = o.request;
-    draw_lines_alone(of_lines);
+    disable_unused_effects(of_lines);
     auto alone = make_recipe(of_lines, kMaxStripPixels);
     if (!alone) return alone.error();
     order.recipe = std::move(*alone);
-    order.recipe.wanted = seen_planes(order.recipe);
+    order.recipe.wanted = hint_planes(order.recipe);
     order.recipe.wanted->insert(order.recipe.wanted->end(), edge_planes().begin(), edge_planes().end());
   }
-  keep_passes_alone(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
+  keep_only_passes(order.recipe, order.lines ? edge_planes() : std::span<const std::string_view>());
   if (output->is_video)
     if (auto fine = check_video(o.output, video_settings(o)); !fine) return fine.error();
   const auto import_with = import_settings(o.request);
@@ -348,7 +348,7 @@ Result<StripSizes> planned_strips(const RenderOptions& o, const Order& order, st
 Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& line) {
   const auto warn = [&](const std::string& warning) {
     line.wipe();
-    fmt::print(stderr, "umbrage: warning: {}\n", in_options(warning));
+    fmt::print(stderr, "umbrage: warning: {}\n", with_option_names(warning));
   };
   if (!order.recipe.hdri.file.empty()) line.show("reading " + order.recipe.hdri.file);
   const auto hdri_warnings = read_hdri(order.recipe.hdri);
@@ -363,7 +363,7 @@ Result<Scene> read_scene(const RenderOptions& o, Order& order, ProgressLine& lin
   // Warn only about settings on the command line: those of a configuration file may be for other looks.
   const auto is_typed = [](std::string_view setting) { return command_line.find(setting) != std::string::npos; };
   for (const std::string& sentence : unused_settings(o.request, order.asked, &*scene, is_typed))
-    warn(in_options(sentence));
+    warn(with_option_names(sentence));
   return scene;
 }
 
@@ -386,7 +386,7 @@ Result<void> render(const RenderOptions& given) {
   const std::size_t meshes = scene->meshes.size();
   const std::string size = size_text(*scene);
   line->show("preparing " + scene->name);
-  furnish(*scene, order->recipe);
+  complete_scene(*scene, order->recipe);
   if (auto ready = device->prepare(*scene); !ready) return ready;
   const auto plan = make_plan(order->recipe, *scene, device->threads());
   if (!plan) return plan.error();
@@ -422,7 +422,7 @@ void add_render(CLI::App& app, std::function<Result<void>()>& run) {
       ->group(output);
   command->add_option("--svg", options->svg, "also write the look's lines as curves to this .svg file")->group(output);
   add_one(*command, *options, "passes", output);
-  add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kWhole},
+  add_number(*command, "--turntable", options->turntable, {1, 100000, NumberKind::kInteger},
              "frames of one turn of the model, written as turn_0000.png and so on, or as a video", "one picture")
       ->group(output);
   add_number(*command, "--frame-rate", options->frame_rate, {0.1, 1000}, "frames per second of a video")->group(output);

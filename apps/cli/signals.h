@@ -11,11 +11,11 @@ namespace umbrage::cli {
 void end_on_signals();
 
 /// Blocks those signals during its lifetime. Main thread only.
-class SignalsHeld {
+class BlockSignals {
  public:
-  SignalsHeld();
-  ~SignalsHeld();
-  SignalsHeld(const SignalsHeld&) = delete;
+  BlockSignals();
+  ~BlockSignals();
+  BlockSignals(const BlockSignals&) = delete;
 
  private:
   sigset_t before_;

@@ -123,7 +123,7 @@ TEST_F(Signals, EndTheReaderOfAModel) {
   ::unsetenv("UMBRAGE_IMPORT");
 }
 
-TEST_F(Signals, RemoveWhatCameFromStandardInput) {
+TEST_F(Signals, RemoveTheCopyOfStandardInput) {
   const auto before = files();
   // While standard input is copied: the program waits for the pipe.
   ASSERT_EQ(::mkfifo((root_ / "pipe").c_str(), 0600), 0);
@@ -170,7 +170,7 @@ TEST_F(Signals, LeaveWholeFramesOfATurntable) {
   }
 }
 
-TEST_F(Signals, EndTheMakerOfAVideo) {
+TEST_F(Signals, EndFfmpeg) {
   const fs::path bin = root_ / "bin";
   fs::create_directory(bin);
   // This ffmpeg ignores signals; it writes its file until its input ends.

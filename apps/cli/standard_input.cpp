@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The folder and file that drop_standard_input removes; empty: none.
+// The folder and file that remove_standard_input_copy removes; empty: none.
 constexpr std::size_t kMaxPathLength = 4096;
 char dropped_folder[kMaxPathLength], dropped_file[kMaxPathLength];
 
@@ -50,7 +50,7 @@ bool is_number(std::string_view word) {
 }
 
 /// Replaces the name of the temporary file in a message by "standard input".
-Error about_standard_input(Error error) {
+Error name_standard_input(Error error) {
   const std::string name = fmt::format("'{}'", dropped_file);
   if (const auto at = error.message.find(name); at != std::string::npos)
     error.message.replace(at, name.size(), "standard input");
@@ -58,7 +58,7 @@ Error about_standard_input(Error error) {
 }
 
 /// Copies standard input to a temporary file and returns its path.
-Result<fs::path> take_standard_input(const std::string& format) {
+Result<fs::path> copy_standard_input(const std::string& format) {
   if (::isatty(STDIN_FILENO)) return usage_error("- reads a model from standard input, which is a terminal");
   std::string bytes;
   constexpr std::size_t kStep = 1 << 20;
@@ -98,12 +98,12 @@ Result<fs::path> take_standard_input(const std::string& format) {
 }
 
 struct DropAtEnd {
-  ~DropAtEnd() { drop_standard_input(); }
+  ~DropAtEnd() { remove_standard_input_copy(); }
 };
 
 }  // namespace
 
-void drop_standard_input() {
+void remove_standard_input_copy() {
   if (dropped_file[0]) ::unlink(dropped_file);
   if (dropped_folder[0]) ::rmdir(dropped_folder);
   dropped_file[0] = dropped_folder[0] = '\0';
@@ -122,8 +122,8 @@ std::string format_of_content(std::string_view bytes) {
     if (bytes.size() == kHeader + std::size_t(count) * kTriangle) return "stl";
   }
   if (begins("\x4d\x4d")) return "3ds";
-  constexpr std::size_t kLooked = 4096;
-  const std::string_view start = bytes.substr(0, kLooked);
+  constexpr std::size_t kDetectionBytes = 4096;
+  const std::string_view start = bytes.substr(0, kDetectionBytes);
   if (start.find('\0') != std::string_view::npos) return "";
   const std::vector<std::string_view> words = first_words(start);
   if (words.empty()) return "";
@@ -153,12 +153,12 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
   if (auto fine = check_standard_input(models, format); !fine) return fine.error();
   if (std::find(models.begin(), models.end(), "-") == models.end()) return load_scenes(models, settings);
   const DropAtEnd drop;
-  const auto file = take_standard_input(format);
+  const auto file = copy_standard_input(format);
   if (!file) return file.error();
   std::vector<std::string> files = models;
   std::replace(files.begin(), files.end(), std::string("-"), file->string());
   auto scene = load_scenes(files, settings);
-  if (!scene) return about_standard_input(scene.error());
+  if (!scene) return name_standard_input(scene.error());
   return scene;
 }
 

@@ -26,6 +26,6 @@ Result<Scene> load_models(const std::vector<std::string>& models, const std::str
 std::function<Result<Scene>(const std::string&, const ImportSettings&)> loader_of(const CommonOptions& options);
 
 /// Removes the temporary copy of standard input, if it exists. Async-signal-safe.
-void drop_standard_input();
+void remove_standard_input_copy();
 
 }  // namespace umbrage::cli

@@ -102,18 +102,18 @@ Result<std::unique_ptr<Video>> Video::begin(const fs::path& file, const VideoSet
 
 Result<void> Video::start() {
   int ends[2] = {-1, -1};
-  said_ = ::memfd_create("umbrage-ffmpeg", MFD_CLOEXEC);
-  if (said_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
+  error_output_ = ::memfd_create("umbrage-ffmpeg", MFD_CLOEXEC);
+  if (error_output_ < 0 || ::pipe2(ends, O_CLOEXEC) != 0)
     return file_error("'{}' cannot be written: {}", file_.string(), std::strerror(errno));
   frames_ = ends[1];
   // ffmpeg gets its own process group: Ctrl-C at the terminal ends this program, which then ends ffmpeg.
   const ChildProgram program{.program = kProgram,
                              .words = words_for(ending_of(file_), settings_, part_->path()),
-                             .files = {{STDIN_FILENO, ends[0]}, {STDOUT_FILENO}, {STDERR_FILENO, said_}},
+                             .files = {{STDIN_FILENO, ends[0]}, {STDOUT_FILENO}, {STDERR_FILENO, error_output_}},
                              .own_group = true};
   int failed = 0;
   {
-    const SignalsHeld held;
+    const BlockSignals held;
     failed = start_child(program, child_);
     if (failed != 0) child_ = 0;
     set_child(child_);
@@ -133,14 +133,14 @@ Result<void> Video::wait() {
   do waited = ::waitpid(child_, &status, 0);
   while (waited < 0 && errno == EINTR);
   {
-    const SignalsHeld held;
+    const BlockSignals held;
     set_child(0);
     child_ = 0;
   }
   if (waited > 0 && WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
   // The first line of the output names the cause; the lines after it are consequences.
   std::array<char, 4096> said{};
-  const ssize_t got = ::pread(said_, said.data(), said.size(), 0);
+  const ssize_t got = ::pread(error_output_, said.data(), said.size(), 0);
   std::string_view text(said.data(), std::size_t(std::max<ssize_t>(got, 0)));
   text = text.substr(0, text.find('\n'));
   if (text.starts_with('[') && text.find("] ") != std::string_view::npos) text.remove_prefix(text.find("] ") + 2);
@@ -155,7 +155,7 @@ Result<void> Video::wait() {
 Video::~Video() {
   if (child_ != 0) ::kill(child_, SIGKILL);
   static_cast<void>(bool(wait()));
-  if (said_ >= 0) ::close(said_);
+  if (error_output_ >= 0) ::close(error_output_);
 }
 
 Result<void> Video::add(const Image& frame) {

@@ -50,7 +50,7 @@ class Video {
   VideoSettings settings_;
   std::unique_ptr<PartFile> part_;
   pid_t child_ = 0;
-  int frames_ = -1, said_ = -1;  // file descriptors: the pipe that ffmpeg reads, and its error output
+  int frames_ = -1, error_output_ = -1;  // file descriptors: the pipe that ffmpeg reads, and its error output
 };
 
 }  // namespace umbrage::cli

@@ -32,7 +32,7 @@ constexpr Tolerance kTolerances[] = {
     {"rmse", 5e-4, 0.01}, {"flip", 5e-4, 0.01}, {"p99", 4e-3, 0.01}, {"bias", 5e-4, 0.01}, {"ssim", 1e-3, 0.0}};
 
 /// Converts a score so that less is better.
-double badness(const nlohmann::json& record, std::string_view field) {
+double lower_is_better(const nlohmann::json& record, std::string_view field) {
   const double value = record.at(field).get<double>();
   if (field == "ssim") return 1.0 - value;
   return std::abs(value);
@@ -95,11 +95,11 @@ Result<void> check_terms(const nlohmann::json& baseline, const Terms& terms, con
   now["scale"] = terms.scale;
   now["filter"] = terms.filter;
   now["quality"] = terms.quality;
-  const nlohmann::json seldom_named = {
+  const nlohmann::json default_terms = {
       {"layers", 1}, {"extra_views", 0}, {"scale", "full"}, {"filter", ""}, {"quality", ""}};
   for (const nlohmann::json& record : baseline)
     for (const auto& [field, value] : now.items()) {
-      const nlohmann::json& before = record.contains(field) ? record.at(field) : seldom_named.at(field);
+      const nlohmann::json& before = record.contains(field) ? record.at(field) : default_terms.at(field);
       if (before != value)
         return file_error("'{}': the baseline was measured on other terms: {} {}, now {}", name, field, shown(before),
                           shown(value));
@@ -125,7 +125,7 @@ Result<BaselineCheck> check_baseline(const nlohmann::json& baseline, const nlohm
                         shown(before.at("view")), shown(after.at("view")));
     ++check.compared;
     for (const auto& [field, absolute, relative] : kTolerances) {
-      const double bad_before = badness(before, field), bad_now = badness(after, field);
+      const double bad_before = lower_is_better(before, field), bad_now = lower_is_better(after, field);
       if (!(bad_now > bad_before + absolute + relative * bad_before)) continue;
       check.worse.push_back(fmt::format(
           "{}, camera {}, {}x{}, {} {}: {}{} was {:.4f} and is {:.4f}", after.at("scene").get<std::string>(),

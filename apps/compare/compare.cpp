@@ -37,7 +37,7 @@ Result<std::vector<const Effect*>> techniques_of(const CompareSettings& settings
 }
 
 /// Returns whether a technique writes `indirect` at these settings.
-bool gathers_light(const Effect& effect, const ParameterBytes& params) {
+bool computes_indirect_light(const Effect& effect, const ParameterBytes& params) {
   return std::any_of(effect.dispatches.begin(), effect.dispatches.end(), [&](const Dispatch& dispatch) {
     return (!dispatch.needed || dispatch.needed(params)) &&
            std::find(dispatch.outputs.begin(), dispatch.outputs.end(), kQuantityPlanes[1][0]) != dispatch.outputs.end();
@@ -146,10 +146,10 @@ Result<double> run_technique(const Run& run, const TracedScene& traced, const Ef
   };
   const LookRun look_run{.look = &look,
                          .occlusion = effect.name,
-                         .occlusion_every = run.recipe.occlusion_every,
+                         .occlusion_downsampling = run.recipe.occlusion_downsampling,
                          .settings = &settings,
-                         .handed_in = handed_in(),
-                         .run_handed_in = run_reference};
+                         .external_effects = external_effects(),
+                         .run_external_effect = run_reference};
   std::vector<double> ms;
   for (int k = traces ? 1 : 0; k <= (traces ? 1 : run.settings.runs); ++k) {
     StageTimes times;
@@ -258,7 +258,7 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       ParameterBytes& params = params_of(settings, effect->name);
       if (effect->set_radius) effect->set_radius(*radius, frame->info, params);
       for (const std::string& setting : draw.settings)
-        if (auto done = apply_setting(settings, setting, handed_in()); !done) return done;
+        if (auto done = apply_setting(settings, setting, external_effects()); !done) return done;
       if (auto done = apply_variant(settings, *effect, variant); !done) return done;
       if (effect == &reference_effect()) {
         auto& reference = as<ReferenceParams>(params);
@@ -273,10 +273,10 @@ Result<void> compare_picture(Run& run, const Scene& scene, const TracedScene& tr
       run.done += units_of(run, *effect);
       for (ComparedView& view : views) {
         const bool light = view.quantity == Quantity::kLight;
-        if (light && !gathers_light(*effect, params)) continue;
+        if (light && !computes_indirect_light(*effect, params)) continue;
         auto picture = run.device.download(*frame, kQuantityPlanes[int(view.quantity)]);
         if (!picture) return picture.error();
-        if (!light) clamp_to_shown(*picture);
+        if (!light) clamp_occlusion(*picture);
         run.result.scores.push_back(
             {view.quantity, model, shot.name, std::string(effect->name), std::string(variant),
              std::string(run.device.name()), view_text(inner_camera(frame->info)), size.first, size.second, *ms,
@@ -297,7 +297,7 @@ Result<void> check_light(const CompareSettings& settings, const Recipe& recipe) 
     for (const std::string_view variant : effect->variants) {
       EffectSettings with = recipe.settings;
       if (auto done = apply_variant(with, *effect, variant); !done) return done;
-      if (gathers_light(*effect, params_of(with, effect->name))) return {};
+      if (computes_indirect_light(*effect, params_of(with, effect->name))) return {};
     }
   return usage_error("--light needs a technique that gathers light, and {} does not: name hemisphere too",
                      fmt::join(settings.techniques, ", "));
@@ -338,9 +338,9 @@ Terms terms_of(const CompareSettings& settings) {
           .guard = fmt::format("{:g}%", settings.draw.guard_band),
           .layers = captured ? captured->layers : 1,
           .extra_views = settings.draw.extra_views.value_or(recipe->look->extra_views),
-          .scale = recipe->occlusion_every == 1   ? "full"
-                   : recipe->occlusion_every == 2 ? "half"
-                                                  : "quarter",
+          .scale = recipe->occlusion_downsampling == 1   ? "full"
+                   : recipe->occlusion_downsampling == 2 ? "half"
+                                                         : "quarter",
           .filter = settings.filter,
           .quality = settings.draw.quality};
 }
@@ -363,7 +363,7 @@ Result<Comparison> compare(Device& device, const CompareSettings& settings) {
     auto scene = read_model(settings, model, model_start, result.warnings);
     if (!scene) return scene.error();
     if (auto ready = device.prepare(*scene); !ready) return ready.error();
-    const auto traced = trace_ready(*scene);
+    const auto traced = build_traced_scene(*scene);
     if (!traced) return traced.error();
     const std::vector<Light> own_lights = scene->lights;
     const std::vector<CameraShot> shots = shots_of(*scene, framing_of(settings.draw.camera), settings.cameras);

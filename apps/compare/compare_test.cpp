@@ -316,7 +316,7 @@ const Comparison& light_comparison() {
   return comparison;
 }
 
-TEST(Compare, LightIsScoredOfWhatGathersIt) {
+TEST(Compare, LightIsScoredForTechniquesThatGatherIt) {
   const Comparison& comparison = light_comparison();
   std::map<std::string, ScoreCard> light;
   std::size_t occlusion = 0;
@@ -405,7 +405,7 @@ TEST(Compare, LightHasItsOwnRecordsAndPictures) {
   EXPECT_TRUE(with_old->worse.empty());
 }
 
-TEST(Compare, WhereNoLightIsSentNoneIsScored) {
+TEST(Compare, PicturesWithoutLightHaveNoLightScore) {
   // A single square receives no indirect light.
   const auto folder = fs::temp_directory_path() / fmt::format("umbrage_flat_{}", ::getpid());
   fs::create_directories(folder);
@@ -464,7 +464,7 @@ TEST(Compare, FiltersAndScaleChangeWhatTheySay) {
   }
 }
 
-TEST(Compare, PageHoldsItsDataAndNothingElseFromOutside) {
+TEST(Compare, PageIsSelfContained) {
   auto device = make_device("cpu", 0);
   const auto page = report_page(small_comparison(), "umbrage compare </script><!-- \xff", **device);
   ASSERT_TRUE(page);

@@ -12,8 +12,8 @@
 
 namespace umbrage {
 
-inline constexpr Interval kCameras{1, 100, NumberKind::kWhole}, kSamples{2, kMaxSamples, NumberKind::kEven},
-    kRuns{1, 1000, NumberKind::kWhole};
+inline constexpr Interval kCameras{1, 100, NumberKind::kInteger}, kSamples{2, kMaxSamples, NumberKind::kEven},
+    kRuns{1, 1000, NumberKind::kInteger};
 
 /// Settings of a measurement. The numbers are in the intervals above.
 struct MeasureSettings {

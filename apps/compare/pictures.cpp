@@ -68,7 +68,7 @@ Result<GBuffer> downloaded(Device& device, const Frame& frame) {
   return GBuffer{inner_info(frame.info), {std::move(*planes)}};
 }
 
-void clamp_to_shown(Image& image) {
+void clamp_occlusion(Image& image) {
   Plane& ao = image.plane("ao");
   for (int y = 0; y < ao.height; ++y)
     for (int x = 0; x < ao.width; ++x) ao.at(x, y) = std::clamp(ao.at(x, y), 0.0f, 1.0f);

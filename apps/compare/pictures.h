@@ -49,6 +49,6 @@ std::vector<CameraShot> shots_of(const Scene& scene, const Framing& wish, int ca
 Result<GBuffer> downloaded(Device& device, const Frame& frame);
 
 /// Clamps `ao` to [0, 1]. The unsharp mask also brightens, so its values may exceed 1.
-void clamp_to_shown(Image& image);
+void clamp_occlusion(Image& image);
 
 }  // namespace umbrage

@@ -15,12 +15,12 @@
 namespace umbrage {
 namespace {
 
-constexpr double kTruthShare = 0.3;  // fraction of the progress before the first trial; a rough guess
+constexpr double kTruthFraction = 0.3;  // fraction of the progress before the first trial; a rough guess
 constexpr std::array<std::string_view, 3> kScales = {"full", "half", "quarter"};
 // Max time, relative to the budget, of a trial that the search continues from.
-constexpr double kTooSlow = 1.3;
+constexpr double kMaxTimeFactor = 1.3;
 // Errors count as equal if they differ by at most this fraction.
-constexpr double kAsClose = 0.005;
+constexpr double kEqualErrorTolerance = 0.005;
 // Factor of one step of a number.
 constexpr double kStep = 1.4142135623730951;
 
@@ -51,7 +51,7 @@ struct Search {
 };
 
 /// Returns the next lower and higher value of a number. Integers step through 1, 2, 3, 4, 6, 8, 12 ...
-std::vector<double> stepped(double value, bool whole) {
+std::vector<double> step_values(double value, bool whole) {
   if (!whole) return {value / kStep, value * kStep};
   const auto rung = [](double v, bool up) {
     // Powers of 2, and 1.5 times powers of 2.
@@ -81,7 +81,7 @@ std::vector<std::string> beside(const Parameter& row, const ParameterBytes& byte
   double value = 0.0;
   std::from_chars(now.data(), now.data() + now.size(), value);
   if (value == 0.0) return {};
-  for (double next : stepped(value, row.type == ParameterType::kInt)) {
+  for (double next : step_values(value, row.type == ParameterType::kInt)) {
     if (!share) next = std::clamp(next, row.min, row.max);
     std::string text = fmt::format("{:.3g}{}", next, share ? "%" : "");
     if (text != now) texts.push_back(std::move(text));
@@ -113,7 +113,7 @@ Result<void> attempt(Search& search, Candidate candidate) {
   const int max = search.settings.trials;
   const double tried = double(search.trials.size()) / double(max);
   if (!search.settings.progress(fmt::format("trial {} of at most {}", search.trials.size() + 1, max),
-                                kTruthShare + (1.0 - kTruthShare) * tried))
+                                kTruthFraction + (1.0 - kTruthFraction) * tried))
     return interrupted();
 
   Look look{
@@ -121,7 +121,7 @@ Result<void> attempt(Search& search, Candidate candidate) {
   if (search.filter) look.effects.push_back(search.filter->name);
   const LookRun look_run{.look = &look,
                          .occlusion = search.technique->name,
-                         .occlusion_every = candidate.every,
+                         .occlusion_downsampling = candidate.every,
                          .settings = &candidate.settings};
   Trial trial{.settings = {}, .scale = scale_name(candidate.every)};
   double squares = 0.0, sum = 0.0;
@@ -139,7 +139,7 @@ Result<void> attempt(Search& search, Candidate candidate) {
     trial.ms += ms[ms.size() / 2] / double(search.pictures.size());
     auto made = search.device.download(picture.frame, kQuantityPlanes[int(Quantity::kOcclusion)]);
     if (!made) return made.error();
-    clamp_to_shown(*made);
+    clamp_occlusion(*made);
     const ScoreCard card = score(*made, picture.truth.planes, picture.classes);
     squares += card.covered.rmse * card.covered.rmse * double(picture.truth.pixels);
     sum += card.covered.bias * double(picture.truth.pixels);
@@ -222,7 +222,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
   const std::string& model = search.settings.models[model_index];
   const TuneSettings& settings = search.settings;
   if (auto ready = search.device.prepare(scene); !ready) return ready;
-  const auto traced = trace_ready(scene);
+  const auto traced = build_traced_scene(scene);
   if (!traced) return traced.error();
   const auto capture = capture_settings(settings.draw, *search.recipe.look, 0);
   if (!capture) return capture.error();
@@ -230,7 +230,7 @@ Result<void> take_pictures(Search& search, std::size_t model_index, Scene& scene
   if (!length) return length.error();
   const std::vector<CameraShot> shots = shots_of(scene, framing_of(settings.draw.camera), settings.cameras);
   // Each ground truth is traced in two halves.
-  const double half_span = kTruthShare / double(settings.models.size()) / double(2 * shots.size());
+  const double half_span = kTruthFraction / double(settings.models.size()) / double(2 * shots.size());
   double halves = double(2 * shots.size()) * double(model_index);
   for (const CameraShot& shot : shots) {
     scene.views = shot.views;
@@ -308,12 +308,12 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
                 .radius = radius_text(settings.draw, *recipe, *technique)};
 
   for (std::size_t m = 0; m < settings.models.size(); ++m) {
-    const double done = kTruthShare * double(m) / double(settings.models.size());
+    const double done = kTruthFraction * double(m) / double(settings.models.size());
     auto scene = read_model(settings, settings.models[m], done, result.warnings);
     if (!scene) return scene.error();
     if (auto taken = take_pictures(search, m, *scene, result.radius); !taken) return taken.error();
   }
-  Candidate start{recipe->settings, recipe->occlusion_every};
+  Candidate start{recipe->settings, recipe->occlusion_downsampling};
   const Frame& first = search.pictures[0].frame;
   if (technique->set_radius)
     if (const auto length = parse_length("occlusion_radius", result.radius); length)
@@ -329,7 +329,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     std::size_t from = search.trials.size();
     for (std::size_t k = 0; k < search.trials.size(); ++k) {
       const Trial& trial = search.trials[k];
-      if (!trial.frontier || trial.ms > kTooSlow * result.budget_ms || searched.count(k)) continue;
+      if (!trial.frontier || trial.ms > kMaxTimeFactor * result.budget_ms || searched.count(k)) continue;
       if (from == search.trials.size() || trial.rmse < search.trials[from].rmse) from = k;
     }
     if (from == search.trials.size()) break;
@@ -355,7 +355,7 @@ Result<Tuning> tune(Device& device, const TuneSettings& settings) {
     return std::pair(changes(a), a.rmse) > std::pair(changes(b), b.rmse);
   };
   const auto as_close = [&](const Trial& trial) {
-    return closest && trial.ms <= result.budget_ms && trial.rmse <= *closest * (1.0 + kAsClose);
+    return closest && trial.ms <= result.budget_ms && trial.rmse <= *closest * (1.0 + kEqualErrorTolerance);
   };
   for (std::size_t k = 1; k < search.trials.size(); ++k)
     if (as_close(search.trials[k]) && (!as_close(search.trials[best]) || worse_than(best, k))) best = k;

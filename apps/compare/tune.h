@@ -8,7 +8,7 @@
 
 namespace umbrage {
 
-inline constexpr Interval kTrials{2, 10000, NumberKind::kWhole}, kBudgetMs{0, 1e6};
+inline constexpr Interval kTrials{2, 10000, NumberKind::kInteger}, kBudgetMs{0, 1e6};
 
 /// Settings of a search. `draw` has size, framing, look, technique, radius and the initial settings. The filter is that
 /// of the look. The radius is by default that of the technique, if it has one, else that of the reference.

@@ -242,12 +242,12 @@ Gathered gather(const Shot& shot, const HemisphereConstants& c, int x, int y) {
 }
 
 /// Returns the normal of the section: the plane through the camera and the pixel's row.
-vec3 off_section(const Gathered& g) { return glm::normalize(vec3(0.0f, 1.0f, g.position.y / -g.position.z)); }
+vec3 section_normal(const Gathered& g) { return glm::normalize(vec3(0.0f, 1.0f, g.position.y / -g.position.z)); }
 
 /// Returns whether a sample point is close enough to the section to be drawn in it.
-bool near_section(const Gathered& g, const Tap& tap, float radius) {
+bool is_near_section(const Gathered& g, const Tap& tap, float radius) {
   constexpr float kNear = 0.3f;  // max distance, relative to the radius
-  return std::abs(glm::dot(tap.point - g.position, off_section(g))) < kNear * radius;
+  return std::abs(glm::dot(tap.point - g.position, section_normal(g))) < kNear * radius;
 }
 
 FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, const Gathered& g) {
@@ -276,7 +276,7 @@ FigurePicture section_diagram(const Shot& shot, const HemisphereConstants& c, co
   // The section of the sampling sphere.
   draw_arc(image, center, scale * c.radius, 0.0f, 2.0f * kPi, line, kOpen);
   for (const Tap& tap : g.taps) {
-    if (!near_section(g, tap, c.radius)) continue;
+    if (!is_near_section(g, tap, c.radius)) continue;
     if (tap.hidden) {
       draw_line(image, at(tap.point), at(tap.seen), line, kSurface);
       const vec2 to(tap.facing.x, tap.facing.z);
@@ -352,10 +352,10 @@ Gathered best_section(const Shot& folds, const HemisphereConstants& c) {
       if (!folds.surface(x, y)) continue;
       Gathered g = gather(folds, c, x, y);
       if (!std::all_of(g.taps.begin(), g.taps.end(), [](const Tap& tap) { return tap.inside; })) continue;
-      const vec3 off = off_section(g);
+      const vec3 off = section_normal(g);
       float worth = 0.0f;
       for (const Tap& tap : g.taps)
-        if (tap.sends() && near_section(g, tap, c.radius))
+        if (tap.sends() && is_near_section(g, tap, c.radius))
           worth += tap.cos_emitter * (1.0f - std::abs(glm::dot(tap.facing, off)));
       worth *= 1.0f - std::abs(glm::dot(g.normal, off));
       if (worth <= max) continue;
@@ -377,7 +377,7 @@ const Tap& clearest_pair(const Gathered& g) {
 
 /// Returns the fraction of the sample points for which `part` is true.
 template <class Part>
-double share_of_points(const HemisphereConstants& c, const Part& part) {
+double fraction_of_points(const HemisphereConstants& c, const Part& part) {
   int count = 0;
   for (int k = 0; k < c.samples; ++k) count += part(sample_point(c, k));
   return double(count) / c.samples;
@@ -431,10 +431,10 @@ Result<Figure> bleeding_diagrams(Studio& studio, const Framing& view) {
   const double drawn = 1.0 - double(hidden) / small->samples, made = folds->value("ao", best.x, best.y);
   figure.numbers = {
       {"2: share of the points not below the surface, within the radius (paper preset)",
-       share_of_points(*paper, is_above), 1.0, 1.0},
-      {"2: the same (our own)", share_of_points(*ours, is_above), 1.0, 1.0},
+       fraction_of_points(*paper, is_above), 1.0, 1.0},
+      {"2: the same (our own)", fraction_of_points(*ours, is_above), 1.0, 1.0},
       {"2: share within half of the radius: points crowd to the centre (paper preset)",
-       share_of_points(*paper, is_inner), 0.6, 1.0},
+       fraction_of_points(*paper, is_inner), 0.6, 1.0},
       {"4: occlusion of the pixel as drawn, against the plane's", std::abs(drawn - made), 0.0, 1e-5},
       {"4: sample points that send light to the pixel",
        double(std::count_if(best.taps.begin(), best.taps.end(), [](const Tap& tap) { return tap.sends(); })), 1.0,

@@ -34,18 +34,18 @@ Framing view(glm::vec3 eye, glm::vec3 target, float angle_deg) {
 }
 
 /// The subject of a detail: a camera that shows a drape, and the color planes in which cloth and stone differ most.
-struct Motif {
+struct Subject {
   Framing framing;
   const char *cloth, *stone;  // color planes: the cloth's colour, and one that it lacks
 };
 // The paper's color bleeding is visible only where the sun reaches both surfaces: at the green drape of the left
 // arcade, from the sun's side. Ours is most visible in shadow: at the last pillar beside a red drape lit from the other
 // side.
-Motif pillar_of(const Preset& preset) {
+Subject pillar_of(const Preset& preset) {
   if (is_paper(preset)) return {view({-2.2f, 1.2f, -3.3f}, {-4.5f, 0.9f, -3.3f}, 40.0f), "color.g", "color.b"};
   return {view({-2.9f, 2.4f, -11.0f}, {-4.6f, 1.6f, -9.2f}, 45.0f), "color.r", "color.g"};
 }
-Motif floor_of(const Preset& preset) {
+Subject floor_of(const Preset& preset) {
   if (is_paper(preset)) return {view({-3.7f, 1.1f, -2.7f}, {-4.6f, 0.15f, -4.2f}, 40.0f), "color.g", "color.b"};
   return {view({-3.1f, 1.1f, -11.3f}, {-4.65f, 0.2f, -9.7f}, 45.0f), "color.r", "color.g"};
 }
@@ -55,9 +55,9 @@ bool is_cloth(const Mesh& mesh) {
 }
 
 /// The positions of all cloth in the scene, on a grid of 0.1 m.
-class Cloths {
+class ClothGrid {
  public:
-  explicit Cloths(const Scene& scene) {
+  explicit ClothGrid(const Scene& scene) {
     for (const Mesh& mesh : scene.meshes) {
       if (!is_cloth(mesh)) continue;
       objects_.insert(mesh.object);
@@ -88,7 +88,7 @@ class Cloths {
 };
 
 /// Returns the mean difference of the cloth's color plane and the plane that the cloth lacks.
-double mean_tint(const Image& image, const Mask& mask, const Motif& motif) {
+double mean_tint(const Image& image, const Mask& mask, const Subject& motif) {
   const auto value = [&](const char* name, int x, int y) {
     return double(std::clamp(image.plane(name).at(x, y), 0.0f, 1.0f));
   };
@@ -141,14 +141,14 @@ Result<Figure> overview(Studio& studio, const Preset& preset) {
   figure.numbers = {
       {"fall of the mean with occlusion", fall(four->neither.image, four->occlusion.image, surface), 0.002, 0.1},
       {"rise of the mean with bleeding", fall(four->bleeding.image, four->neither.image, surface), 0.002, 0.1},
-      {"share of the background that changes", changed_share(four->neither.image, four->both.image, background), 0.0,
+      {"share of the background that changes", changed_fraction(four->neither.image, four->both.image, background), 0.0,
        0.0},
       {"open floor: change with both", std::abs(fall(four->neither.image, four->both.image, open)), 0.0, 0.002}};
   return figure;
 }
 
 /// Draws figures 9 to 12, or 13 and 14.
-Result<Figure> detail(Studio& studio, const Preset& preset, const Cloths& cloths, const Motif& motif,
+Result<Figure> detail(Studio& studio, const Preset& preset, const ClothGrid& cloths, const Subject& motif,
                       const std::string& id, const std::string& file, const std::string& title,
                       std::array<const char*, 4> captions) {
   studio.framing = motif.framing;
@@ -240,7 +240,7 @@ Result<Figure> tangents(Studio& studio) {
 /// Returns the mean distance in pixels from a drape's silhouette to the first pixel on its left that receives red
 /// indirect light, at most an eighth of the picture. Only silhouette pixels with a surface near the drape on their left
 /// count.
-double uncoloured_px(const Shot& shot, const Cloths& cloths) {
+double uncolored_distance_px(const Shot& shot, const ClothGrid& cloths) {
   constexpr float kReach = 0.3f;              // metres
   constexpr float kMin = 0.05f, kRed = 1.5f;  // min red light, and min ratio of red to green
   const Image& image = shot.image;
@@ -261,7 +261,7 @@ double uncoloured_px(const Shot& shot, const Cloths& cloths) {
 }
 
 /// Draws figures 15 and 16 and variants of ours: stronger bleeding near the edge of a drape.
-Result<Figure> cuts(Studio& studio, const Cloths& cloths) {
+Result<Figure> cuts(Studio& studio, const ClothGrid& cloths) {
   struct Way {
     const char *file, *caption;
     std::string_view look;
@@ -290,7 +290,7 @@ Result<Figure> cuts(Studio& studio, const Cloths& cloths) {
     studio.draw.extra_views.reset();
     if (!shot) return shot.error();
     figure.pictures.push_back(shot->picture(fmt::format("bleeding-{}.png", way.file), way.caption));
-    widths_px.push_back(uncoloured_px(*shot, cloths));
+    widths_px.push_back(uncolored_distance_px(*shot, cloths));
   }
   // With the paper's quadratic range, at least 2 % of the picture's width beside the drape receives none of its colour.
   const double quadratic = widths_px[0], smoothstep = widths_px[1];
@@ -309,7 +309,7 @@ Result<std::vector<Figure>> bleeding_figures(Device& device, int size,
   std::vector<Figure> figures;
   auto studio = open_studio(device, kScene, std::string(kPaper.look), size);
   if (!studio) return studio.error();
-  const Cloths cloths(*studio->scene);
+  const ClothGrid cloths(*studio->scene);
   for (const Preset& preset : kPresets) {
     studio->draw.look = std::string(preset.look);
     progress(fmt::format("figures 1, 7 and 8, {}", preset.name));

@@ -173,7 +173,7 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
   // Our lines are centred on an edge and cover pixels of both sides.
   const auto lined = [&](const Image& image, const Mask& mask) {
     constexpr float kQuarter = 0.25f;
-    if (is_paper(preset)) return black_share(image, mask);
+    if (is_paper(preset)) return black_fraction(image, mask);
     const Plane& lines = image.plane("outline");
     const auto is_lined = [&](int x, int y) {
       return lines.at(std::clamp(x, 0, lines.width - 1), std::clamp(y, 0, lines.height - 1)) >= kQuarter;
@@ -183,18 +183,19 @@ Figure four_ways(const Preset& preset, const Parts& parts, const Shot& plain, co
     });
   };
   const char* line = is_paper(preset) ? "that is black" : "at least a quarter under a line, or beside one";
-  figure.numbers = {{"a to b: fall of the ground beside the body", fall(a, b, parts.beside), min, kAnything},
-                    {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), min, kAnything},
-                    {"a to b: share of the background that changes", changed_share(a, b, parts.background), 0.0, 0.0},
-                    {"a: share of the silhouette that is black", black_share(a, parts.silhouette), 0.0, 0.0},
-                    {"b: share of the silhouette that is black", black_share(b, parts.silhouette), 0.0, kDeep},
-                    {fmt::format("c: share of the silhouette {}", line), lined(c, parts.silhouette), silhouette, 1.0},
-                    {fmt::format("d: share of the silhouette {}", line), lined(d, parts.silhouette), silhouette, 1.0},
-                    {fmt::format("d: share of the body's edge before what lies behind {}", line),
-                     lined(d, parts.overlap), silhouette, 1.0}};
+  figure.numbers = {
+      {"a to b: fall of the ground beside the body", fall(a, b, parts.beside), min, kAnything},
+      {"c to d: fall of the ground beside the body", fall(c, d, parts.beside), min, kAnything},
+      {"a to b: share of the background that changes", changed_fraction(a, b, parts.background), 0.0, 0.0},
+      {"a: share of the silhouette that is black", black_fraction(a, parts.silhouette), 0.0, 0.0},
+      {"b: share of the silhouette that is black", black_fraction(b, parts.silhouette), 0.0, kDeep},
+      {fmt::format("c: share of the silhouette {}", line), lined(c, parts.silhouette), silhouette, 1.0},
+      {fmt::format("d: share of the silhouette {}", line), lined(d, parts.silhouette), silhouette, 1.0},
+      {fmt::format("d: share of the body's edge before what lies behind {}", line), lined(d, parts.overlap), silhouette,
+       1.0}};
   if (is_paper(preset))
     figure.numbers.push_back(
-        {"a to b: share of the open ground that changes", changed_share(a, b, parts.open), 0.0, 0.05});
+        {"a to b: share of the open ground that changes", changed_fraction(a, b, parts.open), 0.0, 0.05});
   return figure;
 }
 

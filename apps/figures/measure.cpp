@@ -42,12 +42,12 @@ double fall(const Image& from, const Image& to, const Mask& mask) {
   return mean_brightness(from, mask) - mean_brightness(to, mask);
 }
 
-double black_share(const Image& image, const Mask& mask) {
+double black_fraction(const Image& image, const Mask& mask) {
   constexpr double kBlack = 0.5 / 255.0;
   return mean(image, mask, [&](int x, int y) { return brightness(image, x, y) < kBlack; });
 }
 
-double changed_share(const Image& a, const Image& b, const Mask& mask) {
+double changed_fraction(const Image& a, const Image& b, const Mask& mask) {
   return mean(a, mask, [&](int x, int y) { return brightness(a, x, y) != brightness(b, x, y); });
 }
 

@@ -61,10 +61,10 @@ double mean_brightness(const Image& image, const Mask& mask);
 double fall(const Image& from, const Image& to, const Mask& mask);
 
 /// Returns the fraction of a mask's pixels whose brightness is below half a step of an 8-bit picture.
-double black_share(const Image& image, const Mask& mask);
+double black_fraction(const Image& image, const Mask& mask);
 
 /// Returns the fraction of a mask's pixels whose brightness differs.
-double changed_share(const Image& a, const Image& b, const Mask& mask);
+double changed_fraction(const Image& a, const Image& b, const Mask& mask);
 
 double median(std::vector<double> values);
 

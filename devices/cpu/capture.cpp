@@ -143,7 +143,7 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
       penumbra = {0.0f, 0.0f};
       continue;
     }
-    const glm::vec3 start = start_to_light(drawing.traced, surface, drawing.rays.eye);
+    const glm::vec3 start = ray_origin_to_light(drawing.traced, surface, drawing.rays.eye);
     glm::vec3 where = light.where;
     if (soft) {
       const auto [right, up] = light.point ? disc_axes(toward) : std::pair(light.right, light.up);
@@ -191,7 +191,7 @@ void trace_to_light(const Drawing& drawing, const Surfaces& surfaces, const Shad
 /// block agree, it is all lit or all dark; otherwise each pixel traces its own set of rays.
 void trace_shadows(const Drawing& drawing, const Surfaces& surfaces, Block& out) {
   static const DiscPoints points = disc_points();
-  static const auto rim = rim_points();
+  static const auto rim = disc_border_points();
   for (const ShadowLight& light : drawing.lights) {
     std::array<float, kPacket> lit{};
     float scale = 1.0f;
@@ -254,7 +254,7 @@ void shade_block(const Drawing& drawing, int x0, int y0, const RayPacket& primar
 }
 
 /// Flips the surfaces to their other side, which has its own shadows, but no highlight, since no camera sees it.
-void turn_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
+void flip_block(const Drawing& drawing, Surfaces& surfaces, Block& block) {
   for (const ShadowLight& light : drawing.lights) std::fill_n(block.shadow[light.index], kPacket, 1.0f);
   for (int k = 0; k < kPacket; ++k) {
     if (!surfaces.there[k]) continue;
@@ -320,7 +320,7 @@ void draw_block(const Drawing& drawing, const DrawnLayers& layers, int x0, int y
     if (surfaces.first) store_penumbrae(drawing, block, x0, y0);
     surfaces.first = false;
     if (layers.backs < 0) continue;
-    turn_block(drawing, surfaces, block);
+    flip_block(drawing, surfaces, block);
     store(drawing, block, x0, y0, layers.backs + layer, image);
   }
 }
@@ -344,7 +344,7 @@ void draw_view(const TracedScene& traced, const PictureInfo& info, const Rows& d
   drawing.has_emission = holds("emission.r") || holds("emission.g") || holds("emission.b");
   drawing.rays = camera_rays(traced, drawing.info);
   drawing.lights = shadow_lights(traced, drawing.rays, drawing.info, settings);
-  if (!within_reach(drawing.rays, drawing.info)) {
+  if (!rays_within_limit(drawing.rays, drawing.info)) {
     // Nothing is visible from there.
     Block background;
     clear(drawing, background);

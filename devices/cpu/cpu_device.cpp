@@ -25,7 +25,7 @@ namespace umbrage {
 namespace {
 
 template <int step>
-void take_every(const float* from, float* to, int count) {
+void copy_every(const float* from, float* to, int count) {
   for (int x = 0; x < count; ++x) to[x] = from[std::ptrdiff_t(x) * step];
 }
 
@@ -52,7 +52,7 @@ class CpuDevice final : public Device {
 
   Result<void> prepare(const Scene& scene, const ProgressMonitor& monitor) override {
     traced_.reset();
-    auto traced = arena_.execute([&] { return trace_ready(scene, monitor); });
+    auto traced = arena_.execute([&] { return build_traced_scene(scene, monitor); });
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
     scene_ = &scene;
@@ -129,8 +129,8 @@ class CpuDevice final : public Device {
     return {};
   }
 
-  Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
-                          const ProgressMonitor& monitor) override {
+  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+                       const ProgressMonitor& monitor) override {
     cpu_planes(frame).branches.check_none();
     return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) {
       return run_dispatch(dispatch, cpu_planes(frame), monitor);
@@ -173,9 +173,9 @@ class CpuDevice final : public Device {
           float* to = out.row(y);
           // A constant step lets the compiler vectorize.
           if (factor == 2)
-            take_every<2>(from, to, out.width);
+            copy_every<2>(from, to, out.width);
           else if (factor == 4)
-            take_every<4>(from, to, out.width);
+            copy_every<4>(from, to, out.width);
           else
             for (int x = 0; x < out.width; ++x) to[x] = from[std::ptrdiff_t(x) * factor];
         });
@@ -246,7 +246,7 @@ class CpuDevice final : public Device {
 
  private:
   /// Runs a host step, once for a whole picture. Its outputs are valid for all strips of the picture.
-  Result<Progression> run_host(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
+  Result<RunState> run_host(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const PictureInfo& info = run.info;
     std::list<Plane> whole_neutral;  // those of a strip have only its rows
     std::vector<const Plane*> inputs;
@@ -275,10 +275,10 @@ class CpuDevice final : public Device {
       }
     }
     watch.done(1);
-    return watch.ended() ? Result<Progression>(interrupted()) : Progression();
+    return watch.ended() ? Result<RunState>(interrupted()) : RunState();
   }
 
-  Result<Progression> run_dispatch(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
+  Result<RunState> run_dispatch(const DispatchRun& run, CpuPlanes& planes, const ProgressMonitor& monitor) {
     const Dispatch& dispatch = run.dispatch;
     const PictureInfo& info = run.info;
     for (std::string_view input : dispatch.inputs) {
@@ -300,7 +300,7 @@ class CpuDevice final : public Device {
     if (dispatch.host) return run_host(run, planes, monitor);
     for (std::string_view output : dispatch.outputs)
       if (run.is_there(output)) writable(planes, run.plane(output));
-    if (strip.rows.count() <= 0) return Progression();
+    if (strip.rows.count() <= 0) return RunState();
     // The kernel writes only to its outputs, which no other frame shares.
     for (std::string_view name : dispatch.inputs)
       kernel_planes.push_back({name, row_zero_of(run, planes, strip, run.plane(name))});
@@ -340,7 +340,7 @@ class CpuDevice final : public Device {
           },
           tbb::simple_partitioner());
     });
-    return watch.ended() ? Result<Progression>(interrupted()) : Progression();
+    return watch.ended() ? Result<RunState>(interrupted()) : RunState();
   }
 
   CpuSettings settings_;

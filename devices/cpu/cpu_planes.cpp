@@ -87,7 +87,7 @@ StripRun prepare_strip(const DispatchRun& run, CpuPlanes& planes, tbb::task_aren
   }
   const int reach = run.dispatch.reach ? run.dispatch.reach(run.constants.data(), run.round) : 0;
   std::vector<std::string> wanted;
-  const auto& far = run.dispatch.far_inputs;
+  const auto& far = run.dispatch.unbounded_inputs;
   for (const std::string_view input : run.dispatch.inputs) {
     const std::string name = run.plane(input);
     const Held* held = find_held(planes, name);

@@ -79,7 +79,7 @@ struct StripRun {
   Rows rows;                     ///< rows that the outputs can be computed for
   std::vector<std::string> far;  ///< names of the planes that it reads at any pixel
   bool done = false;             ///< all its outputs exist as whole planes already
-  Progression progression;       ///< if not finished, the pass cannot run yet
+  RunState progression;          ///< if not finished, the pass cannot run yet
 };
 
 /// Determines the rows of a strip that a pass can run on. Copies the strip's rows to whole planes that the pass needs

@@ -41,7 +41,7 @@ Segments around(const Segments& in, int aside, int above) {
 
 /// Calls work(j) for all rows of blocks, on all threads.
 template <class Work>
-void over_rows(int rows, const Work& work) {
+void for_block_rows(int rows, const Work& work) {
   tbb::parallel_for(tbb::blocked_range<int>(0, rows, 4), [&](const tbb::blocked_range<int>& range) {
     for (int j = range.begin(); j < range.end(); ++j) work(j);
   });
@@ -50,7 +50,7 @@ void over_rows(int rows, const Work& work) {
 /// Flags the segments in which a shadow changes: within the segment, or from it to the next one, to the right or below.
 Segments changing(const Plane& shadow) {
   Segments out((shadow.width + kSegment - 1) / kSegment, soften_blocks(shadow.height));
-  over_rows(out.rows, [&](int j) {
+  for_block_rows(out.rows, [&](int j) {
     const int y0 = j * kSoftenBlock, y1 = std::min(y0 + kSoftenBlock + 1, shadow.height);
     for (int i = 0; i < out.columns; ++i) {
       const int x0 = i * kSegment, x1 = std::min(x0 + kSegment + 1, shadow.width);
@@ -89,7 +89,7 @@ struct Run {
 void run_segments(const Run& run, const Rows& rows, const Segments& where, int neighbours) {
   const KernelFrame frame{run.frame, &run.constants, run.planes};
   const Rows blocks = held_blocks(run.frame.height, rows, neighbours);
-  over_rows(where.rows, [&](int j) {
+  for_block_rows(where.rows, [&](int j) {
     if (j < blocks.begin || j >= blocks.end) return;
     const int y0 = rows.begin + j * kSoftenBlock, y1 = std::min(y0 + kSoftenBlock, rows.end);
     for (int i = 0; i < where.columns; ++i) {
@@ -125,14 +125,14 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
                     {"soften_from", data_of(down ? between : shadow, first)},
                     {"soften_to", data_of(down ? shadow : between, first)},
                     {"soften_reach", data_of(reach, first / kSoftenBlock)}};
-      run_segments(run, rows, where, !down ? 0 : second ? kSoftenBlocks - 1 : 1);
+      run_segments(run, rows, where, !down ? 0 : second ? kSoftenReachBlocks - 1 : 1);
     };
     const Segments changes = changing(shadow);
     const Segments near = around(changes, 1, 1);
     filter(false, false, around(near, 0, 1));
     filter(false, true, near);
 
-    const Segments far = around(changes, 1, 1 + kSoftenBlocks);
+    const Segments far = around(changes, 1, 1 + kSoftenReachBlocks);
     for (const bool down : {false, true}) {
       Run blocks{.frame = run.frame, .kernel = kernel_of(soften_reach_dispatch())};
       blocks.frame.width = soften_blocks(shadow.width);
@@ -141,11 +141,11 @@ void soften_shadows(const PictureInfo& info, const Rows& rows, std::span<const P
       blocks.planes = {{"penumbra", data_of(down ? of.down : of.across, first)},
                        {"soften_reach", data_of(reach, first)}};
       const KernelFrame frame{blocks.frame, &blocks.constants, blocks.planes};
-      const Rows held = held_blocks(info.height, rows, kSoftenBlocks);
-      over_rows(held.end, [&](int j) {
+      const Rows held = held_blocks(info.height, rows, kSoftenReachBlocks);
+      for_block_rows(held.end, [&](int j) {
         if (j >= held.begin) blocks.kernel(frame, {0, first + j, blocks.frame.width, first + j + 1});
       });
-      filter(true, down, down ? far : around(far, 0, kSoftenBlocks));
+      filter(true, down, down ? far : around(far, 0, kSoftenReachBlocks));
     }
   }
 }

@@ -19,9 +19,9 @@ struct PenumbraRadii {
 /// Returns the number of blocks of 4 x 4 pixels that cover this many pixels.
 int soften_blocks(int pixels);
 
-/// Rows above and below that a softened shadow depends on: the second filter reads kSoftenBlocks - 1 blocks, and its
-/// width depends on penumbrae up to kSoftenBlocks farther away.
-inline constexpr int kSoftenMargin = (2 * kSoftenBlocks - 1) * kSoftenBlock;
+/// Rows above and below that a softened shadow depends on: the second filter reads kSoftenReachBlocks - 1 blocks, and
+/// its width depends on penumbrae up to kSoftenReachBlocks farther away.
+inline constexpr int kSoftenMargin = (2 * kSoftenReachBlocks - 1) * kSoftenBlock;
 
 /// Averages the shadows of these lights in the first layer along surfaces: over the 4 x 4 pixels around, then, where
 /// penumbrae are wide, over up to 28 x 28, a fifth of their width. Uniform neighbourhoods do not change. Uses all

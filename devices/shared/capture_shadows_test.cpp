@@ -171,7 +171,7 @@ TEST(Capture, WhatIsBehindAPointLightThrowsNoShadow) {
     }
 }
 
-TEST(Capture, ShadowsBeginWhereTheNormalsOfACoarseBallTurnAway) {
+TEST(Capture, ShadowsOfACoarseSphereBeginWhereItsNormalsTurnAway) {
   // A sphere of few triangles with smooth normals: where light grazes it, its triangles occlude each other. The shadow
   // must begin where that of a smooth sphere does, within a few degrees.
   constexpr int kRings = 16;

@@ -162,7 +162,7 @@ TEST(Capture, PointsWithNormalsAreDiscs) {
   EXPECT_GT(seen[1], 1200);
 }
 
-TEST(Capture, DiscsOfARoundSurfaceDoNotShadeEachOther) {
+TEST(Capture, DiscsOfARoundSurfaceDoNotShadowEachOther) {
   // Points on a sphere, lit from the camera: none of the discs, which overlap and tilt, may shadow another.
   std::vector<glm::vec3> positions, normals;
   constexpr int kCount = 4000;

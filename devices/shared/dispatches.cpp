@@ -26,8 +26,8 @@ bool DispatchRun::is_there(std::string_view output) const {
   return layer_of_plane(output) <= int(info.more_layers.size());
 }
 
-Result<Progression> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                                   PixelSet pixels, const std::function<Result<Progression>(const DispatchRun&)>& run) {
+Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
+                                PixelSet pixels, const std::function<Result<RunState>(const DispatchRun&)>& run) {
   check_equal(params.size(), effect.params_size, effect.name);
   if (!effect.constants) fail_check(fmt::format("{} does not run on a device", effect.name));
   if (pixels == PixelSet::kMissing && !runs_for_missing(effect, params))
@@ -43,7 +43,7 @@ Result<Progression> run_dispatches(const Effect& effect, const ParameterBytes& p
       auto done = run({effect, dispatch, params, constants, info, layer, round, pixels});
       if (!done || !done->finished) return done;
     }
-  return Progression();
+  return RunState();
 }
 
 Error missing_plane(const DispatchRun& run, std::string_view plane) {

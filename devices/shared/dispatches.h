@@ -31,8 +31,8 @@ struct DispatchRun {
 
 /// Calls `run` for each pass that the effect needs with these params, in order. Stops at the first one that fails or
 /// does not finish.
-Result<Progression> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
-                                   PixelSet pixels, const std::function<Result<Progression>(const DispatchRun&)>& run);
+Result<RunState> run_dispatches(const Effect& effect, const ParameterBytes& params, const Frame& frame, int layer,
+                                PixelSet pixels, const std::function<Result<RunState>(const DispatchRun&)>& run);
 
 /// Returns the error of a pass that reads a plane that the picture lacks.
 Error missing_plane(const DispatchRun& run, std::string_view plane);

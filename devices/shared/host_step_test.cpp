@@ -107,7 +107,7 @@ TEST(Vulkan, RunsHostSteps) {
 }
 
 /// Checks that an exception of a step is passed on, and that later steps work.
-void expect_failure_told(Device& device) {
+void expect_failure_reported(Device& device) {
   const GBuffer g = picture(33, 20);
   auto frame = *device.upload(g);
   fails = true;
@@ -119,13 +119,13 @@ void expect_failure_told(Device& device) {
   expect_turned(device, 33, 20);
 }
 
-TEST(HostStep, MayFail) { expect_failure_told(*make_cpu_device({.threads = 2})); }
+TEST(HostStep, MayFail) { expect_failure_reported(*make_cpu_device({.threads = 2})); }
 
 TEST(Vulkan, HostStepsMayFail) {
   Device* const device = test::vulkan_device();
   UMBRAGE_NEEDS_VULKAN(device);
   const test::NoMessages no_messages;
-  expect_failure_told(*device);
+  expect_failure_reported(*device);
 }
 
 TEST(HostStep, RunsOnceForAllStrips) {

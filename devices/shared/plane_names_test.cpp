@@ -38,7 +38,7 @@ std::vector<std::string> checked_names(Device& device, const Frame& frame) {
   return names;
 }
 
-Result<Progression> run(Device& device, const char* name, Frame& frame) {
+Result<RunState> run(Device& device, const char* name, Frame& frame) {
   const Effect& effect = *find_effect(name);
   return device.run(effect, initial_parameters(effect.parameters, effect.params_size), frame);
 }

@@ -5,7 +5,7 @@
 const int kSoftenBlock = 4;  // pixels; the shadow rays of a block go to as many points on the light as it has pixels
 // Min and max half width of the filter, pixels; the min is that of the first filter.
 const float kSoftenMin = 2.0f, kSoftenMax = 14.0f;
-const int kSoftenBlocks = 4;  // reach of the widest filter, blocks
+const int kSoftenReachBlocks = 4;  // reach of the widest filter, blocks
 
 struct SoftenConstants {
   int dx, dy;  // direction: (1, 0) along a row, (0, 1) along a column

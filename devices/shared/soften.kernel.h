@@ -41,7 +41,7 @@ FN void soften_pixel(Int px, Int py) {
     }
   } else {
     Real reach = block_soften_reach(kSoftenBlock, 0, 0);
-    for (int k = 1; k < kSoftenBlocks; ++k) {
+    for (int k = 1; k < kSoftenReachBlocks; ++k) {
       // A neighbour represents four pixels, of which the filter reaches a fraction: the nearest ones, hence its square.
       Real share = clamp((reach + kSoftenMin) * 0.25f - float(k), Real(0.0f), Real(1.0f));
       if (some(share > 0.0f)) {

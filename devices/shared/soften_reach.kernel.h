@@ -9,8 +9,8 @@ CONST float kShare = 0.2f;
 
 FN void soften_reach_pixel(Int px, Int py) {
   Real reach = Real(kSoftenMax);
-  for (int j = -kSoftenBlocks; j <= kSoftenBlocks; ++j)
-    for (int i = -kSoftenBlocks; i <= kSoftenBlocks; ++i) {
+  for (int j = -kSoftenReachBlocks; j <= kSoftenReachBlocks; ++j)
+    for (int i = -kSoftenReachBlocks; i <= kSoftenReachBlocks; ++i) {
       int right = i < 0 ? -i : i;
       int down = j < 0 ? -j : j;
       int away = kSoftenBlock * (right < down ? down : right);

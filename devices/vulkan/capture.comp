@@ -14,11 +14,11 @@ shared int block_pixels[4], block_lit[4];
 shared uint block_across[4], block_down[4];
 
 const float kStartOffset = 4e-6f;  // rays/traced_scene.cpp
-const float kAboveDisc = 0.3f;     // rays/traced_scene.h
+const float kDiscRayOffset = 0.3f;     // rays/traced_scene.h
 
 vec3 light_vector(float v[3 * kCaptureLights], int k) { return vec3(v[3 * k], v[3 * k + 1], v[3 * k + 2]); }
 
-float largest_of(vec3 v) { return max(max(v.x, v.y), v.z); }
+float max_component(vec3 v) { return max(max(v.x, v.y), v.z); }
 
 // ---- rays ----
 
@@ -56,7 +56,7 @@ Hit trace(Ray ray, bool any) {
       vec3 a0 = (a.xyz - ray.origin) * inverse, a1 = (b.xyz - ray.origin) * inverse;
       vec3 b0 = (c.xyz - ray.origin) * inverse, b1 = (d.xyz - ray.origin) * inverse;
       vec3 a_low = min(a0, a1), a_high = max(a0, a1), b_low = min(b0, b1), b_high = max(b0, b1);
-      float a_in = max(largest_of(a_low), ray.nearest), b_in = max(largest_of(b_low), ray.nearest);
+      float a_in = max(max_component(a_low), ray.nearest), b_in = max(max_component(b_low), ray.nearest);
       float a_out = min(min(a_high.x, a_high.y), a_high.z) * kRounding;
       float b_out = min(min(b_high.x, b_high.y), b_high.z) * kRounding;
       bool meets_a = a_in <= min(a_out, hit.t), meets_b = b_in <= min(b_out, hit.t);
@@ -89,7 +89,7 @@ struct Surface {
 };
 
 vec3 unit(vec3 v) {
-  float largest = largest_of(abs(v));
+  float largest = max_component(abs(v));
   return largest > 0.0f ? normalize(v / largest) : vec3(0.0f, 0.0f, 1.0f);
 }
 
@@ -116,10 +116,10 @@ Surface surface_at(Ray ray, Hit hit) {
   return s;
 }
 
-vec3 start_to_light(Surface s) {
+vec3 ray_origin_to_light(Surface s) {
   vec3 extent = abs(s.position) + abs(s.position - three(C.eye));
-  vec3 start = s.position + s.geometric * (kStartOffset * largest_of(extent));
-  if (s.triangle.kind == kDisc) start += s.geometric * (kAboveDisc * s.triangle.p2.x);
+  vec3 start = s.position + s.geometric * (kStartOffset * max_component(extent));
+  if (s.triangle.kind == kDisc) start += s.geometric * (kDiscRayOffset * s.triangle.p2.x);
   if (s.triangle.kind != kTriangle) return start;
   const float kFlat = 1.0f - 1e-6f;
   vec3 n0 = normal_at(s.triangle.corner.x), n1 = normal_at(s.triangle.corner.y), n2 = normal_at(s.triangle.corner.z);
@@ -296,10 +296,10 @@ void main() {
   Hit hit = Hit(kInfinity, 0.0f, 0.0f, -1);
   if (inside && C.nothing == 0) {
     bool wanted = pixel_ray(here, ray);
-    uvec2 seen = table[kSeenSlot];
+    uvec2 seen = table[kTriangleIndexSlot];
     if ((seen.x | seen.y) != 0u) {
       int k = int(Uints(seen).at[place]) - 1;
-      if (k >= 0) hit = seen_of(ray, triangle_at(k), k);
+      if (k >= 0) hit = hit_of_covered(ray, triangle_at(k), k);
     } else if (wanted) {
       hit = trace(ray, false);
     }
@@ -322,7 +322,7 @@ void main() {
     }
     if (inside)
       put_surface(first, place, there, hit.t, s.normal, albedo, emission, side == 0 ? mesh.specular : 0.0f, mesh);
-    vec3 start = there ? start_to_light(s) : vec3(0.0f);
+    vec3 start = there ? ray_origin_to_light(s) : vec3(0.0f);
     for (int light = 0; light < C.light_count; ++light) {
       int radii = kPenumbraSlot + 2 * C.light_index[light];
       bool measured = (table[radii].x | table[radii].y) != 0u && side == 0;

@@ -7,13 +7,13 @@
 const int kDepthSlot = 0, kNormalSlot = 1, kAlbedoSlot = 4, kSpecularSlot = 7, kShininessSlot = 8, kShadowSlot = 9;
 const int kEmissionSlot = 17, kObjectSlot = 20, kMaterialSlot = 21;
 const int kBackSlots = 22;
-const int kBeforeSlot = 44;
+const int kPreviousDepthSlot = 44;
 const int kNodesSlot = 45, kTrianglesSlot = 46, kNormalsSlot = 47, kUvsSlot = 48, kMeshesSlot = 49;
 const int kTexturesSlot = 50, kLevelsSlot = 51, kTexelsSlot = 52, kPointsSlot = 53, kColorsSlot = 54;
 // By light: the planes of the penumbra radius along a row, and then along a column, by blocks of 4 x 4 pixels.
 const int kPenumbraSlot = 55;
 // The index + 1 of the triangle that each pixel sees, or 0. Address 0: rays find the triangle.
-const int kSeenSlot = 71;
+const int kTriangleIndexSlot = 71;
 const int kCaptureSlots = 72;
 
 const int kCaptureLights = 8;

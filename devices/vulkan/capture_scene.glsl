@@ -196,7 +196,7 @@ vec3 direction_at(vec2 p) { return three(C.direction) + three(C.direction_x) * p
 bool pixel_ray(ivec2 here, out Ray ray) {
   vec2 pixel = vec2(here) + 0.5f;
   ray = Ray(origin_at(pixel), direction_at(pixel), 0.0f, kInfinity);
-  uvec2 before = table[kBeforeSlot];
+  uvec2 before = table[kPreviousDepthSlot];
   if ((before.x | before.y) == 0u) return true;
   float depth = Floats(before).at[here.y * C.stride + here.x];
   vec3 hit = ray.origin + ray.direction * depth;
@@ -224,7 +224,7 @@ Hit covered(Ray ray, Triangle triangle, int k) {
 }
 
 // Returns the hit of a pixel's ray with a triangle or point whose drawing covers the pixel; a point may be missed.
-Hit seen_of(Ray ray, Triangle triangle, int k) {
+Hit hit_of_covered(Ray ray, Triangle triangle, int k) {
   if (triangle.kind == kTriangle) return covered(ray, triangle, k);
   Hit hit = Hit(kInfinity, 0.0f, 0.0f, -1);
   meets_point(ray, triangle, k, hit);

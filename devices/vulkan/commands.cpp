@@ -59,8 +59,7 @@ Result<std::unique_ptr<Commands>> Commands::make(GpuPtr gpu, const std::shared_p
 }
 
 Commands::~Commands() {
-  if (handed_over_)
-    gpu_->vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
+  if (submitted_) gpu_->vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
   if (recording_) gpu_->vk.EndCommandBuffer(buffer_);
   kept_.clear();
   if (sets_) gpu_->vk.DestroyDescriptorPool(gpu_->device, sets_, nullptr);
@@ -71,8 +70,8 @@ Commands::~Commands() {
 
 Result<VkCommandBuffer> Commands::buffer() {
   if (lost_) return *lost_;
-  if (handed_over_)
-    if (auto done = wait_for_it(); !done) return done.error();
+  if (submitted_)
+    if (auto done = wait_for_submission(); !done) return done.error();
   if (recording_) return buffer_;
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -90,17 +89,17 @@ void Commands::barrier() {
 
 Result<void> Commands::finish() {
   if (lost_) return *lost_;
-  if (handed_over_) return wait_for_it();
+  if (submitted_) return wait_for_submission();
   if (!recording_) return {};
   Result<void> done = submit(VK_NULL_HANDLE);
   if (!done) {
     reset();
     return done;
   }
-  return wait_for_it();
+  return wait_for_submission();
 }
 
-Result<void> Commands::hand_over(VkSemaphore signal) {
+Result<void> Commands::submit_without_waiting(VkSemaphore signal) {
   if (const auto begun = buffer(); !begun) return begun.error();  // semaphores require a submission, even an empty one
   Result<void> done = submit(signal);
   if (!done) reset();
@@ -115,9 +114,9 @@ void Commands::drop() {
 }
 
 void Commands::reset() {
-  recording_ = handed_over_ = false;
+  recording_ = submitted_ = false;
   uniforms_used_ = 0;
-  noted_ms_ = 0.0;
+  recorded_ms_ = 0.0;
   timed_.clear();
   kept_.clear();
   gpu_->vk.ResetCommandPool(gpu_->device, pool_, 0);
@@ -149,17 +148,17 @@ Result<void> Commands::submit(VkSemaphore signal) {
   work.pSignalSemaphores = &signal;
   if (const auto r = vk.QueueSubmit(gpu_->queue, 1, &work, fence_); r != VK_SUCCESS) return failed(r);
   recording_ = false;
-  handed_over_ = true;
+  submitted_ = true;
   return {};
 }
 
-Result<void> Commands::wait_for_it() {
+Result<void> Commands::wait_for_submission() {
   const auto& vk = gpu_->vk;
   const VkResult waited =
       vk.WaitForFences(gpu_->device, 1, &fence_, VK_TRUE, std::numeric_limits<std::uint64_t>::max());
   // If waiting failed, the GPU may still be working: its resources may be reused only once it is idle.
   if (waited != VK_SUCCESS && vk.DeviceWaitIdle(gpu_->device) != VK_SUCCESS) {
-    handed_over_ = false;
+    submitted_ = false;
     lost_ = vulkan_error(waited, "worked");
     return *lost_;
   }
@@ -204,8 +203,8 @@ std::optional<double> Commands::ms_of_group(Kind kind) const {
 Result<Commands::Uniforms> Commands::uniforms(std::size_t bytes) {
   check_less(bytes, kMaxUniforms + 1, "bytes of constants");
   if (lost_) return *lost_;
-  if (handed_over_)
-    if (auto done = wait_for_it(); !done) return done.error();
+  if (submitted_)
+    if (auto done = wait_for_submission(); !done) return done.error();
   if (uniforms_used_ + bytes > kUniformBytes || timed_.size() >= kMaxPasses)
     if (auto done = finish(); !done) return done.error();
   const Uniforms given{uniforms_->mapped + uniforms_used_, std::uint32_t(uniforms_used_)};
@@ -235,7 +234,7 @@ Result<VkDescriptorSet> Commands::descriptor_set(VkDescriptorSetLayout layout,
 void Commands::begin_dispatch(std::string_view effect, std::string_view dispatch, Kind kind, double groups,
                               bool further) {
   timed_.push_back({{std::string(effect), std::string(dispatch), 0.0}, kind, groups, further});
-  noted_ms_ += groups * ms_of_group(kind).value_or(0.0);
+  recorded_ms_ += groups * ms_of_group(kind).value_or(0.0);
   if (queries_)
     gpu_->vk.CmdWriteTimestamp(buffer_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_,
                                2 * (std::uint32_t(timed_.size()) - 1));

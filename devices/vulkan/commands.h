@@ -31,7 +31,7 @@ class Commands {
   void wait_for(VkSemaphore before) { before_ = before; }
   /// Submits the recorded work without waiting, and signals `signal` when it is done, unless that is null. The next
   /// recording waits until it is done. Errors: kDevice.
-  Result<void> hand_over(VkSemaphore signal);
+  Result<void> submit_without_waiting(VkSemaphore signal);
   /// Discards the recorded work.
   void drop();
   /// Keeps an object alive until the recorded work is done.
@@ -62,14 +62,14 @@ class Commands {
   /// Returns the last known time per workgroup of a kind, milliseconds.
   std::optional<double> ms_of_group(Kind kind) const;
   /// Returns the expected time of all recorded work, as far as it is known.
-  double noted_ms() const { return noted_ms_; }
+  double recorded_ms() const { return recorded_ms_; }
   bool takes_times() const { return queries_ != VK_NULL_HANDLE; }
   std::vector<DispatchTime> take_dispatch_times() { return std::exchange(times_, {}); }
 
  private:
   explicit Commands(GpuPtr gpu) : gpu_(std::move(gpu)) {}
   Result<void> submit(VkSemaphore signal);
-  Result<void> wait_for_it();
+  Result<void> wait_for_submission();
   void reset();
   Result<void> read_times();
   Error failed(VkResult result);
@@ -83,7 +83,7 @@ class Commands {
   VkDescriptorPool sets_ = VK_NULL_HANDLE;
   HostBufferPtr uniforms_;
   std::size_t uniforms_used_ = 0;
-  bool recording_ = false, handed_over_ = false;
+  bool recording_ = false, submitted_ = false;
   std::optional<Error> lost_;  // error of a lost device: it gets no more work
   std::vector<std::shared_ptr<const void>> kept_;
   struct Timed {
@@ -94,7 +94,7 @@ class Commands {
   };
   std::vector<Timed> timed_;  // dispatches that are recorded, without times yet
   std::map<Kind, double> ms_of_group_;
-  double noted_ms_ = 0.0;
+  double recorded_ms_ = 0.0;
   std::vector<DispatchTime> times_;
 };
 

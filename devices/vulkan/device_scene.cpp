@@ -76,7 +76,7 @@ std::vector<float> tables() {
   const auto points = disc_points();
   for (const auto& set : points)
     for (const glm::vec2& p : set) out.insert(out.end(), {p.x, p.y});
-  for (const glm::vec2& p : rim_points()) out.insert(out.end(), {p.x, p.y});
+  for (const glm::vec2& p : disc_border_points()) out.insert(out.end(), {p.x, p.y});
   for (int byte = 0; byte < 256; ++byte) out.push_back(linear_from_srgb(float(byte) / 255.0f));
   return out;
 }

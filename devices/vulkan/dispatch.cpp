@@ -9,7 +9,7 @@
 namespace umbrage {
 namespace {
 
-constexpr int kDrawnAtOnce = 1024;  // min triangles per submission
+constexpr int kMinTrianglesPerSubmission = 1024;  // min triangles per submission
 /// Size of the table of planes; on every device a multiple of the alignment of constants.
 constexpr std::size_t kTableBytes = kMaxPlanes * sizeof(VkDeviceAddress);
 
@@ -47,17 +47,18 @@ Result<void> Dispatcher::run_kernel(const GpuStep& step, GpuWork work, const Pic
 
 Result<void> Dispatcher::dispatch(const GpuWork& work, const PictureInfo& info, Constants constants, Table table) {
   const int columns = work.target ? 1 : groups_of(info.width, work.group_width);
-  const int rows = work.target ? groups_of(work.triangles, kDrawnAtOnce) : groups_of(info.height, work.group_height);
+  const int rows =
+      work.target ? groups_of(work.triangles, kMinTrianglesPerSubmission) : groups_of(info.height, work.group_height);
   if (!(longest_ms_ > 0.0) || !commands_->takes_times())
-    return note_rows(work, columns, 0, rows, false, constants, table);
+    return record_rows(work, columns, 0, rows, false, constants, table);
   const Commands::Kind kind{work.pipeline, work.settings};
   const int first_rows = std::max(first_groups_ / columns, 1);
   int begin = 0, end = 0;  // rows that are done
   if (!commands_->ms_of_group(kind)) {
-    if (rows <= first_rows) return note_rows(work, columns, 0, rows, false, constants, table);
+    if (rows <= first_rows) return record_rows(work, columns, 0, rows, false, constants, table);
     begin = work.target ? 0 : (rows - first_rows) / 2;  // of several triangles in one place the first is visible
     end = begin + first_rows;
-    if (auto done = note_rows(work, columns, begin, end, false, constants, table); !done) return done;
+    if (auto done = record_rows(work, columns, begin, end, false, constants, table); !done) return done;
     if (auto done = commands_->finish(); !done) return done;
   }
   const bool further = end > begin;
@@ -70,21 +71,21 @@ Result<void> Dispatcher::note_strips(const GpuWork& work, int columns, int row, 
   while (row < end) {
     const double ms_of_row =
         std::max(columns * commands_->ms_of_group({work.pipeline, work.settings}).value_or(0.0), 1e-9);
-    const double left_ms = longest_ms_ - commands_->noted_ms();
-    if (left_ms < ms_of_row && commands_->noted_ms() > 0.0) {
+    const double left_ms = longest_ms_ - commands_->recorded_ms();
+    if (left_ms < ms_of_row && commands_->recorded_ms() > 0.0) {
       if (auto done = commands_->finish(); !done) return done;
       continue;
     }
     const int strip = int(std::clamp(left_ms / ms_of_row, 1.0, double(end - row)));
-    if (auto done = note_rows(work, columns, row, row + strip, further, constants, table); !done) return done;
+    if (auto done = record_rows(work, columns, row, row + strip, further, constants, table); !done) return done;
     row += strip;
     further = true;
   }
   return {};
 }
 
-Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, int end, bool further,
-                                   Constants constants, Table table) {
+Result<void> Dispatcher::record_rows(const GpuWork& work, int columns, int row, int end, bool further,
+                                     Constants constants, Table table) {
   const auto drawing = work.target ? pipelines_->drawing(row == 0) : VkRenderPass(VK_NULL_HANDLE);
   if (!drawing) return drawing.error();
   const auto uniforms = commands_->uniforms(kTableBytes + constants.size());
@@ -109,7 +110,8 @@ Result<void> Dispatcher::note_rows(const GpuWork& work, int columns, int row, in
   const std::uint32_t offsets[] = {uniforms->offset + std::uint32_t(kTableBytes), uniforms->offset};
   gpu_->vk.CmdBindDescriptorSets(*buffer, point, pipelines_->pass_layout(), 0, sets[1] ? 2 : 1, sets, 2, offsets);
   if (work.target) {
-    const int first = row * kDrawnAtOnce, last = std::min(end * kDrawnAtOnce, work.triangles);
+    const int first = row * kMinTrianglesPerSubmission,
+              last = std::min(end * kMinTrianglesPerSubmission, work.triangles);
     begin_drawing(*gpu_, *buffer, *work.target, *drawing, row == 0);
     const std::uint32_t corners = work.points ? 6 : 3;  // of each triangle: see corner.vert
     gpu_->vk.CmdDraw(*buffer, std::uint32_t(last - first) * corners, 1, std::uint32_t(first) * corners, 0);

@@ -39,13 +39,13 @@ std::vector<std::byte> block_of(const FrameConstants& frame, std::span<const std
 /// Records shaders.
 class Dispatcher {
  public:
-  /// `longest_ms`: max time of a submission; 0: unlimited. A shader with unknown time first runs on `first_groups`
-  /// workgroups.
-  Dispatcher(const Gpu& gpu, Commands& commands, Pipelines& pipelines, double longest_ms, int first_groups)
+  /// `max_submission_ms`: max time of a submission; 0: unlimited. A shader with unknown time first runs on
+  /// `first_groups` workgroups.
+  Dispatcher(const Gpu& gpu, Commands& commands, Pipelines& pipelines, double max_submission_ms, int first_groups)
       : gpu_(&gpu),
         commands_(&commands),
         pipelines_(&pipelines),
-        longest_ms_(longest_ms),
+        longest_ms_(max_submission_ms),
         first_groups_(first_groups) {}
 
   using Constants = std::span<const std::byte>;
@@ -66,8 +66,8 @@ class Dispatcher {
   Result<void> note_strips(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
                            Table table);
 
-  Result<void> note_rows(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
-                         Table table);
+  Result<void> record_rows(const GpuWork& work, int columns, int row, int end, bool further, Constants constants,
+                           Table table);
 
   const Gpu* gpu_;
   Commands* commands_;

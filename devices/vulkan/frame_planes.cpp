@@ -20,8 +20,7 @@ std::shared_ptr<DevicePlanes> empty_planes(const PictureInfo& info) {
 }
 
 std::size_t PlaneStore::staged_at_once(const DevicePlanes& planes) const {
-  return std::max<std::size_t>(
-      1, std::min(kMaxStaged, gpu_->largest_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
+  return std::max<std::size_t>(1, std::min(kMaxStaged, gpu_->max_allocation) / std::max(planes.bytes, VkDeviceSize(1)));
 }
 
 Result<DevicePlanePtr> PlaneStore::writable(DevicePlanes& planes, const std::string& name) {

@@ -15,9 +15,9 @@ struct Gpu {
   std::uint32_t family = 0;
   VkPhysicalDeviceProperties properties{};
   VkPhysicalDeviceMemoryProperties memory{};
-  VkDeviceSize largest_allocation = 0;
+  VkDeviceSize max_allocation = 0;
   double ns_of_tick = 0.0;  ///< per timestamp tick; 0: no timestamps
-  int largest_drawn = 0;    ///< max side of a picture that triangles can be drawn into, pixels; 0: none
+  int max_drawn_side = 0;   ///< max side of a picture that triangles can be drawn into, pixels; 0: none
   bool owned = true;        ///< this struct destroys the device
 
   Gpu() = default;

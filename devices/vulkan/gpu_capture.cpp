@@ -56,7 +56,7 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
   c.height = info.height;
   c.stride = stride;
   c.root = scene.root;
-  c.nothing = scene.empty || !within_reach(rays, info) ? 1 : 0;
+  c.nothing = scene.empty || !rays_within_limit(rays, info) ? 1 : 0;
   c.back = back ? 1 : 0;
   c.sample_index = settings.sample;
   const glm::mat3 to_view(info.camera.view_from_world);
@@ -84,7 +84,7 @@ CaptureConstants capture_constants(const DeviceScene& scene, const PictureInfo& 
 }
 
 bool can_draw(const DeviceScene& scene, const CaptureConstants& c, const Gpu& gpu) {
-  if (scene.empty || c.nothing || std::max(c.width, c.height) > gpu.largest_drawn) return false;
+  if (scene.empty || c.nothing || std::max(c.width, c.height) > gpu.max_drawn_side) return false;
   // Nor if all is behind the camera, or its rays lie in one plane.
   const auto finite = [](const float(&row)[3]) {
     return std::all_of(row, row + 3, [](float v) { return std::isfinite(v); });

@@ -37,8 +37,8 @@ VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format
   return region;
 }
 
-void turn_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
-                 VkImageLayout from, VkImageLayout to) {
+void change_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
+                   VkImageLayout from, VkImageLayout to) {
   VkImageMemoryBarrier turn{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER};
   turn.srcAccessMask = turn.dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT;
   turn.oldLayout = from;

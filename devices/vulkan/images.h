@@ -35,8 +35,8 @@ Error unknown_format(const DeviceImage& image);
 VkBufferImageCopy whole_image(const PictureInfo& info, const TexelFormat& format, VkDeviceSize offset);
 
 /// Records a full memory barrier that also changes an image's layout.
-void turn_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
-                 VkImageLayout from, VkImageLayout to);
+void change_layout(const Gpu& gpu, VkCommandBuffer buffer, const DeviceImage& image, const TexelFormat& format,
+                   VkImageLayout from, VkImageLayout to);
 
 /// Meaning of texels, besides their format.
 struct ImageMeaning {

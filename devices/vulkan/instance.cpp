@@ -11,8 +11,8 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-VKAPI_ATTR VkBool32 VKAPI_CALL hand_on(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
-                                       const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
+VKAPI_ATTR VkBool32 VKAPI_CALL forward_message(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
+                                               const VkDebugUtilsMessengerCallbackDataEXT* data, void* user) {
   (*static_cast<const ValidationMessage*>(user))(data->pMessage ? data->pMessage : "");
   return VK_FALSE;
 }
@@ -22,7 +22,7 @@ std::string version_text(std::uint32_t version) {
 }
 
 /// Returns what effects need and the device lacks, as a noun; empty: nothing.
-std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
+std::string missing_features(const Instance& instance, VkPhysicalDevice gpu, std::uint32_t version) {
   if (version < VK_API_VERSION_1_2) return fmt::format("Vulkan 1.2 (its driver supports {})", version_text(version));
   VkPhysicalDeviceVulkan12Features has{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &has};
@@ -31,14 +31,14 @@ std::string lacks_of(const Instance& instance, VkPhysicalDevice gpu, std::uint32
   if (!has.scalarBlockLayout) return "scalar block layout";
   VkPhysicalDeviceProperties properties{};
   instance.vk.GetPhysicalDeviceProperties(gpu, &properties);
-  if (std::string room = lacks_room(properties.limits); !room.empty()) return room;
+  if (std::string room = missing_limits(properties.limits); !room.empty()) return room;
   if (queue_family(instance, gpu) < 0) return "a compute queue";
   return {};
 }
 
 }  // namespace
 
-std::string lacks_room(const VkPhysicalDeviceLimits& limits) {
+std::string missing_limits(const VkPhysicalDeviceLimits& limits) {
   const std::uint32_t binds = limits.maxPerStageDescriptorStorageBuffers;
   if (binds >= std::uint32_t(kBoundPlanes)) return {};
   return fmt::format("bound buffers (it supports {} per shader; {} are required)", binds, kBoundPlanes);
@@ -89,7 +89,7 @@ Result<InstancePtr> make_instance(PFN_vkGetInstanceProcAddr get, ValidationMessa
         VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT;
     messenger.messageType =
         VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT;
-    messenger.pfnUserCallback = hand_on;
+    messenger.pfnUserCallback = forward_message;
     messenger.pUserData = instance->on_message.get();
     create.pNext = &validation;
     create.enabledLayerCount = 1;
@@ -159,7 +159,7 @@ Result<std::vector<PhysicalGpu>> physical_gpus(const Instance& instance) {
     for (std::uint32_t k = 0; k < memory.memoryHeapCount; ++k)
       if (memory.memoryHeaps[k].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT)
         gpu.memory_bytes = std::max(gpu.memory_bytes, std::uint64_t(memory.memoryHeaps[k].size));
-    gpu.lacks = lacks_of(instance, handle, properties.apiVersion);
+    gpu.lacks = missing_features(instance, handle, properties.apiVersion);
     gpus.push_back(std::move(gpu));
   }
   return gpus;

@@ -51,7 +51,7 @@ bool may_have_gpu();
 Result<std::vector<PhysicalGpu>> physical_gpus(const Instance& instance);
 
 /// Returns what effects need and these limits lack, as a noun; empty: nothing. Does not check features.
-std::string lacks_room(const VkPhysicalDeviceLimits& limits);
+std::string missing_limits(const VkPhysicalDeviceLimits& limits);
 
 /// Returns the queue family for all work, one that also draws if possible, or -1.
 int queue_family(const Instance& instance, VkPhysicalDevice gpu);

@@ -9,7 +9,7 @@ constexpr VkDeviceSize kAlignment = 256;                // of planes in a slab: 
 constexpr VkDeviceSize kSlab = VkDeviceSize(64) << 20;  // few allocations, and little unused memory
 constexpr VkDeviceSize kMaxPlanesOfSlab = 16;           // planes
 // Max bytes of empty slabs of other sizes while new ones are made.
-constexpr VkDeviceSize kKeptEmpty = VkDeviceSize(256) << 20;
+constexpr VkDeviceSize kMaxEmptySlabBytes = VkDeviceSize(256) << 20;
 constexpr VkDeviceSize kHostStep = VkDeviceSize(1) << 20;
 constexpr VkDeviceSize kKeptHost = VkDeviceSize(256) << 20;
 
@@ -41,7 +41,7 @@ Result<VkDeviceMemory> Memory::allocate(const VkMemoryRequirements& needs, VkMem
   const VkDeviceSize heap = gpu_->memory.memoryHeaps[gpu_->memory.memoryTypes[type].heapIndex].size;
   VkDeviceMemory memory = VK_NULL_HANDLE;
   VkResult done = VK_ERROR_OUT_OF_DEVICE_MEMORY;
-  if (needs.size <= gpu_->largest_allocation && (on_device ? device_bytes_ : host_bytes_) + needs.size <= heap) {
+  if (needs.size <= gpu_->max_allocation && (on_device ? device_bytes_ : host_bytes_) + needs.size <= heap) {
     VkMemoryAllocateFlagsInfo flags{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO};
     flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
     VkMemoryAllocateInfo allocate{VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO};
@@ -118,15 +118,14 @@ std::uint64_t Memory::empty_bytes() const {
 }
 
 Result<void> Memory::add_slab(VkDeviceSize plane_bytes) {
-  if (plane_bytes > gpu_->largest_allocation)
+  if (plane_bytes > gpu_->max_allocation)
     return device_error(
         "the picture is too large for the Vulkan device: a plane takes {:.0f} MiB, and at most {:.0f} MiB "
         "can be allocated at once; use `device` cpu or a smaller `width`",
-        mebibytes(plane_bytes), mebibytes(gpu_->largest_allocation));
-  if (empty_bytes() > kKeptEmpty)
+        mebibytes(plane_bytes), mebibytes(gpu_->max_allocation));
+  if (empty_bytes() > kMaxEmptySlabBytes)
     if (auto freed = free_empty_slabs(); !freed) return freed;
-  int count =
-      int(std::clamp(std::min(kSlab, gpu_->largest_allocation) / plane_bytes, VkDeviceSize(1), kMaxPlanesOfSlab));
+  int count = int(std::clamp(std::min(kSlab, gpu_->max_allocation) / plane_bytes, VkDeviceSize(1), kMaxPlanesOfSlab));
   const auto make = [&] {
     return make_block(plane_bytes * VkDeviceSize(count),
                       VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |

@@ -13,7 +13,7 @@ void main() {
   Ray ray;
   if (!pixel_ray(ivec2(gl_FragCoord.xy), ray)) discard;
   Triangle triangle = triangle_at(triangle_index);
-  Hit hit = kPoints ? seen_of(ray, triangle, triangle_index) : covered(ray, triangle, triangle_index);
+  Hit hit = kPoints ? hit_of_covered(ray, triangle, triangle_index) : covered(ray, triangle, triangle_index);
   if (!(hit.t > ray.nearest) || hit.triangle < 0) discard;
   if (kMasks && cut_away(triangle, hit.u, hit.v)) discard;
   seen = uint(triangle_index) + 1u;

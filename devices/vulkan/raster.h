@@ -6,7 +6,7 @@
 
 namespace umbrage {
 
-inline constexpr VkFormat kSeenFormat = VK_FORMAT_R32_UINT, kNearnessFormat = VK_FORMAT_D32_SFLOAT;
+inline constexpr VkFormat kTriangleIndexFormat = VK_FORMAT_R32_UINT, kDepthFormat = VK_FORMAT_D32_SFLOAT;
 
 /// Creates a render pass with an image of indices and a depth image, which are cleared first (`clear`) or kept. Errors:
 /// kDevice.
@@ -33,6 +33,7 @@ Result<RasterTargetPtr> make_raster_target(GpuPtr gpu, Memory& memory, VkRenderP
 void begin_drawing(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, VkRenderPass pass, bool first);
 void end_drawing(const Gpu& gpu, VkCommandBuffer buffer);
 /// Records a copy of the triangle indices to a plane with rows of `stride`.
-void copy_seen(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, const DevicePlane& to, int stride);
+void copy_triangle_indices(const Gpu& gpu, VkCommandBuffer buffer, const RasterTarget& target, const DevicePlane& to,
+                           int stride);
 
 }  // namespace umbrage

@@ -35,7 +35,7 @@ Result<Frame> SceneCapture::capture(const Camera& camera, const CaptureSettings&
   frame.info = picture_info(*scene_.scene, camera, settings);
   if (settings.extra_views > 0 && !traced_) {  // rays determine their positions
     const ProgressMonitor before = monitor ? [&](double) { return monitor(0.0); } : ProgressMonitor();
-    auto traced = trace_ready(*scene_.scene, threads_, before);
+    auto traced = build_traced_scene(*scene_.scene, threads_, before);
     if (!traced) return traced.error();
     traced_ = std::move(*traced);
   }
@@ -81,7 +81,7 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
     if (back > 0) table[kBackSlots + std::size_t(capture_slot(name))] = planes.find(layer_plane(back, name))->address;
   }
   const bool other = layer > 0 && frame.info.more_layers[std::size_t(layer) - 1].kind == LayerKind::kOther;
-  if (layer > 0 && !other) table[kBeforeSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
+  if (layer > 0 && !other) table[kPreviousDepthSlot] = planes.find(layer_plane(layer - 1, "depth"))->address;
   for (std::size_t k = 0; k < scene_.buffers.size(); ++k) table[kNodesSlot + k] = scene_.buffers[k]->address;
   for (const PenumbraPlanes& of : radii) {
     table[kPenumbraSlot + 2 * std::size_t(of.light)] = of.across->address;
@@ -94,17 +94,18 @@ Result<void> SceneCapture::draw_layer(const Frame& frame, const std::vector<std:
                            std::size_t(settings.shadows);
   DevicePlanePtr seen;
   if (draws_ && can_draw(scene_, constants, *gpu_)) {
-    const auto drawn = draw_seen(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
+    const auto drawn = draw_triangle_indices(info, layer, planes, std::as_bytes(std::span(&constants, 1)), table);
     if (!drawn) return drawn.error();
     seen = *drawn;
-    if (seen) table[kSeenSlot] = seen->address;
+    if (seen) table[kTriangleIndexSlot] = seen->address;
   }
   return dispatcher_->dispatch({*pipeline, "capture", layer_plane(layer, "planes"), kind}, info,
                                std::as_bytes(std::span(&constants, 1)), table);
 }
 
-Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int layer, const DevicePlanes& planes,
-                                               Dispatcher::Constants constants, Dispatcher::Table table) {
+Result<DevicePlanePtr> SceneCapture::draw_triangle_indices(const PictureInfo& info, int layer,
+                                                           const DevicePlanes& planes, Dispatcher::Constants constants,
+                                                           Dispatcher::Table table) {
   const auto pipeline = pipelines_->peel(scene_.masks, scene_.points);
   if (!pipeline) return pipeline.error();
   auto seen = memory_->plane(planes.bytes);  // first: it may take the memory of the target
@@ -131,7 +132,7 @@ Result<DevicePlanePtr> SceneCapture::draw_seen(const PictureInfo& info, int laye
     return done.error();
   const auto buffer = commands_->buffer();
   if (!buffer) return buffer.error();
-  copy_seen(*gpu_, *buffer, *target_, **seen, planes.stride);
+  copy_triangle_indices(*gpu_, *buffer, *target_, **seen, planes.stride);
   commands_->keep(target_);
   return seen;
 }

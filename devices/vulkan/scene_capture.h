@@ -59,8 +59,8 @@ class SceneCapture {
 
   /// Draws all triangles to find which one each pixel of a layer sees. Returns null if there is no memory to draw into:
   /// rays need none.
-  Result<DevicePlanePtr> draw_seen(const PictureInfo& info, int layer, const DevicePlanes& planes,
-                                   Dispatcher::Constants constants, Dispatcher::Table table);
+  Result<DevicePlanePtr> draw_triangle_indices(const PictureInfo& info, int layer, const DevicePlanes& planes,
+                                               Dispatcher::Constants constants, Dispatcher::Table table);
 
   /// Softens the shadows of lights that have a size: see devices/shared/soften_dispatches.h.
   Result<void> soften(const Frame& frame, std::span<const PenumbraPlanes> radii);

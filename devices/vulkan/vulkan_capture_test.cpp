@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 /// Checks the boxes of the hierarchy, from the root on, against their contents.
-void expect_boxes_hold(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 high, std::vector<int>& seen) {
+void expect_boxes_contain(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 high, std::vector<int>& seen) {
   if (child < 0) {
     for (int k = ~child >> 3; k < (~child >> 3) + (~child & 7); ++k) {
       ++seen[std::size_t(k)];
@@ -92,7 +92,7 @@ void expect_boxes_hold(const Hierarchy& h, int child, glm::vec3 low, glm::vec3 h
   }
   for (int side = 0; side < 2; ++side) {
     const glm::vec4 lower = h.nodes[std::size_t(child)][2 * side], upper = h.nodes[std::size_t(child)][2 * side + 1];
-    expect_boxes_hold(h, std::bit_cast<int>(lower.w), glm::vec3(lower), glm::vec3(upper), seen);
+    expect_boxes_contain(h, std::bit_cast<int>(lower.w), glm::vec3(lower), glm::vec3(upper), seen);
   }
 }
 
@@ -110,7 +110,7 @@ TEST(Hierarchy, HoldsEachTriangleOnceInItsBoxes) {
   ASSERT_EQ(h->triangles.size(), scene->triangle_count());
   std::vector<int> seen(h->triangles.size());
   const glm::vec3 all(1e30f);
-  expect_boxes_hold(*h, h->root, -all, all, seen);
+  expect_boxes_contain(*h, h->root, -all, all, seen);
   for (const int count : seen) ASSERT_EQ(count, 1);
   Scene empty;
   ASSERT_TRUE(build_hierarchy(empty, {}, 1.0f));
@@ -131,7 +131,7 @@ test::Difference difference_between(std::array<Device*, 2> devices, Request sett
   std::vector<Image> images;
   for (Device* device : devices) {
     auto scene = load_scene("scene:solids?detail=3000");
-    furnish(*scene, *make_recipe(settings));
+    complete_scene(*scene, *make_recipe(settings));
     EXPECT_TRUE(device->prepare(*scene));
     StageTimes times;
     const auto frame = draw(*device, *scene, settings, times);

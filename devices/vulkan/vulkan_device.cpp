@@ -49,7 +49,7 @@ class VulkanDevice final : public Device {
     if (!made) return made.error();
     pipelines_ = std::move(*made);
     store_.emplace(*gpu_, *memory_, *commands_);
-    dispatcher_.emplace(*gpu_, *commands_, *pipelines_, settings_.longest_ms, settings_.first_groups);
+    dispatcher_.emplace(*gpu_, *commands_, *pipelines_, settings_.max_submission_ms, settings_.first_groups);
     const CaptureParts parts{gpu_, memory_.get(), commands_.get(), pipelines_.get(), &*store_, &*dispatcher_};
     scene_.emplace(parts, threads_, settings_.capture != VulkanCapture::kRays);
     return {};
@@ -110,15 +110,14 @@ class VulkanDevice final : public Device {
     return store_->copy_to(planes, frame.info, planes_of(frame));
   }
 
-  Result<Progression> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
-                          const ProgressMonitor& monitor) override {
+  Result<RunState> run(const Effect& effect, const ParameterBytes& params, Frame& frame, int layer, PixelSet pixels,
+                       const ProgressMonitor& monitor) override {
     planes_of(frame).branches.check_none();
-    return run_dispatches(effect, params, frame, layer, pixels,
-                          [&](const DispatchRun& dispatch) -> Result<Progression> {
-                            if (is_ended(monitor)) return interrupted();
-                            const auto done = run_dispatch(dispatch, planes_of(frame));
-                            return done ? Result<Progression>(Progression()) : done.error();
-                          });
+    return run_dispatches(effect, params, frame, layer, pixels, [&](const DispatchRun& dispatch) -> Result<RunState> {
+      if (is_ended(monitor)) return interrupted();
+      const auto done = run_dispatch(dispatch, planes_of(frame));
+      return done ? Result<RunState>(RunState()) : done.error();
+    });
   }
 
   Result<Frame> reduced(const Frame& frame, int factor, const std::vector<std::string>& names) override {
@@ -174,11 +173,11 @@ class VulkanDevice final : public Device {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    turn_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    change_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
     gpu_->vk.CmdCopyImageToBuffer(*buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, (*texels)->buffer, 1,
                                   &region);
-    turn_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.layout_after);
+    change_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, image.layout_after);
     return convert(frame, *format, meaning, false, table);
   }
 
@@ -200,11 +199,11 @@ class VulkanDevice final : public Device {
     const auto buffer = commands_->buffer();
     if (!buffer) return buffer.error();
     commands_->barrier();
-    turn_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    change_layout(*gpu_, *buffer, image, *format, image.layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     const VkBufferImageCopy region = whole_image(frame.info, *format, (*texels)->offset);
     gpu_->vk.CmdCopyBufferToImage(*buffer, (*texels)->buffer, image.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
                                   &region);
-    turn_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, image.layout_after);
+    change_layout(*gpu_, *buffer, image, *format, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, image.layout_after);
     return {};
   }
 
@@ -212,7 +211,7 @@ class VulkanDevice final : public Device {
 
   void wait_for(VkSemaphore before) { commands_->wait_for(before); }
 
-  Result<void> hand_over(VkSemaphore signal) { return commands_->hand_over(signal); }
+  Result<void> submit_without_waiting(VkSemaphore signal) { return commands_->submit_without_waiting(signal); }
 
   Result<void> finish() override { return commands_->finish(); }
 
@@ -273,8 +272,8 @@ class VulkanDevice final : public Device {
       if (run.is_there(output))
         if (auto made = store_->writable(planes, run.plane(output)); !made) return made.error();
     if (settings_.tuned && run.pixels == PixelSet::kAll)
-      for (const GpuWay& way : dispatch.gpu_ways)
-        if (way.fits(run.constants.data())) return run_way(run, way, planes);
+      for (const GpuVariant& way : dispatch.gpu_variants)
+        if (way.fits(run.constants.data())) return run_variant(run, way, planes);
     return run_step(run, plain_step(dispatch), planes, {});
   }
 
@@ -293,7 +292,7 @@ class VulkanDevice final : public Device {
     return store_->copy_to(made, run.info, planes);
   }
 
-  Result<void> run_way(const DispatchRun& run, const GpuWay& way, DevicePlanes& planes) {
+  Result<void> run_variant(const DispatchRun& run, const GpuVariant& way, DevicePlanes& planes) {
     // All outputs of the last step are outputs of the pass. Memory released here is reused by work recorded later.
     StepPlanes own;
     const auto& of_dispatch = run.dispatch.outputs;
@@ -442,7 +441,7 @@ Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign)
   if (!gpu) return gpu.error();
   const std::filesystem::path file = pipeline_file(cache_name(**gpu));
   auto device = std::make_unique<VulkanDevice>(*gpu, "vulkan", "vulkan: a device opened elsewhere", 1, nullptr,
-                                               VulkanSettings{.longest_ms = 0.0});
+                                               VulkanSettings{.max_submission_ms = 0.0});
   if (auto started = device->start(file); !started) return started.error();
   return std::unique_ptr<Device>(std::move(device));
 }
@@ -463,8 +462,8 @@ Result<void> write_image(Device& device, const Frame& frame, const std::vector<s
 
 void wait_for(Device& device, VkSemaphore before) { dynamic_cast<VulkanDevice&>(device).wait_for(before); }
 
-Result<void> hand_over(Device& device, VkSemaphore signal) {
-  return dynamic_cast<VulkanDevice&>(device).hand_over(signal);
+Result<void> submit_without_waiting(Device& device, VkSemaphore signal) {
+  return dynamic_cast<VulkanDevice&>(device).submit_without_waiting(signal);
 }
 
 void drop(Device& device) { dynamic_cast<VulkanDevice&>(device).drop(); }

@@ -25,10 +25,10 @@ struct VulkanSettings {
   /// If set, validation layers check every call, synchronization included, and report here.
   ValidationMessage on_message;
   VulkanCapture capture = VulkanCapture::kAuto;
-  bool tuned = true;  ///< use gpu_ways of passes where one fits
+  bool tuned = true;  ///< use gpu_variants of passes where one fits
   /// Max expected time of a submission, milliseconds: drivers abort work that takes seconds. Longer dispatches are
   /// split into row ranges, in several submissions; 0: unlimited.
-  double longest_ms = 200.0;
+  double max_submission_ms = 200.0;
   /// Workgroups of a dispatch with unknown time that run first to measure it.
   int first_groups = 256;
   PFN_vkGetInstanceProcAddr get = nullptr;  ///< null: that of the system's loader
@@ -59,7 +59,7 @@ VulkanMemory vulkan_memory(const Device& device);
 Result<std::unique_ptr<Device>> make_vulkan_device_on(const ForeignGpu& foreign);
 
 /// Functions of devices made by make_vulkan_device_on. Work is submitted only by a download, a host step, finish or
-/// hand_over.
+/// submit_without_waiting.
 ///
 /// Returns an empty frame of this size.
 Result<Frame> empty_frame(Device& device, const PictureInfo& info);
@@ -75,7 +75,7 @@ Result<void> write_image(Device& device, const Frame& frame, const std::vector<s
 void wait_for(Device& device, VkSemaphore before);
 /// Submits the recorded work without waiting, and signals `signal` when it is done, unless that is null. Errors:
 /// kDevice.
-Result<void> hand_over(Device& device, VkSemaphore signal);
+Result<void> submit_without_waiting(Device& device, VkSemaphore signal);
 /// Discards the recorded work.
 void drop(Device& device);
 

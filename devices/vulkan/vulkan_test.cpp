@@ -36,7 +36,7 @@ std::string error_of(const Result<std::unique_ptr<Device>>& device) {
   return device.error().message;
 }
 
-Result<Progression> run(Device& device, std::string_view effect, Frame& frame) {
+Result<RunState> run(Device& device, std::string_view effect, Frame& frame) {
   const Effect& e = *find_effect(effect);
   return device.run(e, initial_parameters(e.parameters, e.params_size), frame);
 }
@@ -188,7 +188,7 @@ TEST(Vulkan, EveryLookGivesTheSamePicture) {
 
 // ---- submissions and memory ----
 
-TEST(Vulkan, HandsOverOnceAFrame) {
+TEST(Vulkan, SubmitsOncePerFrame) {
   const auto gpu = faulty_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -206,8 +206,8 @@ TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
   // One device with time for one row of workgroups per submission, and one that never splits.
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
   const auto cut = test::new_vulkan_device(
-      {.capture = VulkanCapture::kRaster, .longest_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
-  const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .longest_ms = 0.0});
+      {.capture = VulkanCapture::kRaster, .max_submission_ms = 1e-6, .first_groups = 1, .get = test::faulty_get});
+  const auto whole = test::new_vulkan_device({.capture = VulkanCapture::kRaster, .max_submission_ms = 0.0});
   UMBRAGE_NEEDS_VULKAN(cut && whole);
   const test::NoMessages no_messages;
   auto scene = load_scene("scene:solids?detail=2000");
@@ -238,7 +238,7 @@ TEST(Vulkan, StripsOfLongDispatchesGiveTheSameBits) {
 
 TEST(Vulkan, CutsNoFrameThatIsShort) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
-  const auto gpu = test::new_vulkan_device({.longest_ms = 1e6, .first_groups = 16, .get = test::faulty_get});
+  const auto gpu = test::new_vulkan_device({.max_submission_ms = 1e6, .first_groups = 16, .get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
   const GBuffer gbuffer = test::bumpy_gbuffer(64, 48, 5);
@@ -297,7 +297,7 @@ TEST(Vulkan, AThousandFramesTakeNoMoreMemoryThanTen) {
   EXPECT_EQ(vulkan_memory(*gpu).host_bytes, after_ten.host_bytes);
 }
 
-TEST(Vulkan, GivesBackWhatOtherSizesTook) {
+TEST(Vulkan, ReleasesMemoryOfOtherSizes) {
   const auto gpu = faulty_device();
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;
@@ -477,7 +477,7 @@ TEST(Vulkan, TooLittleMemoryIsAnError) {
 
 TEST(Vulkan, APictureLargerThanTheDeviceAllowsIsAnError) {
   if (!test::start_faulty()) GTEST_SKIP() << "no Vulkan here";
-  faulty().faults.largest_allocation = 8 << 20;
+  faulty().faults.max_allocation = 8 << 20;
   const auto gpu = test::new_vulkan_device({.get = test::faulty_get});
   UMBRAGE_NEEDS_VULKAN(gpu);
   const test::NoMessages no_messages;

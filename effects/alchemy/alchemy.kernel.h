@@ -17,7 +17,7 @@ FN Vec2 turn_at(Int px, Int py) {
   return direction_of_turn(share_of_one(((x * Uint(3u)) ^ (y + x * y)) * Uint(0x976fc894u)));
 }
 
-FN Real open_at(Int px, Int py, Real depth) {
+FN Real visibility_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
   Vec2 turn = turn_at(px, py);
@@ -50,4 +50,4 @@ FN Real open_at(Int px, Int py, Real depth) {
 
 #include "kernel/occlusion.kernel.h"
 
-FN void alchemy_pixel(Int px, Int py) { store_open(px, py); }
+FN void alchemy_pixel(Int px, Int py) { store_visibility(px, py); }

@@ -41,7 +41,7 @@ double listing(const GBuffer& g, const AlchemyConstants& c, const AlchemyParams&
   return std::pow(std::max(0.0, a), double(params.contrast));
 }
 
-TEST(Alchemy, BothFormulasAreTheirPapers) {
+TEST(Alchemy, BothFormulasMatchThePapers) {
   const Effect& effect = *find_effect("alchemy");
   for (const bool orthographic : {false, true})
     for (const Settings& more : {Settings{}, Settings{{"formula", "scalable"}, {"bias", "0"}},

@@ -18,11 +18,12 @@
 namespace umbrage {
 namespace {
 
-constexpr float kOpenness = 0.7f;  // visibility of ambient light that the first round assumes: typical of a room
+constexpr float kAssumedVisibility =
+    0.7f;  // visibility of ambient light that the first round assumes: typical of a room
 
-// Automatic `slope` with n depth layers: kSlopeAlways + kSlopeOfOne / n. Fitted for the min error over the built-in
+// Automatic `slope` with n depth layers: kSlopeBase + kSlopeOverLayers / n. Fitted for the min error over the built-in
 // scenes, the bunny and Sponza with 1, 2 and 4 layers. With more layers, less thickness has to be assumed.
-constexpr float kSlopeAlways = 0.4f, kSlopeOfOne = 0.4f;
+constexpr float kSlopeBase = 0.4f, kSlopeOverLayers = 0.4f;
 
 const std::vector<Parameter> kTable = {
     int_row("slices", &BitmaskParams::slices, {.initial = 2, .min = 1, .max = 64},
@@ -128,9 +129,9 @@ void fill_constants(const BitmaskParams& params, const PictureInfo& info, Bitmas
   if (params.mips && params.mode != kBitmaskLayers) fill_mips(info, c);
   c.bleeding = params.bleeding;
   c.ambient_bounce = params.ambient_bounce;
-  c.openness = kOpenness;
+  c.assumed_visibility = kAssumedVisibility;
   fill_layers(params, info, c);
-  c.slope = params.slope > 0.0f ? params.slope : kSlopeAlways + kSlopeOfOne / float(std::max(c.layer_count, 1));
+  c.slope = params.slope > 0.0f ? params.slope : kSlopeBase + kSlopeOverLayers / float(std::max(c.layer_count, 1));
 }
 
 bool has_mips(const ParameterBytes& bytes) {
@@ -166,7 +167,9 @@ Planes sent_inputs() {
                 {"albedo.r", "albedo.g", "albedo.b", "indirect.r", "indirect.g", "indirect.b", "ao"});
 }
 
-Planes sending_planes() { return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"}); }
+Planes outgoing_light_planes() {
+  return of_all_layers({"depth", "hemisphere_facing", "hemisphere_sum", "hemisphere_shares"});
+}
 
 /// Returns a dispatch that searches occluders in the planes `seen`, anywhere in the picture, and writes `ao` and
 /// `more_outputs`.
@@ -179,7 +182,7 @@ Dispatch search_dispatch(std::string_view name, const Kernel& kernel, bool (*nee
           .needed = needed,
           .tile = kSquareTile,
           .reach = own_row,
-          .far_inputs = joined(seen, {"bitmask_mips"})};
+          .unbounded_inputs = joined(seen, {"bitmask_mips"})};
 }
 
 }  // namespace
@@ -212,7 +215,7 @@ Effect effect_bitmask() {
                       search_dispatch("horizon", bitmask_horizon_kernel(), by_horizon, {"depth"}),
                       search_dispatch("occlusion", bitmask_occlusion_kernel(), by_bits, {"depth"}),
                       search_dispatch("layers", bitmask_layers_kernel(), through_layers, of_all_layers({"depth"})),
-                      search_dispatch("bleeding", bitmask_bleeding_kernel(), bleeds, sending_planes(),
+                      search_dispatch("bleeding", bitmask_bleeding_kernel(), bleeds, outgoing_light_planes(),
                                       {"indirect.r", "indirect.g", "indirect.b"}),
                       search_dispatch("bent", bitmask_bent_kernel(), bends, of_all_layers({"depth"}),
                                       {"bent.x", "bent.y", "bent.z"})},

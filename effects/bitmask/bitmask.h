@@ -51,7 +51,7 @@ struct BitmaskConstants {
   int mip_levels;  // number of levels beyond level 0, the picture; a pixel of level l covers 2^l x 2^l pixels
   int mip_rows;    // rows of level 1 in the mip plane; level l begins at row 2 mip_rows (1 - 2^(1 - l))
   // Read by the dispatch `sent`; see HemisphereConstants.
-  float bleeding, ambient_bounce, openness;
+  float bleeding, ambient_bounce, assumed_visibility;
   int layer_count;
   int layer[kLayersRead];  // indices of the layers that are searched, nearest first
   int back[kLayersRead];   // index of the layer with the back sides of layer[i]; -1: none

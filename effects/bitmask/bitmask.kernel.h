@@ -7,7 +7,7 @@
 //   kLight                  whether occluders contribute indirect light
 //   kBent                   whether the mean unoccluded direction is stored
 //   depth_of                returns the depth of a layer behind the first
-//   normal_of, sent_of      return the normal and the outgoing light of a pixel of a layer
+//   normal_of, outgoing_light_of      return the normal and the outgoing light of a pixel of a layer
 //   store_light, store_bent
 // Files such as bitmask_one_layer.kernel.h hold definitions that several kernels share.
 //
@@ -70,7 +70,7 @@ FN Real bit_of(Real c, Side side) {
 }
 
 // Returns how many of the slice's 32 bits, with fraction, lie on the side of negative angles.
-FN Real bits_below(Real sn, Real m) {
+FN Real bits_of_negative_side(Real sn, Real m) {
   if (C.measure == kBitmaskUniform) return Real(16.0f) - (Real(1.57079633f) - angle_of_cosine(sn)) * m;
   if (C.measure == kBitmaskSectors) return mad(-sn, m, Real(16.0f));
   return mad(sn * -1.57079633f, m, Real(16.0f));
@@ -127,7 +127,7 @@ FN Tap tap_at(Origin from, Side side, Real off, Real size, bool near_border) {
 
 // Returns the vector to the surface at a tap, with its true height above the tangent plane and its distance in the
 // slice.
-FN Way way_to(Origin from, Side side, Real x, Real y, Real depth) {
+FN Way vector_to_tap(Origin from, Side side, Real x, Real y, Real depth) {
   Real dx = x - from.x;
   Real dy = y - from.y;
   Real spread = F.orthographic != 0 ? Real(1.0f) : depth;
@@ -158,7 +158,7 @@ FN Uint covered_bits(Way way, Side side, Real max_value) {
 }
 
 // Returns the normal; turned towards the camera if it faces away, as interpolated normals do at silhouettes.
-FN Vec3 seen_normal(Vec3 normal, Vec3 eye) {
+FN Vec3 facing_normal(Vec3 normal, Vec3 eye) {
   Real facing = dot(normal, eye);
   if (!some(facing < 0.0f)) return normal;
   Vec3 turned = normal + eye * (kMinFacing - facing);
@@ -181,7 +181,7 @@ FN Bool is_near_border(Origin from, Real reach) {
 // Returns the direction of the first slice, rotated by the fraction `turn` of the angle between two slices.
 FN Vec2 direction_of(Real turn) {
   // The angle is pi turn / slices - pi / 2, by the double-angle formulas.
-  Real s = sine_of_quarters(mad(turn, Real(C.one_over_slices), Real(-0.5f)));
+  Real s = sine_of_quarter_turns(mad(turn, Real(C.one_over_slices), Real(-0.5f)));
   Real c = sqrt(mad(-s, s, Real(1.0f)));
   return Vec2(mad(s * s, Real(-2.0f), Real(1.0f)), 2.0f * s * c);
 }
@@ -209,11 +209,11 @@ struct Seen {
   bool near_border;  // whether taps may fall outside the picture
 };
 
-FN Seen seen_at(Int px, Int py, Real depth) {
+FN Seen shaded_point_at(Int px, Int py, Real depth) {
   // The direction does not depend on the depth; depth 1 avoids overflow and underflow.
   Vec3 sight = view_position(px, py, Real(1.0f));
   Vec3 eye = to_eye(sight);
-  Vec3 normal = seen_normal(unit_normal(near_normal(0, 0), sight), eye);
+  Vec3 normal = facing_normal(unit_normal(near_normal(0, 0), sight), eye);
   Real facing = max(dot(normal, eye), Real(kMinFacing));
   Origin from = origin_of(px, py, depth, normal, facing);
   Real reach = reach_of(depth);
@@ -275,7 +275,7 @@ FN Slice slice_of(Real x, Real y, Vec3 to_eye, Vec3 normal, Real facing, Real ji
   Real along_y = y * Real(C.along_y);
   return Slice(Side(x, down_y, x, along_y, across, -tangent, k0_above, k1, k2_above, -sn),
                Side(-x, -down_y, -x, -along_y, across, tangent, k0_below, -k1, k2_below, sn), cn, sn, weight,
-               bits_below(sn, m), projected2 * one_over_projected,
+               bits_of_negative_side(sn, m), projected2 * one_over_projected,
                (Vec3(x, y, Real(0.0f)) - to_eye * lean) * one_over_t);
 }
 
@@ -300,20 +300,20 @@ FN Vec3 light_of(int i, Uint fresh, Origin from, Tap tap, Real depth, Vec3 posit
   Vec3 way = there - position;
   Real turned = dot(way, normal_of(C.layer[i], place));
   Bool away = turned * abs(turned) > dot(way, way) * kEdgeOn;
-  Vec3 light = select(sends && !away, sent_of(C.layer[i], place), none);
-  if (C.back[i] >= 0 && some(sends && away)) light = select(sends && away, sent_of(C.back[i], place), light);
+  Vec3 light = select(sends && !away, outgoing_light_of(C.layer[i], place), none);
+  if (C.back[i] >= 0 && some(sends && away)) light = select(sends && away, outgoing_light_of(C.back[i], place), light);
   return light * count;
 }
 
 // Reads one tap. `covered`: bits that earlier taps have covered.
-FN Found found_at(Origin from, Side side, Real off, Real size, bool near_border, Uint covered, Vec3 position) {
+FN Found read_tap(Origin from, Side side, Real off, Real size, bool near_border, Uint covered, Vec3 position) {
   Vec3 light = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   Tap tap = tap_at(from, side, off, size, near_border);
   Uint bits = Uint(0u);
   Real depth = tap.depth;
   int count = kLayers ? C.layer_count : 1;
   for (int i = 0; i < count; ++i) {
-    Way way = way_to(from, side, tap.x, tap.y, depth);
+    Way way = vector_to_tap(from, side, tap.x, tap.y, depth);
     Bool counts = is_near(way, depth) && tap.inside;
     Real next = depth;
     Real max_value = Real(3e38f);
@@ -332,7 +332,7 @@ FN Found found_at(Origin from, Side side, Real off, Real size, bool near_border,
 
 // Returns the weighted sum of the unoccluded directions of a slice, sampled at the centres of 32 equal angles: x along
 // the slice, y towards the camera.
-FN Vec2 open_directions(Slice slice, Uint bits) {
+FN Vec2 unoccluded_directions(Slice slice, Uint bits) {
   // Half a step, and a whole step, of pi / 32.
   float half_cos = 0.99879546f;
   float half_sin = 0.04906767f;
@@ -373,7 +373,7 @@ FN void gather(Int px, Int py) {
   }
   Real depth = select(surface, near_depth(0, 0), Real(1.0f));
   Vec3 position = view_position(px, py, depth);
-  Seen seen = seen_at(px, py, depth);
+  Seen seen = shaded_point_at(px, py, depth);
   Vec3 noise = noise_at(px, py);
   Vec2 direction = direction_of(noise.x);
   Real open_sum = Real(0.0f);
@@ -393,9 +393,9 @@ FN void gather(Int px, Int py) {
     for (int k = 0; k < C.steps; ++k) {
       Real off = mad(step_length((jitter + float(k)) * Real(C.one_over_steps)), seen.reach, Real(kFirstStep));
       Real size = mip_size(off);
-      Found above = found_at(seen.from, slice.above, off, size, seen.near_border, bits, position);
+      Found above = read_tap(seen.from, slice.above, off, size, seen.near_border, bits, position);
       bits = bits | above.bits;
-      Found below = found_at(seen.from, slice.below, off, size, seen.near_border, bits, position);
+      Found below = read_tap(seen.from, slice.below, off, size, seen.near_border, bits, position);
       bits = bits | below.bits;
       if (kLight) {
         light_above = light_above + above.light;
@@ -431,7 +431,7 @@ FN void gather(Int px, Int py) {
     whole_sum = whole_sum + whole;
     if (kLight) light = light + (light_above + light_below);
     if (kBent) {
-      Vec2 sum = open_directions(slice, bits);
+      Vec2 sum = unoccluded_directions(slice, bits);
       bent = bent + (slice.outwards * sum.x + seen.eye * sum.y) * slice.projected;
     }
     direction = Vec2(mad(direction.x, Real(C.turn_cos), direction.y * -C.turn_sin),

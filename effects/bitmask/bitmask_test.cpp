@@ -68,11 +68,11 @@ GBuffer picture(int width, int height, const Camera& camera, const std::vector<W
   return g;
 }
 
-Camera camera_of(bool orthographic, double height_at_5, int width, int height) {
+Camera camera_of(bool orthographic, double height_at_depth_5, int width, int height) {
   const float aspect = float(width) / float(height);
-  if (orthographic) return orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(height_at_5), aspect);
-  return perspective_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(2.0 * std::atan(height_at_5 / 10.0) / kRadian),
-                            aspect);
+  if (orthographic) return orthographic_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(height_at_depth_5), aspect);
+  return perspective_camera({0, 0, 0}, {0, 0, -1}, {0, 1, 0},
+                            float(2.0 * std::atan(height_at_depth_5 / 10.0) / kRadian), aspect);
 }
 
 // ---- infinite walls
@@ -162,7 +162,7 @@ std::vector<double> mean_at_middle(GBuffer g, const Settings& settings, const st
 const Settings kMany = {{"slices", "64"}, {"steps", "512"},   {"distribution", "3"}, {"mips", "off"},
                         {"radius", "2"},  {"border", "open"}, {"slope", "1e-6"},     {"thickness", "1e2"}};
 
-TEST(Bitmask, WallsAsTheirMeasuresHaveThem) {
+TEST(Bitmask, WallsMatchTheMeasures) {
   // The expected values are by quadrature.
   struct Row {
     double elevation_deg, tilt_deg, exact, uniform, sectors;

@@ -95,7 +95,7 @@ TEST(Box, NoiseOfATileOfTheWindowsSizeLeavesNoTrace) {
   });
 }
 
-TEST(Box, ValuesThatAreNoNumbersCountAsOpenAndDark) {
+TEST(Box, NonFiniteValuesCountAsOpenAndDark) {
   GBuffer g = noisy();
   g.layers[0].plane("depth") = Plane(g.info.width, g.info.height, 3.0f);
   g.layers[0].plane("ao") = Plane(g.info.width, g.info.height, 0.5f);

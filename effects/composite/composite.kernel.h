@@ -21,7 +21,7 @@ FN Real luminance_of(Vec3 v) { return dot(v, Vec3(Real(0.2126f), Real(0.7152f), 
 
 // Returns the fraction of ambient light that arrives directly or after any number of bounces between surfaces of the
 // same albedo: a fit to ray-traced pictures [Jimenez et al. 2016, equation 10].
-FN Real with_bounces(Real ao, Real albedo) {
+FN Real with_interreflections(Real ao, Real albedo) {
   Real a = mad(albedo, Real(2.0404f), Real(-0.3324f));
   Real b = mad(albedo, Real(-4.7951f), Real(0.6417f));
   Real c = mad(albedo, Real(2.7552f), Real(0.6903f));
@@ -33,8 +33,9 @@ FN Vec3 tinted(Real ao, Vec3 albedo) {
   Real open = clamp(ao, Real(0.0f), Real(1.0f));
   Vec3 colour = Vec3(clamp(albedo.x, Real(0.0f), Real(1.0f)), clamp(albedo.y, Real(0.0f), Real(1.0f)),
                      clamp(albedo.z, Real(0.0f), Real(1.0f)));
-  Vec3 lifted =
-      Vec3(with_bounces(open, colour.x), with_bounces(open, colour.y), with_bounces(open, colour.z)) - gray(open);
+  Vec3 lifted = Vec3(with_interreflections(open, colour.x), with_interreflections(open, colour.y),
+                     with_interreflections(open, colour.z)) -
+                gray(open);
   return gray_ao + lifted * Real(C.tint);
 }
 

@@ -112,7 +112,7 @@ TEST(Composite, BleedingFadesWhereDirectLightDoes) {
 
 TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
   // [Jimenez et al. 2016, equation 10].
-  const auto with_bounces = [](double v, double albedo) {
+  const auto with_interreflections = [](double v, double albedo) {
     const double a = 2.0404 * albedo - 0.3324, b = -4.7951 * albedo + 0.6417, c = 2.7552 * albedo + 0.6903;
     return std::max(v, ((v * a + b) * v + c) * v);
   };
@@ -126,7 +126,8 @@ TEST(Composite, TintBringsBackWhatSurfacesOfTheSameColourSend) {
           const Arriving arriving(g.layers[0], x, y);
           const double ao = g.layers[0].plane("ao").at(x, y), open = std::clamp(ao, 0.0, 1.0);
           for (int c = 0; c < 3; ++c) {
-            const double share = ao + tint * (with_bounces(open, g.layers[0].plane(kAlbedo[c]).at(x, y)) - open);
+            const double share =
+                ao + tint * (with_interreflections(open, g.layers[0].plane(kAlbedo[c]).at(x, y)) - open);
             const double lit = arriving.direct[c] + arriving.bounced[c] + arriving.ambient[c] * share;
             worst = std::max(worst, std::fabs(lit - image.plane(kLit[c]).at(x, y)));
             lifted += share > ao + 0.05;
@@ -189,7 +190,7 @@ TEST(Composite, BouncedLightIsAlbedoTimesIndirect) {
                         [](const Image& image) { EXPECT_NEAR(image.plane("lit.g").at(3, 3), 0.8 * 0.5, 1e-6); });
 }
 
-TEST(Composite, WhereAllIsClosedEachModeDoesItsPart) {
+TEST(Composite, EachModeAtFullOcclusion) {
   GBuffer g = test::empty_gbuffer(1, 1);
   for (int c = 0; c < 3; ++c) {
     g.layers[0].add(kDirect[c]) = Plane(1, 1, 0.2f * (c + 1));
@@ -218,7 +219,7 @@ TEST(Composite, WithoutPlanesItIsBlackAndOpen) {
                         [](const Image& image) { EXPECT_EQ(image.plane("lit.g").at(2, 1), 1.0f); });
 }
 
-TEST(Composite, NumbersThatAreNoneAreBlack) {
+TEST(Composite, NonFiniteInputsAreBlack) {
   GBuffer g = light_and_occlusion();
   g.layers[0].plane("ao").at(0, 0) = std::nanf("");
   g.layers[0].plane("direct.r").at(1, 0) = std::numeric_limits<float>::infinity();

@@ -36,7 +36,7 @@ int light_rounds(const DenoiseParams& params) { return params.light_rounds > 0 ?
 /// Returns `rounds`, plus one for each doubling of the picture height over `for_height`, rounded; at most kMaxRounds.
 int grown(int rounds, const DenoiseParams& params, const PictureInfo& info) {
   if (rounds == 0 || params.for_height == 0) return rounds;
-  const int more = int(std::lround(std::log2(info.share_height() / float(params.for_height))));
+  const int more = int(std::lround(std::log2(info.reference_height() / float(params.for_height))));
   return std::min(rounds + std::max(more, 0), kMaxRounds);
 }
 
@@ -52,18 +52,18 @@ void fill_constants(const DenoiseParams& params, const PictureInfo& info, Denois
        grown(light_rounds(params), params, info)};
 }
 
-bool light_too(const ParameterBytes& bytes) {
+bool includes_light(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
   return light_rounds(params) > 0 && params.indirect > 0.0f;
 }
 int rounds(const ParameterBytes& bytes, const PictureInfo& info) {
   const auto& params = as<DenoiseParams>(bytes);
-  const int max = light_too(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
+  const int max = includes_light(bytes) ? std::max(params.rounds, light_rounds(params)) : params.rounds;
   return grown(max, params, info);
 }
-bool ao_alone(const ParameterBytes& bytes) {
+bool ao_only(const ParameterBytes& bytes) {
   const auto& params = as<DenoiseParams>(bytes);
-  return params.rounds > 0 && params.occlusion > 0.0f && !light_too(bytes);
+  return params.rounds > 0 && params.occlusion > 0.0f && !includes_light(bytes);
 }
 
 /// Returns the reach in rows: two taps, whose spacing doubles in each round.
@@ -83,27 +83,27 @@ Effect effect_denoise() {
                        .inputs = {"ao", "depth", "normal.x", "normal.y", "normal.z"},
                        .outputs = {"denoise_ao"},
                        .kernel = denoise_ao_across_kernel(),
-                       .needed = ao_alone,
+                       .needed = ao_only,
                        .reach = own_row},
                       {.name = "ao_down",
                        .inputs = {"denoise_ao", "depth", "normal.x", "normal.y", "normal.z"},
                        .outputs = {"ao"},
                        .kernel = denoise_ao_down_kernel(),
-                       .needed = ao_alone,
+                       .needed = ao_only,
                        .reach = reach},
                       {.name = "light_across",
                        .inputs = {"ao", "indirect.r", "indirect.g", "indirect.b", "depth", "normal.x", "normal.y",
                                   "normal.z"},
                        .outputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b"},
                        .kernel = denoise_light_across_kernel(),
-                       .needed = light_too,
+                       .needed = includes_light,
                        .reach = own_row},
                       {.name = "light_down",
                        .inputs = {"denoise_ao", "denoise_indirect.r", "denoise_indirect.g", "denoise_indirect.b",
                                   "depth", "normal.x", "normal.y", "normal.z"},
                        .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
                        .kernel = denoise_light_down_kernel(),
-                       .needed = light_too,
+                       .needed = includes_light,
                        .reach = reach}},
        .rounds = rounds});
 }

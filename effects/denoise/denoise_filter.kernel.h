@@ -37,20 +37,20 @@ FN Filtered filtered(Int px, Int py) {
   Real ao = mad(change, Real(occlusion), own);
   Vec3 light = own_light;
   if (kLight) light = light + light_change * Real(indirect);
-  Bool alone = surface && joined < kAlone;
+  Bool alone = surface && joined < kMaxIsolatedWeight;
   if (F.round > 0 && some(alone)) {
-    alone = alone && is_alone(to_right, to_below, px, py, position, normal);
+    alone = alone && is_isolated(to_right, to_below, px, py, position, normal);
     Bool has_before = beside(-to_right, -to_below);
     Bool has_after = beside(to_right, to_below);
     if (occlusion > 0.0f) {
       Real before = ao_at(-to_right, -to_below);
       Real after = ao_at(to_right, to_below);
-      ao = select(alone, ao_beside(ao, before, after, has_before, has_after), ao);
+      ao = select(alone, limited_ao(ao, before, after, has_before, has_after), ao);
     }
     if (indirect > 0.0f) {
       Vec3 before = light_at(-to_right, -to_below);
       Vec3 after = light_at(to_right, to_below);
-      light = select(alone, light_beside(light, before, after, has_before, has_after), light);
+      light = select(alone, limited_light(light, before, after, has_before, has_after), light);
     }
   }
   return Filtered(ao, light);

@@ -250,7 +250,7 @@ TEST(Denoise, StopsAtStepsCreasesAndBackground) {
     }
 }
 
-TEST(Denoise, WhatIsOnePixelWideIsNoSpark) {
+TEST(Denoise, OnePixelWideFeaturesAreLimited) {
   // A wire in front of a wall, with fireflies in `indirect` and `ao` 0. It has no neighbour of its surface across.
   for (const bool upright : {true, false})
     for (const int rounds : {1, 3}) {
@@ -376,7 +376,7 @@ TEST(Denoise, HigherPicturesTakeMoreRounds) {
   }
 }
 
-TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {
+TEST(Denoise, PixelWithNonFiniteNormalIsIsolated) {
   GBuffer g = flat(30, 12, 0.5f);
   g.layers[0].plane("normal.x").at(9, 5) = std::nanf("");
   g.layers[0].plane("ao").at(9, 5) = 0.9f;
@@ -386,7 +386,7 @@ TEST(Denoise, APixelWhoseNormalIsNoNumberStandsAlone) {
   });
 }
 
-TEST(Denoise, WhatIsNoNumberIsOpenAndDark) {
+TEST(Denoise, NonFiniteInputsAreOpenAndDark) {
   GBuffer g = flat(30, 12, 0.5f);
   const float odd[] = {std::nanf(""), kInfinity, -kInfinity, 3e38f};
   for (const char* name : kMade)

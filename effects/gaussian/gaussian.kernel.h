@@ -15,7 +15,7 @@ CONST float kTolerancePx = 0.75f;
 // Returns the weight, 0 to 1, of the neighbour (i, j) pixels right and down: whether it lies on the same surface.
 FN Real belongs(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
   Vec3 there = view_position(px + Int(i), py + Int(j), near_depth(i, j));
-  return joint_of(surface_distance(position, normal, there, near_normal(i, j), kTolerancePx));
+  return same_surface_weight(surface_distance(position, normal, there, near_normal(i, j), kTolerancePx));
 }
 
 // Returns the pixel's value filtered with its two neighbours: `after` is (i, j) pixels right and down, `before` as far

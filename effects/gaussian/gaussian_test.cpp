@@ -162,7 +162,7 @@ TEST(Gaussian, EdgesBlurGrazingPlanesAndStopAtSteps) {
   });
 }
 
-TEST(Gaussian, OcclusionThatIsNoneIsOpen) {
+TEST(Gaussian, NonFiniteOcclusionIsOpen) {
   GBuffer g = step(20, 10, 99, 0.5f);
   const float odd[] = {std::nanf(""), std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                        3e38f};

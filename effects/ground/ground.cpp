@@ -17,10 +17,10 @@ void fill_constants(const GroundParams& params, const PictureInfo& info, GroundC
   c = {.object = float(info.ground_object),
        .strength = params.strength,
        .display = params.blend,
-       .middle_x = info.ground_middle.x,
-       .middle_y = info.ground_middle.y,
-       .middle_z = info.ground_middle.z,
-       .inverse_fades = info.ground_fades > 0.0f ? 1.0f / info.ground_fades : 0.0f};
+       .middle_x = info.ground_center.x,
+       .middle_y = info.ground_center.y,
+       .middle_z = info.ground_center.z,
+       .inverse_fade_distance = info.ground_fade_distance > 0.0f ? 1.0f / info.ground_fade_distance : 0.0f};
 }
 
 }  // namespace

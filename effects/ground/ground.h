@@ -16,7 +16,7 @@ struct GroundConstants {
   float strength;
   int display;                         // 0 or 1: blend in display values
   float middle_x, middle_y, middle_z;  // centre of the ground, view space
-  float inverse_fades;                 // 1 / distance from the centre at which the shadow has faded out; 0: no fading
+  float inverse_fade_distance;         // 1 / distance from the centre at which the shadow has faded out; 0: no fading
 };
 
 #endif

@@ -33,7 +33,7 @@ void fill_constants(const HbaoParams& params, const PictureInfo& info, HbaoConst
   const double turn = 2.0 * std::numbers::pi / params.directions;
   c.turn_cos = float(std::cos(turn));
   c.turn_sin = float(std::sin(turn));
-  c.turn_share = 1.0f / float(params.directions);
+  c.turn_fraction = 1.0f / float(params.directions);
   c.radius = std::clamp(absolute_length(params.radius, info.scene_radius), 1e-15f, 1e15f);
   c.radius2 = c.radius * c.radius;
   const float column = info.pixel_width(), row = info.pixel_height();

@@ -16,7 +16,7 @@ struct HbaoConstants {
   int directions, steps;
   float one_over_steps;
   float turn_cos, turn_sin;      // of the angle from one direction to the next
-  float turn_share;              // that angle as a fraction of a full turn
+  float turn_fraction;           // that angle as a fraction of a full turn
   float radius, radius2, reach;  // scene units; reach: radius in columns at depth 1, at any depth if orthographic
   float rows;                    // rows per column width, < 0
   float bias_cos, bias_sin;

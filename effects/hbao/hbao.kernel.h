@@ -11,7 +11,7 @@ OUT_REAL(ao)
 
 CONST float kMinFacing = 0.02f;  // min z of the normal; the slope of a plane seen more edge-on is not finite
 
-FN Real open_at(Int px, Int py, Real depth) {
+FN Real visibility_at(Int px, Int py, Real depth) {
   Vec3 position = view_position(px, py, depth);
   Vec3 normal = unit_normal(near_normal(0, 0), position);
   Real facing = max(normal.z, Real(kMinFacing));
@@ -22,7 +22,7 @@ FN Real open_at(Int px, Int py, Real depth) {
   // "we randomly rotate the directions and jitter the samples" [section 3.2].
   Uint first = scrambled(to_uint(px) ^ scrambled(to_uint(py) + Uint(0x9e3779b9u)));
   Real jitter = share_of_one(scrambled(first + Uint(1u)));
-  Vec2 direction = direction_of_turn(share_of_one(first) * Real(C.turn_share));
+  Vec2 direction = direction_of_turn(share_of_one(first) * Real(C.turn_fraction));
   Real sum = Real(0.0f);
   for (int i = 0; i < C.directions; ++i) {
     // The slope of the tangent plane along the direction; then the sine of its elevation plus the bias.
@@ -54,4 +54,4 @@ FN Real open_at(Int px, Int py, Real depth) {
 
 #include "kernel/occlusion.kernel.h"
 
-FN void hbao_pixel(Int px, Int py) { store_open(px, py); }
+FN void hbao_pixel(Int px, Int py) { store_visibility(px, py); }

@@ -23,10 +23,10 @@ namespace {
 constexpr std::string_view kPaper =
     "distribution=paper range=quadratic range_depth=window bias_of=depth bias=0 border=clamp bleeding=1 area=paper "
     "floor=0 weight=1 ambient_bounce=0";
-constexpr float kMinInner = 1e-3f;        // fraction of R: the logarithm of the lengths needs a lower end
-constexpr double kMinShareOfInner = 0.1;  // minimum distance of a view ray from a pixel, relative to the minimum length
-constexpr float kOpenness = 0.7f;         // visibility of ambient light where it is not computed: typical of a room
-constexpr float kMinNearShare = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
+constexpr float kMinInner = 1e-3f;       // fraction of R: the logarithm of the lengths needs a lower end
+constexpr double kMinRayDistance = 0.1;  // minimum distance of a view ray from a pixel, relative to the minimum length
+constexpr float kAssumedVisibility = 0.7f;  // visibility of ambient light where it is not computed: typical of a room
+constexpr float kMinNearToFar = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &HemisphereParams::samples, {.initial = 16, .min = 1, .max = kHemisphereMaxSamples},
@@ -196,17 +196,17 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.log_inner = std::log(c.inner);
   const double inner = std::max(double(c.inner) * c.radius, 1e-18), radius = std::max(double(c.radius), 1e-18);
   c.one_over_inner2 = float(std::min(1.0 / (inner * inner), 1e30));
-  c.min_b2 = float(std::max(kMinShareOfInner * kMinShareOfInner * inner * inner, 1e-30));
+  c.min_b2 = float(std::max(kMinRayDistance * kMinRayDistance * inner * inner, 1e-30));
   const double even_share = double(params.samples / 2) / params.samples;
   c.log_share = float((1.0 - even_share) / -double(c.log_inner));
-  c.even_share_by_radius = float(even_share / radius);
+  c.even_fraction_by_radius = float(even_share / radius);
 
   // Default: the tightest frustum around the scene, in which window depth has the finest resolution.
   float far_depth = params.far_depth > 0.0f ? params.far_depth : info.depth_max;
   float near_depth = params.near_depth > 0.0f ? params.near_depth : info.depth_min;
   // Kernels must not fail: a near plane at or behind the far plane is moved slightly in front of it.
   far_depth = std::max(far_depth, 1e-30f);
-  near_depth = std::clamp(near_depth, far_depth * kMinNearShare, far_depth * 0.999f);
+  near_depth = std::clamp(near_depth, far_depth * kMinNearToFar, far_depth * 0.999f);
   const double n = near_depth, f = far_depth;
   c.near_depth = near_depth;
   c.far_depth = far_depth;
@@ -236,7 +236,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
                                                          : (whole ? 4.0 : 2.0) / params.samples);
   c.min_distance = std::max(params.floor * c.radius, c.radius * 1e-6f);
   c.ambient_bounce = params.ambient_bounce;
-  c.openness = kOpenness;
+  c.assumed_visibility = kAssumedVisibility;
   fill_layers(params, info, c);
   if (c.even)
     fill_even_points(params, c.inner, c.points);
@@ -245,7 +245,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
 }
 
 bool bleeds(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).bleeding > 0.0f; }
-bool occludes_alone(const ParameterBytes& bytes) { return !bleeds(bytes); }
+bool occludes_only(const ParameterBytes& bytes) { return !bleeds(bytes); }
 bool shows_tangents(const ParameterBytes& bytes) { return as<HemisphereParams>(bytes).tangents != 0; }
 int rounds(const ParameterBytes& bytes, const PictureInfo&) {
   return bleeds(bytes) ? as<HemisphereParams>(bytes).bounces : 1;
@@ -307,10 +307,10 @@ Effect effect_hemisphere() {
                        .inputs = occlusion_inputs(),
                        .outputs = {"ao"},
                        .kernel = hemisphere_occlusion_kernel(),
-                       .needed = occludes_alone,
+                       .needed = occludes_only,
                        .tile = kSquareTile,
                        .reach = own_row,
-                       .far_inputs = of_all_layers({"depth"})},
+                       .unbounded_inputs = of_all_layers({"depth"})},
                       {.name = "bleeding",
                        .inputs = bleeding_inputs(),
                        .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
@@ -318,7 +318,7 @@ Effect effect_hemisphere() {
                        .needed = bleeds,
                        .tile = {256, 32},
                        .reach = own_row,
-                       .far_inputs = far_planes()},
+                       .unbounded_inputs = far_planes()},
                       // Missing pixels get no reflected light: it would require packing the emitted light of the
                       // whole picture.
                       {.name = "missing",
@@ -326,7 +326,7 @@ Effect effect_hemisphere() {
                        .outputs = {"ao"},
                        .kernel = hemisphere_occlusion_kernel(),
                        .reach = own_row,
-                       .far_inputs = of_all_layers({"depth"}),
+                       .unbounded_inputs = of_all_layers({"depth"}),
                        .for_all = false,
                        .for_missing = true},
                       {.name = "tangents",

@@ -49,7 +49,7 @@ struct HemisphereConstants {
   float inner, one_over_inner, log_inner;  // minimum length of the log samples
   float one_over_inner2;                   // inverse of the square of that length, scene units
   float log_share;                         // fraction of log samples, divided by the log of their range
-  float even_share_by_radius;              // fraction of even samples, divided by the radius in scene units
+  float even_fraction_by_radius;           // fraction of even samples, divided by the radius in scene units
   float min_b2;                            // square of the minimum distance from the pixel to a view ray, scene units
   int range, window;                       // window, 0 or 1: the range limits window depth
   // Limit of a difference in depth; depth at which limits that fall with depth have this value
@@ -68,7 +68,7 @@ struct HemisphereConstants {
   int above;           // 0 or 1: samples lie above the surface's plane
   float min_distance;  // scene units: minimum of the distance in equation 1
   float ambient_bounce;
-  float openness;  // assumed visibility of ambient light where it is unknown
+  float assumed_visibility;  // assumed visibility of ambient light where it is unknown
   // Layers in which occluders are searched, in this order. Entries of one camera are consecutive.
   int layer_count;
   int layer[kLayersRead];

@@ -2,8 +2,8 @@
 // where the depth buffer has a surface in front of it; that surface, the occluder, reflects its light to the pixel.
 // Based on [Colliander and Törnquist 2015], "SSAO Pass" and "Calculating Colour Bleed", equation 1.
 //
-// Two kernels include this text. Each defines before it: normal_of and sent_of (the normal of a layer's surface and the
-// light that it emits), store_light, and kGathersLight.
+// Two kernels include this text. Each defines before it: normal_of and outgoing_light_of (the normal of a layer's
+// surface and the light that it emits), store_light, and kGathersLight.
 //
 // Whether a sample counts depends on the pixel into which it falls. Positions are therefore computed only with
 // operations that round identically on every machine: no rsqrt before that.
@@ -25,9 +25,9 @@ CONST float kDepthRounding = 2e-6f;  // relative to the depth: 16 to 32 ulp of a
 CONST float kMinDepth = 1e-3f;
 // Minimum difference of sin(phi) between Q and the point where the ray leaves the hemisphere; the range is 2
 CONST float kMinSpan = 0.02f;
-CONST float kMinCosine = 0.1f;  // minimum cosine of the angle at which the camera sees an emitter
-CONST float kMaxFind = 16.0f;   // maximum of what one hit represents, relative to the average: avoids fireflies
-CONST float kMaxLight = 1e18f;  // maximum light of a pixel: keeps it finite
+CONST float kMinCosine = 0.1f;      // minimum cosine of the angle at which the camera sees an emitter
+CONST float kMaxHitWeight = 16.0f;  // maximum of what one hit represents, relative to the average: avoids fireflies
+CONST float kMaxLight = 1e18f;      // maximum light of a pixel: keeps it finite
 
 #include "effects/hemisphere/hemisphere_basis.kernel.h"
 
@@ -76,21 +76,23 @@ FN Real range_weight(Real depth, Real tap, Real limit) {
   return select(difference < limit, Real(1.0f), Real(0.0f));
 }
 
-// turned_to rotates a vector from the first camera's view space to that of the i-th layer's camera, turned_back rotates
-// it back; added_to is the translation of that transform.
-FN Vec3 turned_to(int i, Vec3 v) {
+// rotated_to_view rotates a vector from the first camera's view space to that of the i-th layer's camera,
+// rotated_from_view rotates it back; view_translation is the translation of that transform.
+FN Vec3 rotated_to_view(int i, Vec3 v) {
   return Vec3(dot(Vec3(Real(C.move[12 * i]), Real(C.move[12 * i + 1]), Real(C.move[12 * i + 2])), v),
               dot(Vec3(Real(C.move[12 * i + 4]), Real(C.move[12 * i + 5]), Real(C.move[12 * i + 6])), v),
               dot(Vec3(Real(C.move[12 * i + 8]), Real(C.move[12 * i + 9]), Real(C.move[12 * i + 10])), v));
 }
-FN Vec3 added_to(int i) { return Vec3(Real(C.move[12 * i + 3]), Real(C.move[12 * i + 7]), Real(C.move[12 * i + 11])); }
-FN Vec3 turned_back(int i, Vec3 v) {
+FN Vec3 view_translation(int i) {
+  return Vec3(Real(C.move[12 * i + 3]), Real(C.move[12 * i + 7]), Real(C.move[12 * i + 11]));
+}
+FN Vec3 rotated_from_view(int i, Vec3 v) {
   return Vec3(dot(Vec3(Real(C.move[12 * i]), Real(C.move[12 * i + 4]), Real(C.move[12 * i + 8])), v),
               dot(Vec3(Real(C.move[12 * i + 1]), Real(C.move[12 * i + 5]), Real(C.move[12 * i + 9])), v),
               dot(Vec3(Real(C.move[12 * i + 2]), Real(C.move[12 * i + 6]), Real(C.move[12 * i + 10])), v));
 }
 
-FN Real own_depth_of(int i, Vec3 position) { return -(turned_to(i, position) + added_to(i)).z; }
+FN Real depth_in_view(int i, Vec3 position) { return -(rotated_to_view(i, position) + view_translation(i)).z; }
 
 // Antiderivative of the samples' density along a view ray, times b^2: sin(phi), without the part within r0.
 FN Real passed(Real sine, Real inner_sine) {
@@ -136,11 +138,11 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
     Real foot = b2 * rsqrt(b2);
     Real seen_angle = angle_of(mad(t, end, b2), max(end - t, Real(0.0f)) * foot);
     Real found = max(end_sine - near_sine, inner_share * kMinSpan) * Real(C.log_share);
-    found = mad(seen_angle * foot, Real(C.even_share_by_radius), found);
+    found = mad(seen_angle * foot, Real(C.even_fraction_by_radius), found);
     Real cos_view = max(abs(dot(sight, facing)), Real(kMinCosine));
     // View rays diverge: with distance there are more samples between them.
     share = share * (b2 * one_over_near * one_over_near) / (cos_view * found * (widening * widening));
-    share = min(share, Real(C.area_factor * kMaxFind));
+    share = min(share, Real(C.area_factor * kMaxHitWeight));
     sees = sees && squared <= Real(C.radius * C.radius);
   } else {
     share = share / max(squared, Real(C.min_distance * C.min_distance));
@@ -150,14 +152,14 @@ FN Real arriving_share(Vec3 way, Vec3 normal, Vec3 facing, Vec3 sight, Real wide
 
 // Returns the position at the centre of pixel (x, y) of the i-th layer, in the space of that layer's camera. x and y
 // are integers.
-FN Vec3 seen_position(int i, Real x, Real y, Real depth) {
+FN Vec3 position_in_view(int i, Real x, Real y, Real depth) {
   Real spread = C.orthographic[i] != 0 ? Real(1.0f) : depth;
   return Vec3(mad(x + 0.5f, Real(C.ray_scale_x[i]), Real(C.ray_offset_x[i])) * spread,
               mad(y + 0.5f, Real(C.ray_scale_y[i]), Real(C.ray_offset_y[i])) * spread, -depth);
 }
 
 // Returns a s + b.
-FN Vec3 scaled_on(Vec3 a, Real s, Vec3 b) { return Vec3(mad(a.x, s, b.x), mad(a.y, s, b.y), mad(a.z, s, b.z)); }
+FN Vec3 scaled_sum(Vec3 a, Real s, Vec3 b) { return Vec3(mad(a.x, s, b.x), mad(a.y, s, b.y), mad(a.z, s, b.z)); }
 
 // All sample points of a batch are looked up first. A tap that is in front of its sample point in any lane (one of the
 // pixels that run together) is kept in these lists and evaluated afterwards.
@@ -178,7 +180,7 @@ SUMS(arrived)  // light of each lane's pixel
 
 // Adds the light of the first `found` recorded hits whose entries in C.layer are `first` to C.view_end[first] - 1, the
 // layers of one camera.
-FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int own_place) {
+FN void add_recorded_light(int found, int first, Vec3 position, Vec3 normal, Int own_place) {
   int end = C.view_end[first];
   bool other = C.other[first] != 0;
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
@@ -198,11 +200,11 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
     Vec3 to = of_lane(position, lane);
     Real own_depth = -to.z;
     Real tap = entries_found_depth(at);
-    Vec3 seen = seen_position(first, x, y, tap);
+    Vec3 seen = position_in_view(first, x, y, tap);
     Vec3 occluder = seen;
     if (other) {
-      occluder = turned_back(first, seen - added_to(first));
-      own_depth = own_depth_of(first, to);
+      occluder = rotated_from_view(first, seen - view_translation(first));
+      own_depth = depth_in_view(first, to);
     }
     Vec3 way = occluder - to;
     Vec3 facing = none;
@@ -212,7 +214,7 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
       if (end - first > 1) here = here && layer == Int(i);
       if (some(here)) {
         Vec3 its_normal = normal_of(C.layer[i], place);
-        if (other) its_normal = turned_back(i, its_normal);
+        if (other) its_normal = rotated_from_view(i, its_normal);
         if (C.back[i] >= 0) {
           // The back has the opposite normal.
           Bool turned = dot(way, its_normal) >= 0.0f;
@@ -231,7 +233,7 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
       sight = seen * rsqrt(dot(seen, seen));
       widening = entries_hidden_depth(at) / tap;
     }
-    if (other) sight = turned_back(first, sight);
+    if (other) sight = rotated_from_view(first, sight);
     Real share = arriving_share(way, of_lane(normal, lane), facing, sight, widening) *
                  range_weight(own_depth, tap, range_limit(own_depth));
     share = select(sends, share, Real(0.0f));
@@ -243,15 +245,15 @@ FN void add_light_of_found(int found, int first, Vec3 position, Vec3 normal, Int
         front = front && layer == Int(i);
         back = back && layer == Int(i);
       }
-      if (some(front)) sent = select(front, sent_of(C.layer[i], place), sent);
-      if (C.back[i] >= 0 && some(back)) sent = select(back, sent_of(C.back[i], place), sent);
+      if (some(front)) sent = select(front, outgoing_light_of(C.layer[i], place), sent);
+      if (C.back[i] >= 0 && some(back)) sent = select(back, outgoing_light_of(C.back[i], place), sent);
     }
     add_to_arrived(lane, sent * share);
   }
 }
 
 // The surface in front of a sample point, at the centre of pixel (x, y) of the i-th layer.
-struct Hiding {
+struct Occluder {
   Bool before;  // it counts as an occluder or an emitter
   Bool hides;
   Real weight;
@@ -264,15 +266,15 @@ struct Looking {
   Real rounding, min_height, min_nearer;
 };
 
-FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_depth, Bool hideable) {
+FN Occluder occluder_at(Looking from, int i, Real x, Real y, Real tap, Real point_depth, Bool hideable) {
   Bool before = tap > 0.0f && point_depth - tap > from.min_nearer;
-  Vec3 seen = seen_position(i, x, y, tap);
+  Vec3 seen = position_in_view(i, x, y, tap);
   Vec3 occluder = seen;
   Real own_depth = from.depth;
   Real limit = from.limit;
   if (C.other[i] != 0) {
-    occluder = turned_back(i, seen - added_to(i));
-    own_depth = own_depth_of(i, from.position);
+    occluder = rotated_from_view(i, seen - view_translation(i));
+    own_depth = depth_in_view(i, from.position);
     limit = range_limit(own_depth);
   }
   Vec3 way = occluder - from.position;
@@ -286,7 +288,7 @@ FN Hiding hiding_of(Looking from, int i, Real x, Real y, Real tap, Real point_de
     before = before && dot(way, from.normal) > from.rounding;
     if (C.area == kHemisphereAreaMeasured) before = before && dot(way, way) <= Real(C.radius * C.radius);
   }
-  return Hiding(before, hides, weight);
+  return Occluder(before, hides, weight);
 }
 
 // Records a possible emitter in the lanes `where`. Returns the new number of records.
@@ -295,7 +297,7 @@ FN int noted(int found, Bool where, int i, Real x, Real y, Real tap, Real point_
   append_found_by(found, where, to_uint(this_lane() + Int(i * 256)));
   append_found_depth(found, where, tap);
   append_hidden_depth(found, where, point_depth);
-  return found + how_many(where);
+  return found + count_lanes(where);
 }
 
 FN void gather(Int px, Int py) {
@@ -338,8 +340,8 @@ FN void gather(Int px, Int py) {
     int kept_sample[kListLength];
     int kept_layer[kListLength];
     for (int k = first; k < end; ++k) {
-      Vec3 v = scaled_on(along_x, Real(C.points[5 * k]),
-                         scaled_on(along_y, Real(C.points[5 * k + 1]), along_z * Real(C.points[5 * k + 2])));
+      Vec3 v = scaled_sum(along_x, Real(C.points[5 * k]),
+                          scaled_sum(along_y, Real(C.points[5 * k + 1]), along_z * Real(C.points[5 * k + 2])));
       Real length = Real(1.0f);
       if (C.even != 0) {
         length = Real(C.points[5 * k + 3]);
@@ -350,7 +352,7 @@ FN void gather(Int px, Int py) {
           length = fract(length + noise.z);
         }
       }
-      Vec3 point = scaled_on(v, length, position);
+      Vec3 point = scaled_sum(v, length, position);
       Bool known = surface && !surface;
       // The first camera sees the sample point itself: it is unoccluded, whatever another camera has in front of it.
       Bool open = known;
@@ -364,7 +366,7 @@ FN void gather(Int px, Int py) {
       for (int i = 0; i < layers; ++i) {
         if (C.new_view[i] != 0) {
           Vec3 there = point;
-          if (C.other[i] != 0) there = turned_to(i, point) + added_to(i);
+          if (C.other[i] != 0) there = rotated_to_view(i, point) + view_translation(i);
           point_depth = max(-there.z, min_depth);
           Real shrunk = Real(1.0f);
           if (C.orthographic[i] == 0) shrunk = Real(1.0f) / point_depth;
@@ -377,7 +379,7 @@ FN void gather(Int px, Int py) {
           place = place_of(x, y);
           inside = surface && x == column && y == line;
           if (C.clamp_border != 0 && C.other[i] == 0) inside = surface;
-          if (C.other[i] != 0) inside = inside && own_depth_of(i, position) > 0.0f && -there.z > 0.0f;
+          if (C.other[i] != 0) inside = inside && depth_in_view(i, position) > 0.0f && -there.z > 0.0f;
           known = known || inside;
         }
         Real tap = select(inside, layers == 1 ? read_depth(place) : read_depth_of(C.layer[i], place), Real(0.0f));
@@ -385,7 +387,7 @@ FN void gather(Int px, Int py) {
         if (i == 0) open = inside && !before;
         if (kLanes == 1) {
           // With a single lane the tap is evaluated at once.
-          Hiding by = hiding_of(from, i, x, y, tap, point_depth, !open);
+          Occluder by = occluder_at(from, i, x, y, tap, point_depth, !open);
           Bool hides = by.hides && !found;
           hidden = hidden + select(hides, by.weight * Real(C.points[5 * k + 4]), Real(0.0f));
           found = found || hides;
@@ -413,7 +415,7 @@ FN void gather(Int px, Int py) {
       Real point_depth = abs(kept_sample_depth(slot));
       Real x = kept_tap_x(slot);
       Real y = kept_tap_y(slot);
-      Hiding by = hiding_of(from, i, x, y, tap, point_depth, kept_sample_depth(slot) > 0.0f);
+      Occluder by = occluder_at(from, i, x, y, tap, point_depth, kept_sample_depth(slot) > 0.0f);
       Bool hides = by.hides && !found;
       hidden = hidden + select(hides, by.weight * Real(C.points[5 * k + 4]), Real(0.0f));
       found = found || hides;
@@ -421,7 +423,7 @@ FN void gather(Int px, Int py) {
     }
     if (kGathersLight && (end == C.samples || found_count > kMaxFound - kListLength * kLanes)) {
       for (int i = 0; i < C.layer_count; i = C.view_end[i]) {
-        add_light_of_found(found_count, i, position, normal, own_place);
+        add_recorded_light(found_count, i, position, normal, own_place);
       }
       found_count = 0;
     }

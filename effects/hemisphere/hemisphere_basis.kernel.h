@@ -38,7 +38,7 @@ FN Vec3 noise_at(Int px, Int py) {
   Real turn = share_of_one(first) * 4.0f;
   Real quarter = floor(turn);
   Real rest = turn - quarter - 0.5f;
-  Real s = sine_of_quarters(rest);
+  Real s = sine_of_quarter_turns(rest);
   Real c = sqrt(max(mad(-s, s, Real(1.0f)), Real(0.0f)));
   Real across = select(quarter == 1.0f || quarter == 3.0f, s, c);
   Real along = select(quarter == 1.0f || quarter == 3.0f, c, s);

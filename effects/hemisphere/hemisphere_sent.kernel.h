@@ -25,7 +25,7 @@ FN void store_sent(int layer, Vec3 sent, Bool faces) {
 }
 
 FN Vec3 sent_at_first(int layer) {
-  return near_direct_of(layer, 0, 0) + near_ambient_of(layer, 0, 0) * Real(C.openness * C.ambient_bounce);
+  return near_direct_of(layer, 0, 0) + near_ambient_of(layer, 0, 0) * Real(C.assumed_visibility * C.ambient_bounce);
 }
 
 FN void hemisphere_sent_pixel(Int px, Int py) {

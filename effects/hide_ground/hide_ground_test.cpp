@@ -33,7 +33,7 @@ TEST(HideGround, TheGroundIsNoSurface) {
   });
 }
 
-TEST(HideGround, WithoutOneAllStays) {
+TEST(HideGround, WithoutGroundNothingChanges) {
   test::on_every_target("hide_ground", row_of(-1), {}, [](const Image& image) {
     for (int x : {0, 1, 2}) EXPECT_EQ(image.plane("depth").at(x, 0), 2.0f) << x;
     EXPECT_EQ(image.plane("object_id").at(3, 0), -1.0f) << "the background is no ground";
@@ -41,7 +41,7 @@ TEST(HideGround, WithoutOneAllStays) {
   });
 }
 
-TEST(HideGround, IdsThatNobodyHasAreThoseOfOneObject) {
+TEST(HideGround, MissingIdsAreThoseOfOneObject) {
   GBuffer g = test::empty_gbuffer(40, 30);
   g.layers[0].add("depth") = Plane(40, 30, 2.0f);
   test::on_every_target("hide_ground", g, {}, [](const Image& image) {

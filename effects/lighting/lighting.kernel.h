@@ -70,5 +70,5 @@ FN void lighting_pixel(Int px, Int py) {
   }
   Vec3 none = Vec3(Real(0.0f), Real(0.0f), Real(0.0f));
   store_direct(select(surface, finite_or_zero(sum), none));
-  store_ambient(select(surface, finite_or_zero(albedo * light_around(normal)), none));
+  store_ambient(select(surface, finite_or_zero(albedo * ambient_at_normal(normal)), none));
 }

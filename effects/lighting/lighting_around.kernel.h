@@ -4,7 +4,7 @@ FN Vec3 shape_factor(int k) { return Vec3(Real(C.shape_r[k]), Real(C.shape_g[k])
 
 // Returns the ambient light that an unoccluded white surface with normal n reflects: spherical harmonics up to the
 // second degree [Ramamoorthi and Hanrahan 2001]. Never below 0.
-FN Vec3 light_around(Vec3 n) {
+FN Vec3 ambient_at_normal(Vec3 n) {
   Vec3 sum = Vec3(Real(C.ambient_r), Real(C.ambient_g), Real(C.ambient_b));
   if (C.shaped == 0) return sum;
   sum = sum + shape_factor(0) * n.x + shape_factor(1) * n.y + shape_factor(2) * n.z;

@@ -340,7 +340,7 @@ TEST(Lighting, ScaleOfTheSceneDoesNotMatter) {
   }
 }
 
-TEST(Lighting, BackgroundAndNumbersThatAreNoneAreBlack) {
+TEST(Lighting, BackgroundAndNonFiniteInputsAreBlack) {
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
   GBuffer g = uniform(8, 1, 5.0f, {0, 0, 1}, 0.5f);
   Image& image = g.layers[0];

@@ -66,7 +66,7 @@ GBuffer captured(const Scene& scene, bool orthographic, int width = 131, int hei
 }
 
 /// Returns whether a pixel has two pixels of the surface on at least one side, both in its row and in its column.
-bool is_told(const Plane& depth, int x, int y) {
+bool is_reported(const Plane& depth, int x, int y) {
   const auto there = [&](int i, int j) {
     return i >= 0 && i < depth.width && j >= 0 && j < depth.height && std::isfinite(depth.at(i, j));
   };
@@ -86,7 +86,7 @@ TEST(Normals, PlanesAreExactAtEveryTilt) {
               ASSERT_EQ(normal_at(image, x, y), glm::vec3(0.0f));
               continue;
             }
-            if (!is_told(g.layers[0].plane("depth"), x, y)) continue;
+            if (!is_reported(g.layers[0].plane("depth"), x, y)) continue;
             ++seen;
             ASSERT_GT(glm::dot(normal_at(image, x, y), normal_at(g.layers[0], x, y)), 0.99999f)
                 << degrees << orthographic << ' ' << x << ' ' << y;

@@ -18,13 +18,13 @@ namespace {
 
 // Default planes of the paper's window depth, as in `unsharp`: the farthest corner is at 90 % of the range, and near /
 // far is 2 / 15.
-constexpr float kFarShare = 0.9f;
+constexpr float kFarFraction = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
 
 const std::vector<Parameter> kTable = {
     choice_row("mode", &OutlineParams::mode, 0, {"robust", "paper"},
                "lines that are stable at any size and angle, or the paper's test of eight neighbours"),
-    length_row("width", &OutlineParams::width, {.initial = 2, .min = 0.5, .max = kOutlineWidest, .unit = "px"},
+    length_row("width", &OutlineParams::width, {.initial = 2, .min = 0.5, .max = kOutlineMaxWidth, .unit = "px"},
                "robust: width of the line, in pixels or in percent of the picture's height, at most 16 pixels"),
     real_row("r", &OutlineParams::r, {.max = 1},
              "red of the line, linear, in the finished picture: exposure does not apply to lines"),
@@ -55,11 +55,11 @@ void fill_constants(const OutlineParams& params, const PictureInfo& info, Outlin
   constexpr float kUnitHeight = 1024.0f;  // height of the picture for which lengths of strokes are given
   const auto height = float(info.inner_height());
   const float crease = params.crease_deg * std::numbers::pi_v<float> / 180.0f;
-  const float far_depth = std::max(info.depth_max / kFarShare, 1e-30f);
+  const float far_depth = std::max(info.depth_max / kFarFraction, 1e-30f);
   // Crease windows are at most 1/85 of the picture's height, narrow ones at most 1/200: edges do not depend on its
   // size. The line of a depth step of inner_px within an object loses half of `inner` of its width. A camera that
   // frames a model sees it at depths of about two to four of its radii: lines recede only beyond that.
-  c = {.width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineWidest),
+  c = {.width_px = std::clamp(absolute_length(params.width, height), 0.0f, kOutlineMaxWidth),
        .r = params.r,
        .g = params.g,
        .b = params.b,

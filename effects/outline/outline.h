@@ -23,7 +23,7 @@ struct OutlineParams {
 // Values of OutlineParams::mode and ids.
 const int kOutlineRobust = 0, kOutlinePaper = 1;
 const int kOutlineObjects = 1, kOutlineMaterials = 2;
-const float kOutlineWidest = 16.0f;  // pixels
+const float kOutlineMaxWidth = 16.0f;  // pixels
 
 // Edges between neighbouring pixels are integers below 2^21, as outline_edges stores them:
 //   bits 0-1    kind, the higher the more reliable; 0: no edge

@@ -14,9 +14,9 @@ OUT_REAL(outline_break_right)
 OUT_REAL(outline_break_below)
 #include "kernel/surface.kernel.h"
 
-CONST float kMinFacing = 0.01f;     // min cosine to the view direction at which a normal determines a slope
-CONST float kUnknownSlope = 1e30f;  // slope of a normal below kMinFacing
-CONST float kSure = 0.9f;           // fraction of a threshold that is certainly below it, however it is rounded
+CONST float kMinFacing = 0.01f;      // min cosine to the view direction at which a normal determines a slope
+CONST float kUnknownSlope = 1e30f;   // slope of a normal below kMinFacing
+CONST float kBelowThreshold = 0.9f;  // fraction of a threshold that is certainly below it, however it is rounded
 
 // Returns the change of inverse depth by one pixel to the right (`right` 1) or down (0) on the plane of a pixel.
 FN Real plane_slope(Int px, Int py, int i, int j, int right) {
@@ -35,18 +35,18 @@ FN Bool same_object(int i, int j, int k, int l) {
   return near_object_id(i, j) == near_object_id(k, l) && is_surface(near_depth(i, j)) && is_surface(near_depth(k, l));
 }
 
-FN Real milder(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
+FN Real smaller_magnitude(Real a, Real b) { return select(abs(a) < abs(b), a, b); }
 
 // Returns the part on which two sides agree, positive or negative; or 0.
 FN Real agreed(Real a, Real b) { return max(min(a, b), Real(0.0f)) + min(max(a, b), Real(0.0f)); }
 
 // Returns the part of a step of inverse depth that one side does not predict. It predicts from the slopes of its last
 // two pixels and, if it has two, the step between them.
-FN Real unpredicted(Real step, Bool two, Real last, Real before, Real measured, Real pixel) {
+FN Real unpredicted_step(Real step, Bool two, Real last, Real before, Real measured, Real pixel) {
   Real bound = mad(abs(measured), Real(kMaxSteepening), pixel);
-  Real slope = clamp(milder(before, last), -bound, bound);
+  Real slope = clamp(smaller_magnitude(before, last), -bound, bound);
   Real by_one = select(last < kUnknownSlope, step - last, step);
-  return select(two, milder(step - slope, step - measured), by_one);
+  return select(two, smaller_magnitude(step - slope, step - measured), by_one);
 }
 
 // Returns the depth discontinuity between this pixel and its neighbour (i, j), in units of its threshold.
@@ -62,9 +62,10 @@ FN Real discontinuity(Int px, Int py, int i, int j) {
   Real step2 = c3 - c2;
   Real pixel = Real(F.ray_scale_x);
   if (F.orthographic == 0) pixel = pixel * min(c1, c2);
-  Real of_first = unpredicted(step, before, plane_slope(px, py, 0, 0, i), plane_slope(px, py, -i, -j, i), step0, pixel);
+  Real of_first =
+      unpredicted_step(step, before, plane_slope(px, py, 0, 0, i), plane_slope(px, py, -i, -j, i), step0, pixel);
   Real of_second =
-      unpredicted(step, after, plane_slope(px, py, i, j, i), plane_slope(px, py, 2 * i, 2 * j, i), step2, pixel);
+      unpredicted_step(step, after, plane_slope(px, py, i, j, i), plane_slope(px, py, 2 * i, 2 * j, i), step2, pixel);
   Real gap = agreed(of_first, of_second);
   return gap / (max(pixel, Real(1e-30f)) * C.depth);
 }
@@ -76,7 +77,7 @@ FN Bool bends(int i, int j, int k, int l) {
   Real d1 = near_depth(i, j);
   Real d2 = near_depth(i + k, j + l);
   Real bend = d0 - (d1 + d1) + d2;
-  Real bound = Real(F.ray_scale_x * C.depth * kOutlineMinStrength * kSure);
+  Real bound = Real(F.ray_scale_x * C.depth * kOutlineMinStrength * kBelowThreshold);
   if (F.orthographic == 0) {
     bend = mad(d0, d1 - d2 - d2, d1 * d2) * max(d0, max(d1, d2));
     bound = bound * (d0 * d1 * d2);

@@ -31,24 +31,24 @@ FN Bool on_the_way(Vec3 a, Vec3 n, Vec3 b, Real turn2) {
 // Returns the square of a side's turn per pixel: from its pixel with normal v to the last of `count` pixels, with
 // normal `far`, or to the middle one of `few`, whichever is smaller, since there may be another crease. per_count and
 // per_few are the inverse squares of the counts.
-FN Real milder_turn(Vec3 v, Vec3 far, Real per_count, Vec3 near, Real per_few) {
+FN Real smaller_turn(Vec3 v, Vec3 far, Real per_count, Vec3 near, Real per_few) {
   return min(square(v - far) * per_count, square(v - near) * per_few);
 }
 
-// Returns milder_turn of the side that begins s steps of (i, j) from this pixel and has `count` pixels left.
+// Returns smaller_turn of the side that begins s steps of (i, j) from this pixel and has `count` pixels left.
 FN Real side_turn(Int px, Int py, Vec3 v, int s, int i, int j, Int count) {
   Int few = to_signed(to_uint(count + Int(1)) >> 1);
   Vec3 far = load_normal(px + Int(i) * (count + Int(s)), py + Int(j) * (count + Int(s)));
   Vec3 near = load_normal(px + Int(i) * (few + Int(s)), py + Int(j) * (few + Int(s)));
   Real per_count = Real(1.0f) / max(to_real(count * count), Real(1.0f));
-  return milder_turn(v, far, per_count, near, Real(1.0f) / max(to_real(few * few), Real(1.0f)));
+  return smaller_turn(v, far, per_count, near, Real(1.0f) / max(to_real(few * few), Real(1.0f)));
 }
 
 // Returns the same for a side that has all `count` pixels.
 FN Real whole_side_turn(Vec3 v, int s, int i, int j, int count) {
   int few = (count + 1) / 2;
-  return milder_turn(v, near_normal((s + count) * i, (s + count) * j), Real(1.0f / float(count * count)),
-                     near_normal((s + few) * i, (s + few) * j), Real(1.0f / float(few * few)));
+  return smaller_turn(v, near_normal((s + count) * i, (s + count) * j), Real(1.0f / float(count * count)),
+                      near_normal((s + few) * i, (s + few) * j), Real(1.0f / float(few * few)));
 }
 
 FN Real break_load(Int px, Int py, Int s, int i, int j) {
@@ -77,12 +77,13 @@ FN Real turn_at(Int px, Int py, int i, int j) {
   Int place = i != 0 ? px : py;
   Int before = min(to_int(run_before), place);
   Int after = min(to_int(run_after), Int((i != 0 ? F.width : F.height) - 2) - place);
-  Bool rim_before = maybe && !maybe;
-  Bool rim_after = rim_before;
+  Bool silhouette_before = maybe && !maybe;
+  Bool silhouette_after = silhouette_before;
   if (some(maybe && (before < Int(reach) || after < Int(reach)))) {
-    rim_before = before < place && before < Int(reach) && break_load(px, py, Int(0) - before - Int(1), i, j) < 0.0f;
-    rim_after = after < Int((i != 0 ? F.width : F.height) - 2) - place && after < Int(reach) &&
-                break_load(px, py, after + Int(1), i, j) > 0.0f;
+    silhouette_before =
+        before < place && before < Int(reach) && break_load(px, py, Int(0) - before - Int(1), i, j) < 0.0f;
+    silhouette_after = after < Int((i != 0 ? F.width : F.height) - 2) - place && after < Int(reach) &&
+                       break_load(px, py, after + Int(1), i, j) > 0.0f;
   }
   Vec3 n1 = near_normal(0, 0);
   Vec3 n2 = near_normal(i, j);
@@ -95,10 +96,11 @@ FN Real turn_at(Int px, Int py, int i, int j) {
     Real bound = min_value * max(best, Real(kOutlineMinStrength));
     Int left = min(before - Int(h), Int(h + 1));
     Int right = min(after - Int(h), Int(h + 1));
-    Int rim_room = Int(h < 4 ? 1 : h / 2);
+    Int silhouette_room = Int(h < 4 ? 1 : h / 2);
     Int room = Int(h > 0 ? 1 : 0);
-    Bool on = maybe && turn2 >= bound * bound && left + right > Int(0) && left >= select(rim_before, rim_room, room) &&
-              right >= select(rim_after, rim_room, room);
+    Bool on = maybe && turn2 >= bound * bound && left + right > Int(0) &&
+              left >= select(silhouette_before, silhouette_room, room) &&
+              right >= select(silhouette_after, silhouette_room, room);
     if (!some(on)) continue;
     Real of_left = whole_side_turn(a, h, -i, -j, h + 1);
     Real of_right = whole_side_turn(b, h + 1, i, j, h + 1);

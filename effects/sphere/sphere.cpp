@@ -19,7 +19,7 @@ constexpr double kMaxRadius = 4096.0;  // pixels
 constexpr std::string_view kOurs =
     "shape=hemisphere sample_z=on depth=linear range=smooth range_factor=1 map=linear threshold=0 border=skip "
     "strength=1.3";
-constexpr float kMinNearShare = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
+constexpr float kMinNearToFar = 1e-4f;  // fraction of the far plane: window depth divides by the near plane's distance
 
 const std::vector<Parameter> kTable = {
     int_row("samples", &SphereParams::samples, {.initial = 8, .min = 1, .max = kSphereMaxSamples},
@@ -91,7 +91,7 @@ void fill_points(int count, bool pairs, float* points) {
 }
 
 void fill_constants(const SphereParams& params, const PictureInfo& info, SphereConstants& c) {
-  const float width = info.share_width();
+  const float width = info.reference_width();
   c.samples = params.samples;
   c.radius_px = length_px(params.radius, width, info);
   c.reach = absolute_length(params.reach, info.scene_radius);
@@ -105,7 +105,7 @@ void fill_constants(const SphereParams& params, const PictureInfo& info, SphereC
   float near_depth = params.near_depth > 0.0f ? params.near_depth : info.depth_min;
   // Kernels must not fail: a near plane at or behind the far plane is moved slightly in front of it.
   far_depth = std::max(far_depth, 1e-30f);
-  near_depth = std::clamp(near_depth, far_depth * kMinNearShare, far_depth * 0.999f);
+  near_depth = std::clamp(near_depth, far_depth * kMinNearToFar, far_depth * 0.999f);
   c.near_depth = near_depth;
   c.far_depth = far_depth;
   const double n = near_depth, f = far_depth;

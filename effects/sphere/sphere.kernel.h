@@ -55,7 +55,7 @@ FN Real open_share(Real hidden, Real count) {
   return max(Real(0.0f), 1.0f - mapped * Real(C.strength));
 }
 
-FN Real open_at(Int px, Int py, Real depth) {
+FN Real visibility_at(Int px, Int py, Real depth) {
   Real x = to_real(px) + 0.5f;
   Real y = to_real(py) + 0.5f;
   // Relative to the picture's centre of projection: points move away from it as they come nearer.
@@ -129,4 +129,4 @@ FN Real open_at(Int px, Int py, Real depth) {
 
 #include "kernel/occlusion.kernel.h"
 
-FN void sphere_pixel(Int px, Int py) { store_open(px, py); }
+FN void sphere_pixel(Int px, Int py) { store_visibility(px, py); }

@@ -20,7 +20,7 @@ using test::Settings;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // Each sample counts by itself: 1 - ao is the fraction of samples that occlude.
-const Settings kPlainShare = {{"reflect", "none"}, {"threshold", "0"}, {"map", "linear"}};
+const Settings kPlainFraction = {{"reflect", "none"}, {"threshold", "0"}, {"map", "linear"}};
 
 // The corrected settings, as in `variants`.
 const Settings kOurs = {{"shape", "hemisphere"}, {"sample_z", "on"}, {"depth", "linear"}, {"range", "smooth"},
@@ -196,7 +196,7 @@ TEST(Sphere, PointsOfTheSphereComeInOppositePairs) {
 
 /// Returns the fraction of the surface's pixels that are not `expected`, except within `margin` of the picture's
 /// border, where samples are clamped.
-double share_off(const GBuffer& g, const Plane& ao, int margin, double expected) {
+double fraction_off(const GBuffer& g, const Plane& ao, int margin, double expected) {
   const Plane& depth = g.layers[0].plane("depth");
   long off = 0, compared = 0;
   for (int y = margin; y < depth.height - margin; ++y)
@@ -216,17 +216,17 @@ TEST(Sphere, HalfOfTheSphereLiesBehindAPlaneAndTheThresholdPassesOverIt) {
     for (const double tilt : {20.0, 45.0, 65.0}) {
       const GBuffer g = plane(160, 120, tilt, 33.0, orthographic);
       const Settings radius = {{"radius", "9"}, {"far", "40"}, {"near", "0.5"}};
-      EXPECT_LT(share_off(g, ao(g, radius), 10, 1.0), 1e-4) << tilt;
+      EXPECT_LT(fraction_off(g, ao(g, radius), 10, 1.0), 1e-4) << tilt;
       const Plane half = ao(g, joined(radius, {{"threshold", "0"}, {"map", "linear"}}));
-      EXPECT_LT(share_off(g, half, 10, 0.5), 0.06) << tilt;
+      EXPECT_LT(fraction_off(g, half, 10, 0.5), 0.06) << tilt;
       const Plane square = ao(g, joined(radius, {{"threshold", "0.5"}}));
-      EXPECT_LT(share_off(g, square, 10, 0.75), 0.06) << tilt;
+      EXPECT_LT(fraction_off(g, square, 10, 0.75), 0.06) << tilt;
     }
 }
 
 TEST(Sphere, OddNumbersDarkenAPlaneByTheComputedCounts) {
   const GBuffer g = plane(96, 80, 50.0, 20.0, false);
-  const Settings settings = joined(kPlainShare, {{"samples", "7"}, {"radius", "9"}, {"near", "0.5"}, {"far", "40"}});
+  const Settings settings = joined(kPlainFraction, {{"samples", "7"}, {"radius", "9"}, {"near", "0.5"}, {"far", "40"}});
   const Plane ours = ao(g, settings);
   const auto all = points(g, settings);
   const Plane& depth = g.layers[0].plane("depth");
@@ -250,7 +250,7 @@ TEST(Sphere, PlaneThatFacesTheCameraIsOpenDespiteRounding) {
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) depth.at(x, y) *= 1.0f + 1e-7f * float(test::hash(64u * y + x) % 3);
   for (const Settings& settings : {Settings{}, Settings{{"threshold", "0"}}, Settings{{"depth", "linear"}}})
-    EXPECT_EQ(share_off(g, ao(g, joined(settings, {{"threshold", "0"}})), 0, 1.0), 0.0);
+    EXPECT_EQ(fraction_off(g, ao(g, joined(settings, {{"threshold", "0"}})), 0, 1.0), 0.0);
 }
 
 TEST(Sphere, HemisphereLeavesPlanesOpenAtEveryTilt) {
@@ -263,7 +263,7 @@ TEST(Sphere, HemisphereLeavesPlanesOpenAtEveryTilt) {
               Settings{{"sample_z", "off"}, {"border", "clamp"}}, Settings{{"depth", "window"}, {"bias", "0"}},
               Settings{{"reflect", "normal"}, {"reach", "0.3"}}})
           test::on_every_target("sphere", g, joined(kOurs, more), [&](const Image& image) {
-            ASSERT_EQ(share_off(g, image.plane("ao"), 0, 1.0), 0.0)
+            ASSERT_EQ(fraction_off(g, image.plane("ao"), 0, 1.0), 0.0)
                 << tilt << ' ' << azimuth << (orthographic ? " orthographic " : " ") << testing::PrintToString(more);
           });
       }
@@ -295,7 +295,7 @@ double share(const std::vector<glm::dvec3>& all, const std::function<bool(glm::d
 void expect_step(const Settings& more, const std::function<double(int x, double nearer)>& expected) {
   const GBuffer g = step();
   const Settings settings =
-      joined(joined(kPlainShare, {{"radius", fmt::format("{}", kRadiusPx)}, {"samples", "16"}}), more);
+      joined(joined(kPlainFraction, {{"radius", fmt::format("{}", kRadiusPx)}, {"samples", "16"}}), more);
   const auto all = points(g, settings);
   test::on_every_target("sphere", g, settings, [&](const Image& image) {
     for (int x = 10; x < 54; ++x) {
@@ -347,7 +347,7 @@ TEST(Sphere, RangeLimitAndPlanesInWindowDepth) {
 
 TEST(Sphere, OwnDepthOfTheSamplesHidesThoseBehindTheSurface) {
   const GBuffer g = step();
-  const Settings settings = joined(kPlainShare, {{"radius", "8"}, {"samples", "16"}, {"sample_z", "on"}});
+  const Settings settings = joined(kPlainFraction, {{"radius", "8"}, {"samples", "16"}, {"sample_z", "on"}});
   const auto all = points(g, settings);
   test::on_every_target("sphere", g, settings, [&](const Image& image) {
     for (int x = 10; x < 54; ++x) {
@@ -366,7 +366,7 @@ TEST(Sphere, HemisphereTurnsSamplesToTheSurfacesSide) {
   const GBuffer g = step();
   for (const char* sample_z : {"on", "off"}) {
     const Settings settings =
-        joined(kPlainShare, {{"radius", "8"}, {"samples", "16"}, {"shape", "hemisphere"}, {"sample_z", sample_z}});
+        joined(kPlainFraction, {{"radius", "8"}, {"samples", "16"}, {"shape", "hemisphere"}, {"sample_z", sample_z}});
     const auto all = points(g, settings);
     test::on_every_target("sphere", g, settings, [&](const Image& image) {
       for (int x = 10; x < 54; ++x) {
@@ -381,15 +381,15 @@ TEST(Sphere, HemisphereTurnsSamplesToTheSurfacesSide) {
 
 TEST(Sphere, BiasPassesOverWhatRisesLittle) {
   const GBuffer g = step();
-  const Settings settings = joined(kPlainShare, {{"radius", "16"}, {"shape", "hemisphere"}});
+  const Settings settings = joined(kPlainFraction, {{"radius", "16"}, {"shape", "hemisphere"}});
   // The step is 1 high, the radius 1.6.
-  EXPECT_EQ(share_off(g, ao(g, joined(settings, {{"bias", "0.64"}})), 0, 1.0), 0.0);
-  EXPECT_GT(share_off(g, ao(g, joined(settings, {{"bias", "0.61"}})), 0, 1.0), 0.1);
+  EXPECT_EQ(fraction_off(g, ao(g, joined(settings, {{"bias", "0.64"}})), 0, 1.0), 0.0);
+  EXPECT_GT(fraction_off(g, ao(g, joined(settings, {{"bias", "0.61"}})), 0, 1.0), 0.1);
 }
 
 TEST(Sphere, SamplesOutsideAreClampedOrLeftOut) {
   const GBuffer g = step(60);
-  const Settings settings = joined(kPlainShare, {{"radius", "8"}, {"samples", "32"}});
+  const Settings settings = joined(kPlainFraction, {{"radius", "8"}, {"samples", "32"}});
   const auto all = points(g, settings);
   const int x = 61, y = 20;
   const double nearer = share(all, [&](glm::dvec3 v) { return std::floor(x + 0.5 + kRadiusPx * v.x) < 60; });
@@ -402,7 +402,7 @@ TEST(Sphere, SamplesOutsideAreClampedOrLeftOut) {
 TEST(Sphere, RandomVectorsAreTiled) {
   const GBuffer g = step();
   const auto column = [&](const char* size, int from) {
-    const Plane plane = ao(g, joined(kPlainShare, {{"radius", "8"}, {"reflect", "random"}, {"noise_size", size}}));
+    const Plane plane = ao(g, joined(kPlainFraction, {{"radius", "8"}, {"reflect", "random"}, {"noise_size", size}}));
     std::vector<float> values;
     for (int y = from; y < from + 16; ++y) values.push_back(plane.at(kStep + 2, y));
     return values;
@@ -417,9 +417,9 @@ TEST(Sphere, RandomVectorsAreTiled) {
 
 TEST(Sphere, ReachIsARadiusInTheScene) {
   const GBuffer g = step();
-  const Plane px = ao(g, joined(kPlainShare, {{"radius", "8"}}));
+  const Plane px = ao(g, joined(kPlainFraction, {{"radius", "8"}}));
   const auto same = [&](const char* reach) {
-    return test::difference(px, ao(g, joined(kPlainShare, {{"radius", "3"}, {"reach", reach}})), 0.0).share_over;
+    return test::difference(px, ao(g, joined(kPlainFraction, {{"radius", "3"}, {"reach", reach}})), 0.0).share_over;
   };
   EXPECT_LT(same("0.8"), 1e-3);
   EXPECT_LT(same("16%"), 1e-3);  // 16% of the scene's radius, 5
@@ -523,7 +523,7 @@ TEST(Sphere, BackgroundIsOpenAndHidesNothing) {
   GBuffer g = step();
   for (int y = 0; y < kStepHeight; ++y)
     for (int x = 0; x < kStep; ++x) g.layers[0].planes[0].at(x, y) = kInfinity;
-  for (const Settings& settings : {kPlainShare, kOurs})
+  for (const Settings& settings : {kPlainFraction, kOurs})
     test::on_every_target("sphere", g, settings, [&](const Image& image) {
       EXPECT_EQ(test::difference(image.plane("ao"), Plane(kStepWidth, kStepHeight, 1.0f), 0.0).max, 0.0);
     });
@@ -534,7 +534,7 @@ TEST(Sphere, DepthThatIsNoneIsBackground) {
   const float odd[] = {std::nanf(""), -kInfinity, 0.0f, -1.0f};
   for (int y = 0; y < kStepHeight; ++y)
     for (int x = 0; x < kStep; ++x) g.layers[0].planes[0].at(x, y) = odd[(x + y) % 4];
-  test::on_every_target("sphere", g, kPlainShare, [&](const Image& image) {
+  test::on_every_target("sphere", g, kPlainFraction, [&](const Image& image) {
     EXPECT_EQ(test::difference(image.plane("ao"), Plane(kStepWidth, kStepHeight, 1.0f), 0.0).max, 0.0);
   });
 }

@@ -126,7 +126,7 @@ FN_RARE Ring ring_around(Bool asked, Int px, Int py, Vec3 position, Vec3 normal)
 
 // Returns the extent of a highlight along one axis within a pixel in which it ends on both sides, 0 to 1; its plane is
 // interpolated linearly to both neighbours. 1 if it does not end on both sides.
-FN Real reach_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
+FN Real extent_along(Real centre, Real before, Real after, Bool has_before, Bool has_after) {
   Bool ends = centre > 0.0f && has_before && has_after && before < 0.0f && after < 0.0f;
   Real backward = min(centre / max(centre - before, Real(1e-20f)), Real(0.5f));
   Real forward = min(centre / max(centre - after, Real(1e-20f)), Real(0.5f));
@@ -192,7 +192,7 @@ FN void toon_pixel(Int px, Int py) {
     // A highlight narrower than a pixel, as on a bevel, covers at most the fraction of the pixel that it is wide, and
     // nothing of a pixel that it does not reach; otherwise it would be a row of dots.
     Real max_value =
-        min(reach_along(highlight, before, after, left, right), reach_along(highlight, above, below, up, down));
+        min(extent_along(highlight, before, after, left, right), extent_along(highlight, above, below, up, down));
     Bool reached = highlight > 0.0f || (left && before > 0.0f) || (right && after > 0.0f) || (up && above > 0.0f) ||
                    (down && below > 0.0f);
     inside = inside + (min(inside, select(reached, max_value, Real(0.0f))) - inside) * narrow;

@@ -59,10 +59,10 @@ FN void toon_light_pixel(Int px, Int py) {
   Vec3 position = view_position(px, py, select(surface, depth, Real(1.0f)));
   Vec3 normal = normalized(near_normal(0, 0));
   Real exponent = near_shininess(0, 0);
-  Real arrives_of_key = Real(1.0f);
+  Real key_visibility = Real(1.0f);
   if (C.shadow > 0.0f) {
-    arrives_of_key = C.mode == kToonPaper ? near_shadow(0, 0) : smooth_shadow(px, py, position, normal);
-    arrives_of_key = mad(clamp(arrives_of_key, Real(0.0f), Real(1.0f)) - 1.0f, Real(C.shadow), Real(1.0f));
+    key_visibility = C.mode == kToonPaper ? near_shadow(0, 0) : smooth_shadow(px, py, position, normal);
+    key_visibility = mad(clamp(key_visibility, Real(0.0f), Real(1.0f)) - 1.0f, Real(C.shadow), Real(1.0f));
   }
   Real diffuse = Real(0.0f);
   Real gloss = Real(0.0f);
@@ -76,13 +76,13 @@ FN void toon_light_pixel(Int px, Int py) {
       light = away * rsqrt(squared);
       if (C.reach_squared[k] > 0.0f) arrives = arrives * (Real(C.reach_squared[k]) / squared);
     }
-    if (k == 0) arrives = arrives * arrives_of_key;
+    if (k == 0) arrives = arrives * key_visibility;
     Real facing = dot(normal, light);
     diffuse = mad(arrives, max(facing, Real(0.0f)), diffuse);
     if (k == 0 && C.specular > 0.0f) {
       if (C.mode == kToonPaper) {
         Vec3 halfway = normalized(light + Vec3(Real(0.0f), Real(0.0f), Real(1.0f)));
-        gloss = pow(max(dot(normal, halfway), Real(0.0f)), exponent) * arrives_of_key * Real(C.specular);
+        gloss = pow(max(dot(normal, halfway), Real(0.0f)), exponent) * key_visibility * Real(C.specular);
         gloss = select(exponent > 1.0f && near_specular(0, 0) > 0.0f, gloss, Real(0.0f));
       } else {
         // Inside where max(0, N.H)^e exceeds one half, with (N.H)^e ~ exp(-e (1 - N.H)). 1 in the middle, 0 at the
@@ -90,7 +90,7 @@ FN void toon_light_pixel(Int px, Int py) {
         Vec3 halfway = normalized(light + to_eye(position));
         Real falls = max(exponent, Real(1.0f)) * Real(C.sharpness * kInverseLn2);
         highlight = mad(dot(normal, halfway) - 1.0f, falls, Real(1.0f));
-        highlight = min(min(highlight, facing), mad(arrives_of_key, Real(2.0f), Real(-1.0f)));
+        highlight = min(min(highlight, facing), mad(key_visibility, Real(2.0f), Real(-1.0f)));
       }
     }
   }

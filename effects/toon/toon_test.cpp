@@ -330,7 +330,7 @@ TEST(Toon, BumpsThatHardlyCrossAnEdgeLeaveNothing) {
 }
 
 /// A plane at a grazing angle in ambient light only: the intensity depends on `ao`, not on normals.
-GBuffer lit_from_all_around(const test::TiltedPlane& plane) {
+GBuffer lit_by_ambient(const test::TiltedPlane& plane) {
   GBuffer g = test::seen(plane);
   g.info.lights.clear();
   g.layers[0].add("ao") = Plane(plane.width, plane.height, 1.0f);
@@ -347,7 +347,7 @@ TEST(Toon, StepsOfGrazingPlanesAreAntialiased) {
   // Few rows, so that depth changes by more than a tenth from one to the next.
   const test::TiltedPlane few_rows{.width = 32, .height = 8, .error_deg = 2.0, .roll_rad = 0.0, .depth_ratio = 0.6};
   test::at_grazing_angles(few_rows, [](const test::TiltedPlane& plane) {
-    GBuffer g = lit_from_all_around(plane);
+    GBuffer g = lit_by_ambient(plane);
     // A tenth of a step per row; the edge is a fifth of a row above the centre of the fourth row.
     for (int y = 0; y < 8; ++y)
       for (int x = 0; x < 32; ++x) g.layers[0].plane("ao").at(x, y) = ao_of_strip(1.02 + 0.1 * (y - 3));
@@ -362,7 +362,7 @@ TEST(Toon, StepsOfGrazingPlanesEndAtEdges) {
   // before it is as narrow as the others.
   const test::TiltedPlane step{.width = 256, .height = 256, .step_px = 20.0};
   test::at_grazing_angles(step, [](const test::TiltedPlane& plane) {
-    GBuffer g = lit_from_all_around(plane);
+    GBuffer g = lit_by_ambient(plane);
     for (int y = 0; y < 256; ++y)
       for (int x = 0; x < 256; ++x)
         g.layers[0].plane("ao").at(x, y) = x < 128 ? ao_of_strip(1.004 + 0.02 * (x - 127)) : ao_of_strip(1.5);
@@ -377,7 +377,7 @@ TEST(Toon, ShadowsOnGrazingPlanesHaveSmoothEdgesButAtSteps) {
     const test::TiltedPlane base{
         .width = 32, .height = 32, .step_px = whole ? 0.0 : 20.0, .error_deg = whole ? 2.0 : 0.0, .roll_rad = 0.0};
     test::at_grazing_angles(base, [&](const test::TiltedPlane& plane) {
-      GBuffer g = lit_from_all_around(plane);
+      GBuffer g = lit_by_ambient(plane);
       // The light comes from the direction that the plane faces.
       const double angle = plane.angle_deg * std::numbers::pi / 180.0;
       g.info.lights = {{.direction = glm::vec3(0.0, std::sin(angle), std::cos(angle)), .color = glm::vec3(0.7f)}};

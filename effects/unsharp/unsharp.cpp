@@ -23,14 +23,14 @@ namespace {
 
 // With the default far plane the farthest geometry is at 90 % of the depth range, at a distance from the end of the
 // paper's largest threshold; the default near plane keeps the listing's ratio of 2 to 15.
-constexpr float kFarShare = 0.9f;
+constexpr float kFarFraction = 0.9f;
 constexpr float kNearToFar = 2.0f / 15.0f;
 // A Gaussian window extends two standard deviations to either side.
 constexpr float kSigmasPerKernel = 4.0f;
 
 const std::vector<Parameter> kTable = {
     length_row("kernel", &UnsharpParams::kernel,
-               {.initial_percent = 4, .min = 1, .max = kUnsharpLargestKernel, .unit = "px"},
+               {.initial_percent = 4, .min = 1, .max = kUnsharpMaxKernel, .unit = "px"},
                "side of the window that is averaged, in pixels or in percent of the picture's height"),
     real_row("threshold", &UnsharpParams::threshold, {.initial = 0.02, .max = 1, .zero_means = "none"},
              "samples whose linearised depth differs by this much or more do not count"),
@@ -51,8 +51,8 @@ const std::vector<Parameter> kTable = {
 };
 
 int kernel_side(const Length& kernel, const PictureInfo& info) {
-  const float side = length_px(kernel, info.share_height(), info);
-  return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpLargestKernel))));
+  const float side = length_px(kernel, info.reference_height(), info);
+  return int(std::lround(std::clamp(side, 1.0f, float(kUnsharpMaxKernel))));
 }
 
 void fill_constants(const UnsharpParams& params, const PictureInfo& info, UnsharpConstants& c) {
@@ -71,7 +71,7 @@ void fill_constants(const UnsharpParams& params, const PictureInfo& info, Unshar
 
   const bool extent = params.linearization == kUnsharpExtent;
   float far_depth = params.far_depth;
-  if (!(far_depth > 0.0f)) far_depth = extent ? info.depth_max : info.depth_max / kFarShare;
+  if (!(far_depth > 0.0f)) far_depth = extent ? info.depth_max : info.depth_max / kFarFraction;
   float near_depth = params.near_depth;
   if (!(near_depth > 0.0f)) near_depth = extent ? info.depth_min : far_depth * kNearToFar;
   // Kernels must not fail: a near plane at or behind the far plane is moved slightly in front of it.
@@ -95,7 +95,7 @@ void set_radius(float radius, const PictureInfo& info, ParameterBytes& bytes) {
   const double depth =
       info.camera.projection == Projection::kPerspective ? 0.5 * (info.depth_min + info.depth_max) : 1.0;
   const double pixel = (info.camera.top - info.camera.bottom) / info.height * depth;
-  const double side = std::clamp(std::round(2.0 * radius / pixel), 1.0, double(kUnsharpLargestKernel));
+  const double side = std::clamp(std::round(2.0 * radius / pixel), 1.0, double(kUnsharpMaxKernel));
   as<UnsharpParams>(bytes).kernel = {float(side), 0};
 }
 
@@ -111,7 +111,7 @@ bool has_blocks(const void* constants) {
 }
 
 /// Alternatives for a box window on a GPU, whose cost hardly grows with the window.
-const std::vector<GpuWay> kGpuWays = {
+const std::vector<GpuVariant> kGpuVariants = {
     {.fits = has_no_threshold,
      .steps = {{.name = "across",
                 .inputs = {"unsharp_depth"},
@@ -164,10 +164,10 @@ Effect effect_unsharp() {
                                .outputs = {"ao"},
                                .kernel = unsharp_kernel(),
                                .tuned = run_tuned_unsharp,
-                               .gpu_ways = kGpuWays,
+                               .gpu_variants = kGpuVariants,
                                .tile = kSquareTile,
                                .reach = own_row,
-                               .far_inputs = {"unsharp_depth"}}}});
+                               .unbounded_inputs = {"unsharp_depth"}}}});
 }
 
 }  // namespace umbrage

@@ -20,7 +20,7 @@ const float kUnsharpSteps = 16777216.0f;  // 2^24: depth is an integer number of
 // Values of UnsharpParams::border and linearization.
 const int kUnsharpBorderSkip = 0, kUnsharpBorderZero = 1, kUnsharpBorderClamp = 2, kUnsharpBorderRepeat = 3;
 const int kUnsharpLinear = 0, kUnsharpListing = 1, kUnsharpExtent = 2;
-const int kUnsharpLargestKernel = 1023;
+const int kUnsharpMaxKernel = 1023;
 const int kUnsharpWeights = 512;  // a window of 1023 reaches 511 pixels from its centre
 
 struct UnsharpConstants {

@@ -125,7 +125,7 @@ HWY_INLINE std::uint64_t packed(std::int32_t steps) {
   return steps == kAbsent ? 0 : (std::uint64_t(1) << kCountShift) + std::uint64_t(steps);
 }
 
-void RunOpen(const KernelFrame& frame, const Tile& tile, Formulas& formulas, const Patch& patch) {
+void RunWithoutThreshold(const KernelFrame& frame, const Tile& tile, Formulas& formulas, const Patch& patch) {
   const int rows = tile.y1 - tile.y0, columns = tile.x1 - tile.x0;
   const int window_rows = patch.height - rows + 1, window_columns = patch.width - columns + 1;
   std::vector<std::uint64_t> column(patch.width, 0), before(patch.width + 1, 0);
@@ -370,7 +370,7 @@ void RunTuned(const KernelFrame& frame, const Tile& tile) {
   static thread_local Pyramid pyramid;
   load_patch(frame, formulas.C, tile, pyramid.patch);
   if (formulas.C.threshold >= kUnsharpSteps)
-    RunOpen(frame, tile, formulas, pyramid.patch);
+    RunWithoutThreshold(frame, tile, formulas, pyramid.patch);
   else
     RunThreshold(frame, tile, formulas, pyramid, int(std::ceil(formulas.C.threshold)) - 1);
 }

@@ -16,7 +16,7 @@ PLANE(UintPlane, unsharp_row_low, 0)
 
 const int kInvocations = 64;
 const int kClump = 8;  // invocations per clump, whose sums are added first
-const int kMaxSamples = kUnsharpSegment + kUnsharpLargestKernel - 1;
+const int kMaxSamples = kUnsharpSegment + kUnsharpMaxKernel - 1;
 
 // Sums of the samples to the left of each sample, and of all of them; then of each invocation's part, and of each
 // clump.

@@ -29,8 +29,8 @@ void fill_constants(const UpsampleParams& params, const PictureInfo&, UpsampleCo
   c = {factor, params.leave, params.distance, float(1.0 / (1.0 - cosine))};
 }
 
-bool light_too(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
-bool ao_alone(const ParameterBytes& bytes) { return !light_too(bytes); }
+bool includes_light(const ParameterBytes& bytes) { return as<UpsampleParams>(bytes).indirect != 0; }
+bool ao_only(const ParameterBytes& bytes) { return !includes_light(bytes); }
 
 /// Two blocks below the pixel's own, which begins at most a block above it.
 int reach(const void* constants, int) { return 3 * static_cast<const UpsampleConstants*>(constants)->factor; }
@@ -55,14 +55,14 @@ Effect effect_upsample() {
                                .inputs = {"reduced_ao", "depth", "normal.x", "normal.y", "normal.z"},
                                .outputs = {"ao"},
                                .kernel = upsample_ao_kernel(),
-                               .needed = ao_alone,
+                               .needed = ao_only,
                                .reach = reach},
                               {.name = "light",
                                .inputs = {"reduced_ao", "reduced_indirect.r", "reduced_indirect.g",
                                           "reduced_indirect.b", "depth", "normal.x", "normal.y", "normal.z"},
                                .outputs = {"ao", "indirect.r", "indirect.g", "indirect.b"},
                                .kernel = upsample_light_kernel(),
-                               .needed = light_too,
+                               .needed = includes_light,
                                .reach = reach}}});
 }
 

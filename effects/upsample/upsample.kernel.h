@@ -11,7 +11,7 @@ OUT_REAL(ao)
 
 CONST float kOutside = 2e6f;  // misfit of a pixel outside the picture
 // Where no pixel fits, the nearest in depth has the largest weight. Where any fits, this is too small to be visible.
-CONST float kMinJoint = 1e-6f;
+CONST float kMinFit = 1e-6f;
 // If the weights of the four nearest pixels sum to less than this, at silhouettes and on leaves and wires that none of
 // the four shows, the technique computes the pixel itself (`leave`), or the sixteen nearest pixels are used.
 CONST float kFew = 0.1f;
@@ -38,8 +38,8 @@ FN Real misfit_of(int i, int j, Int px, Int py, Vec3 position, Vec3 normal) {
 }
 
 // Returns how well that corner fits this pixel, 0 to 1. `any`: whether any lane shows a surface.
-FN Real corner_joint(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, bool any) {
-  if (any) return joint_of(misfit_of(i, j, px, py, position, normal));
+FN Real corner_fit(int i, int j, Int px, Int py, Vec3 position, Vec3 normal, bool any) {
+  if (any) return same_surface_weight(misfit_of(i, j, px, py, position, normal));
   // Background only compares depths.
   Bool inside =
       block_start(px) + Int(i * C.factor) < Int(F.width) && block_start(py) + Int(j * C.factor) < Int(F.height);
@@ -59,13 +59,13 @@ FN Vec3 shares_of(Int px, Int py) {
   Vec3 position = view_position(px, py, near_depth(0, 0));
   Vec3 normal = near_normal(0, 0);
   bool any = some(is_surface(near_depth(0, 0)));
-  Real own = (1.0f - at.x) * (1.0f - at.y) * corner_joint(0, 0, px, py, position, normal, any);
-  Real right = at.x * (1.0f - at.y) * corner_joint(1, 0, px, py, position, normal, any);
+  Real own = (1.0f - at.x) * (1.0f - at.y) * corner_fit(0, 0, px, py, position, normal, any);
+  Real right = at.x * (1.0f - at.y) * corner_fit(1, 0, px, py, position, normal, any);
   Real below = Real(0.0f);
   Real both = Real(0.0f);
   if (some(at.y > 0.0f)) {
-    below = (1.0f - at.x) * at.y * corner_joint(0, 1, px, py, position, normal, any);
-    both = at.x * at.y * corner_joint(1, 1, px, py, position, normal, any);
+    below = (1.0f - at.x) * at.y * corner_fit(0, 1, px, py, position, normal, any);
+    both = at.x * at.y * corner_fit(1, 1, px, py, position, normal, any);
   }
   Real sum = own + right + (below + both);
   Real scale = Real(1.0f) / max(sum, Real(kFew));
@@ -75,7 +75,7 @@ FN Vec3 shares_of(Int px, Int py) {
 }
 
 // Returns the occlusion of a pixel that too few fit: that of background is known.
-FN Real left_ao() { return select(is_surface(near_depth(0, 0)), Real(kMissing), Real(1.0f)); }
+FN Real missing_ao() { return select(is_surface(near_depth(0, 0)), Real(kMissing), Real(1.0f)); }
 
 // Returns the weight of the block (i, j) to the right and below, if sixteen are used.
 FN Real wide_weight(int i, int j, Int px, Int py) {
@@ -84,7 +84,7 @@ FN Real wide_weight(int i, int j, Int px, Int py) {
   Real y = at.y - float(j);
   Real misfit = misfit_of(i, j, px, py, view_position(px, py, near_depth(0, 0)), near_normal(0, 0));
   Real inverse = Real(1.0f) / (misfit * misfit);
-  Real joint = max(joint_of(misfit), inverse * inverse * kMinJoint);
+  Real joint = max(same_surface_weight(misfit), inverse * inverse * kMinFit);
   return select(misfit < kOutside, joint / max(mad(x, x, y * y), Real(kMinSquare)), Real(0.0f));
 }
 

@@ -19,6 +19,6 @@ FN void upsample_ao_pixel(Int px, Int py) {
     change = select(few, wide * (Real(1.0f) / sum), change);
   }
   Real ao = own + change;
-  if (C.leave != 0) ao = select(few, left_ao(), ao);
+  if (C.leave != 0) ao = select(few, missing_ao(), ao);
   store_ao(ao);
 }

@@ -33,7 +33,7 @@ FN void upsample_light_pixel(Int px, Int py) {
     light_change = select(few, wide_light * scale, light_change);
   }
   Real ao = own + change;
-  if (C.leave != 0) ao = select(few, left_ao(), ao);
+  if (C.leave != 0) ao = select(few, missing_ao(), ao);
   store_ao(ao);
   store_indirect(own_light + light_change);
 }

@@ -68,8 +68,8 @@ TEST(Reduced, PixelsKeepTheirPlaces) {
           EXPECT_EQ(info.width, (g.info.width + factor - 1) / factor);
           EXPECT_EQ(info.height, (g.info.height + factor - 1) / factor);
           EXPECT_EQ(info.reduced, factor);
-          EXPECT_FLOAT_EQ(info.share_width() * float(factor), float(g.info.inner_width()));
-          EXPECT_FLOAT_EQ(info.share_height() * float(factor), float(g.info.inner_height()));
+          EXPECT_FLOAT_EQ(info.reference_width() * float(factor), float(g.info.inner_width()));
+          EXPECT_FLOAT_EQ(info.reference_height() * float(factor), float(g.info.inner_height()));
           const Image planes = *device->download_all(*small);
           ASSERT_EQ(planes.names, (std::vector<std::string>{"depth", "layer1.depth"}));
           ASSERT_EQ(planes.width, info.width);
@@ -97,10 +97,10 @@ TEST(Reduced, LengthsInPixelsMeanTheSameDistance) {
   EXPECT_EQ(quarter.reduced, 4);
   EXPECT_EQ(quarter.width, reduced_info(g.info, 4).width);
   for (const Length& length : {Length{12.0f, 0}, Length{3.125f, 1}}) {
-    const float full = length_px(length, g.info.share_width(), g.info);
+    const float full = length_px(length, g.info.reference_width(), g.info);
     EXPECT_FLOAT_EQ(full, length.relative ? 0.03125f * 191.0f : 12.0f);
-    EXPECT_FLOAT_EQ(2.0f * length_px(length, half.share_width(), half), full);
-    EXPECT_FLOAT_EQ(4.0f * length_px(length, quarter.share_width(), quarter), full);
+    EXPECT_FLOAT_EQ(2.0f * length_px(length, half.reference_width(), half), full);
+    EXPECT_FLOAT_EQ(4.0f * length_px(length, quarter.reference_width(), quarter), full);
   }
 }
 
@@ -362,7 +362,7 @@ struct Drawing {
         .name = "test", .summary = "", .occlusion = technique, .effects = {"occlusion", "denoise"}, .presets = {}};
     EffectSettings all = look_settings(look);
     for (const std::string& setting : settings) EXPECT_TRUE(apply_setting(all, setting)) << setting;
-    const LookRun run{.look = &look, .occlusion = technique, .occlusion_every = every, .settings = &all};
+    const LookRun run{.look = &look, .occlusion = technique, .occlusion_downsampling = every, .settings = &all};
     const auto done = run_look(run, *device, frame);
     EXPECT_TRUE(done) << (done ? "" : done.error().message);
     Image image = *device->download(frame, {"ao", "depth"});
@@ -446,7 +446,7 @@ TEST(Upsample, LaterRoundsReadWhatTheFirstDoesNot) {
     for (const std::string& setting :
          {std::string("hemisphere.bleeding=1"), fmt::format("hemisphere.bounces={}", bounces)})
       EXPECT_TRUE(apply_setting(all, setting));
-    const LookRun run{.look = &look, .occlusion = "hemisphere", .occlusion_every = 2, .settings = &all};
+    const LookRun run{.look = &look, .occlusion = "hemisphere", .occlusion_downsampling = 2, .settings = &all};
     EXPECT_TRUE(run_look(run, *device, frame));
     return device->download(frame, {"indirect.g"})->planes[0];
   };

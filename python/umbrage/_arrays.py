@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _TYPES = {"float32": 1, "float16": 2, "uint8": 3, "uint16": 4, "uint32": 5}
-_SIDE_MAX = 2**31 - 1  # max of the C interface's type; the library's own limit is lower
-_LARGEST_SIDE = 16384  # max side of a texture, pixels
+_MAX_INT32 = 2**31 - 1  # max of the C interface's type; the library's own limit is lower
+_MAX_TEXTURE_SIDE = 16384  # max side of a texture, pixels
 _ONE_CHANNEL = frozenset(("depth", "specular", "shininess", "shadow", "object_id", "material_id", "ao"))
 
 
@@ -102,8 +102,8 @@ def texture_array(values: Any, name: str) -> NDArray[Any]:
         array = np.repeat(array.reshape(array.shape[:2] + (1,)), 3, axis=2)
     if array.ndim != 3 or array.shape[2] not in (3, 4):
         raise UsageError(f"`{name}` has the shape {array.shape}: it takes (height, width), or that and 3 or 4 channels")
-    if not all(0 < side <= _LARGEST_SIDE for side in array.shape[:2]):
-        raise UsageError(f"`{name}` has the shape {array.shape}: it takes 1 to {_LARGEST_SIDE} pixels a side")
+    if not all(0 < side <= _MAX_TEXTURE_SIDE for side in array.shape[:2]):
+        raise UsageError(f"`{name}` has the shape {array.shape}: it takes 1 to {_MAX_TEXTURE_SIDE} pixels a side")
     return np.ascontiguousarray(array)
 
 
@@ -171,14 +171,14 @@ def share_memory(a: NDArray[Any], b: NDArray[Any]) -> bool:
 def image_of(array: NDArray[Any]) -> Image:
     """Describes an array of image_array or output_array for the library. The array must outlive the image."""
     strides = [s if n > 1 else array.dtype.itemsize for s, n in zip(array.strides, array.shape)]
-    height, width = (min(n, _SIDE_MAX) for n in array.shape[:2])
+    height, width = (min(n, _MAX_INT32) for n in array.shape[:2])
     has_channels = array.ndim == 3
     return Image(
         array.ctypes.data if array.size else None,
         _TYPES[array.dtype.name],
         width,
         height,
-        min(array.shape[2], _SIDE_MAX) if has_channels else 1,
+        min(array.shape[2], _MAX_INT32) if has_channels else 1,
         strides[2] if has_channels else array.dtype.itemsize,
         strides[1],
         strides[0],

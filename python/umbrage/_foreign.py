@@ -79,11 +79,11 @@ def meshes_of(thing: Any) -> Iterator[Mesh]:
         colors = _screen_colors(getattr(thing, "colors", None))
         if colors is None:
             colors = _vtk_colors(thing, "point_data", len(thing.points))
-        yield {"vertices": thing.points, "colors": colors, "normals": _some(getattr(thing, "normals", None))}
+        yield {"vertices": thing.points, "colors": colors, "normals": _non_empty(getattr(thing, "normals", None))}
     elif _has(thing, "tetras"):  # open3d.geometry.TetraMesh
         raise UsageError(f"a {kind} has `tetras`, which Umbrage does not support: give (points, triangles)")
     else:  # trimesh.PointCloud
-        colors = _some(getattr(thing, "colors", None))
+        colors = _non_empty(getattr(thing, "colors", None))
         yield {"vertices": thing.vertices, "colors": None if colors is None or colors.ndim != 2 else colors}
 
 
@@ -102,10 +102,10 @@ def _trimesh(mesh: Any) -> Iterator[Mesh]:
     elif kind == "face" and skin is not None:
         yield _split(made, face_colors=np.asarray(skin.face_colors))
     elif kind == "texture" and skin is not None:
-        uv = _some(getattr(skin, "uv", None))
+        uv = _non_empty(getattr(skin, "uv", None))
         material = getattr(skin, "material", None)
         several = getattr(material, "materials", None)  # trimesh.visual.material.MultiMaterial
-        of_faces = _some(getattr(skin, "face_materials", None))
+        of_faces = _non_empty(getattr(skin, "face_materials", None))
         if several and of_faces is not None:
             for index in np.unique(of_faces):
                 yield dict(_part(made, of_faces == index, uv), **_material(several[int(index)], uv is not None))
@@ -164,15 +164,15 @@ def _open3d(mesh: Any) -> Iterator[Mesh]:
         "vertices": np.asarray(mesh.vertices),
         "faces": faces if len(faces) else None,
         "colors": _screen_colors(getattr(mesh, "vertex_colors", None)),
-        "normals": _some(getattr(mesh, "vertex_normals", None)),
+        "normals": _non_empty(getattr(mesh, "vertex_normals", None)),
     }
-    uv = _some(getattr(mesh, "triangle_uvs", None))
+    uv = _non_empty(getattr(mesh, "triangle_uvs", None))
     images = [np.asarray(image) for image in getattr(mesh, "textures", None) or []]
     images = [image for image in images if image.size]
     if uv is None or not images or len(uv) != 3 * len(faces):
         yield made
         return
-    of_faces = _some(getattr(mesh, "triangle_material_ids", None))
+    of_faces = _non_empty(getattr(mesh, "triangle_material_ids", None))
     if len(images) == 1 or of_faces is None or len(of_faces) != len(faces):
         yield dict(_split(made, corner_uv=uv), texture=images[0][::-1])
         return
@@ -218,7 +218,7 @@ def _screen_colors(values: Any) -> Any:
     """Converts floats in sRGB to integers, which Umbrage reads as sRGB; Umbrage's floats are linear."""
     import numpy as np
 
-    array = _some(values)
+    array = _non_empty(values)
     if array is None or array.dtype.kind != "f":
         return array
     return np.rint(np.clip(np.nan_to_num(array), 0, 1) * 65535).astype(np.uint16)
@@ -275,7 +275,7 @@ def _vtk_colors(surface: Any, where: str, count: int) -> Optional[NDArray[Any]]:
 # ---- Common functions ----
 
 
-def _some(values: Any) -> Any:
+def _non_empty(values: Any) -> Any:
     """Returns the array, or None if it is empty."""
     import numpy as np
 

@@ -15,7 +15,7 @@ from ._errors import UsageError
 from ._lists import known_parameters
 from ._picture import Picture, strokes_of
 from ._progress import Progress, Watch, check_progress
-from ._scene import Scene, tell_warnings
+from ._scene import Scene, issue_warnings
 from ._suggest import shown, suggestion
 
 if TYPE_CHECKING:
@@ -106,14 +106,14 @@ class Job:
         """Sets a parameter: one of umbrage.parameters("render") or ("shade"), or of an effect, such as
         "bitmask.radius". None restores the default. Errors: UsageError."""
         native.bytes_of(name, "name")
-        with self._mine():
+        with self._exclusive():
             self._set_all({name: value})
 
     def close(self) -> None:
         """Frees the job and its device now."""
         if self._job.pointer is None or native.is_forked():
             return
-        with self._mine():
+        with self._exclusive():
             self._job.close()
             self._device.close()
 
@@ -187,7 +187,7 @@ class Job:
             self._set(name, value)
 
     @contextmanager
-    def _kept_on_errors(self) -> Iterator[None]:
+    def _rolled_back_on_error(self) -> Iterator[None]:
         """Restores the parameters set within the context if an exception is raised."""
         before = dict(self._values)
         try:
@@ -207,7 +207,7 @@ class Job:
             self._set("camera." + name, given.pop(name, None))
 
     @contextmanager
-    def _mine(self) -> Iterator[None]:
+    def _exclusive(self) -> Iterator[None]:
         """Takes exclusive use; other threads wait. Errors: UsageError within the object's own progress callback, and
         once it is closed; DeviceError in a forked process."""
         native.check_process()
@@ -232,13 +232,13 @@ class Job:
         told: List[bytes] = []
         with Watch(progress, is_before) as watch:
             try:
-                lib.umbSetJobProgressCallback(job, native.tell_generator, watch.generator)
+                lib.umbSetJobProgressCallback(job, native.send_to_generator, watch.generator)
                 lib.umbSetDeviceLogCallback(device, native.append_to_list, told)
                 self._job.check(function(job))
             finally:
                 lib.umbSetJobProgressCallback(job, native.no_progress, None)
                 lib.umbSetDeviceLogCallback(device, native.no_log, None)
-        tell_warnings(told)
+        issue_warnings(told)
 
     def _make(self, size: Tuple[int, int], wanted: Dict[str, Optional[NDArray[Any]]], progress: Progress) -> Picture:
         """Executes the job. `size`: (width, height). `wanted`: for each pass the array to write, or None for a new
@@ -305,7 +305,7 @@ def checked_dtype(dtype: Any) -> np.dtype[Any]:
     return kind
 
 
-def wanted_outputs(
+def requested_outputs(
     size: Tuple[int, int], dtype: Any, passes: Union[str, Sequence[str]], out: Any, has_color: bool
 ) -> Dict[str, Optional[NDArray[Any]]]:
     """Returns the requested outputs, each with the array to write, or None for a new array."""
@@ -328,7 +328,7 @@ def wanted_outputs(
 
 
 @contextmanager
-def one_bar(progress: Progress) -> Iterator[Progress]:
+def shared_bar(progress: Progress) -> Iterator[Progress]:
     """Uses one progress bar for all calls within the context."""
     from ._progress import Bar
 

@@ -125,13 +125,13 @@ def known_parameters(owner: str) -> Dict[str, Parameter]:
     return _KNOWN[owner]
 
 
-_NOT_SAID_SO = ("width", "height", "near_plane", "far_plane")  # have other names in this package
+_RENAMED_PARAMETERS = ("width", "height", "near_plane", "far_plane")  # have other names in this package
 
 
 def check_keywords(given: Iterable[str], owner: str, arguments: Sequence[str]) -> None:
     """Checks that keywords are parameters of the owner. `arguments`: further names to suggest. Errors: UsageError."""
     for name in given:
         known = known_parameters(owner)
-        if name not in known and name not in _NOT_SAID_SO and "." not in name:  # the library checks those of effects
-            names = [*arguments, *(each for each in known if "." not in each and each not in _NOT_SAID_SO)]
+        if name not in known and name not in _RENAMED_PARAMETERS and "." not in name:  # the library checks those of effects
+            names = [*arguments, *(each for each in known if "." not in each and each not in _RENAMED_PARAMETERS)]
             raise UsageError(f"there is no parameter '{name}'{suggestion(name, names)}")

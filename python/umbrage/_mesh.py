@@ -14,7 +14,7 @@ from ._suggest import shown
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST_VERTICES = 2**31 - 1
+_MAX_VERTICES = 2**31 - 1
 _MATERIAL = ("albedo", "emission", "specular", "shininess", "alpha_cutoff")
 
 
@@ -38,8 +38,8 @@ def mesh_of(vertices: Any, faces: Any = None, **given: Any) -> Mesh:
     colors, uv, radii, texture = (given.get(each) for each in ("colors", "uv", "radii", "texture"))
     points = _rows(vertices, "vertices", (3,), np.float32)
     count = len(points)
-    if not 0 < count <= _MOST_VERTICES:
-        raise UsageError(f"`vertices` has {count} rows: it takes 1 to {_MOST_VERTICES}")
+    if not 0 < count <= _MAX_VERTICES:
+        raise UsageError(f"`vertices` has {count} rows: it takes 1 to {_MAX_VERTICES}")
     if not np.isfinite(points).all():
         at = int(np.nonzero(~np.isfinite(points).all(axis=1))[0][0])
         raise UsageError(f"`vertices` holds a number that is not finite, in row {at}")

@@ -85,7 +85,7 @@ class Parameter(Structure):
 # it cannot be caught, and it would be lost. `user` is a generator, which waits inside a `try`, or a list.
 ProgressCallback = CFUNCTYPE(c_bool, py_object, c_double)
 LogCallback = CFUNCTYPE(None, py_object, c_char_p)
-tell_generator = ProgressCallback(types.GeneratorType.send)
+send_to_generator = ProgressCallback(types.GeneratorType.send)
 append_to_list = LogCallback(list.append)
 no_progress: Any = ProgressCallback()  # type: ignore[call-overload]  # NULL
 no_log: Any = LogCallback()  # type: ignore[call-overload]

@@ -6,15 +6,15 @@ from typing import Any, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native as native
 from ._errors import UsageError
-from ._job import Job, Where, checked_dtype, one_bar, wanted_outputs
+from ._job import Job, Where, checked_dtype, shared_bar, requested_outputs
 from ._lists import check_keywords
 from ._picture import Picture
 from ._progress import Progress, check_progress
 from ._scene import SCENE_PARAMETERS, Scene
 from ._suggest import shown
 
-_OF_PICTURES = ("size", "camera", "passes", "dtype", "out", "progress", "settings")
-_OF_RENDERERS = ("look", "quality", "device", "threads")
+_PICTURE_ARGUMENTS = ("size", "camera", "passes", "dtype", "out", "progress", "settings")
+_RENDERER_ARGUMENTS = ("look", "quality", "device", "threads")
 
 
 class Renderer(Job):
@@ -52,7 +52,7 @@ class Renderer(Job):
     ) -> None:
         """Arguments and errors are those of umbrage.render. Arguments of a picture are the defaults of `render`."""
         of_pictures = [name for name in parameters if name not in SCENE_PARAMETERS]
-        check_keywords(of_pictures, "render", _OF_PICTURES + _OF_RENDERERS + SCENE_PARAMETERS)
+        check_keywords(of_pictures, "render", _PICTURE_ARGUMENTS + _RENDERER_ARGUMENTS + SCENE_PARAMETERS)
         check_progress(progress)
         of_scene = {name: parameters.pop(name) for name in list(parameters) if name in SCENE_PARAMETERS}
         if isinstance(model, Scene) and of_scene:
@@ -73,7 +73,7 @@ class Renderer(Job):
     def prepare(self, *, progress: Progress = None) -> None:
         """Does the work that precedes the first picture: builds the ray-tracing acceleration structure. Otherwise the
         first call of render does it. Errors: FileError, DeviceError, exceptions of `progress`."""
-        with self._mine(), self._used_scene().reading():
+        with self._exclusive(), self._used_scene().reading():
             self._call(native.lib.umbPrepareJob, self._progress if progress is None else progress, is_before=True)
 
     def render(
@@ -97,14 +97,14 @@ class Renderer(Job):
         for name in parameters:
             if name in ("device", "threads") + SCENE_PARAMETERS:
                 raise UsageError(f"`{name}` cannot be changed: set it when creating the Renderer")
-        check_keywords(parameters, "render", _OF_PICTURES + _OF_RENDERERS)
+        check_keywords(parameters, "render", _PICTURE_ARGUMENTS + _RENDERER_ARGUMENTS)
         check_progress(progress)
         self._used_scene().check_filled()
-        with self._mine(), self._used_scene().reading(), self._kept_on_errors():
+        with self._exclusive(), self._used_scene().reading(), self._rolled_back_on_error():
             at = self._size if size is None else _size(size)
             self._set_all(settings, **parameters)
             self._place(at, self._camera if camera is None else camera)
-            wanted = wanted_outputs(
+            wanted = requested_outputs(
                 at, self._dtype if dtype is None else dtype, self._passes if passes is None else passes, out, True
             )
             return self._make(at, wanted, self._progress if progress is None else progress)
@@ -165,7 +165,7 @@ def render(
 
     Errors: UsageError; FileError; DeviceError; Cancelled; exceptions of `progress`.
     """
-    with one_bar(progress) as told, Renderer(
+    with shared_bar(progress) as told, Renderer(
         model,
         size=size,
         look=look,

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ._picture import Picture
 
 SCENE_PARAMETERS = ("up", "crease_angle_deg", "point_size", "point_sprites", "scene_index")
-_OF_MESHES = (
+_MESH_ARGUMENTS = (
     "colors",
     "normals",
     "uv",
@@ -40,7 +40,7 @@ _OF_MESHES = (
 )
 
 
-def tell_warnings(texts: List[bytes], depth: int = 4) -> None:
+def issue_warnings(texts: List[bytes], depth: int = 4) -> None:
     """Issues the library's warnings as Python warnings."""
     while texts:
         warnings.warn(texts.pop(0).decode("utf-8", "replace"), UmbrageWarning, stacklevel=depth)
@@ -82,7 +82,7 @@ class Scene:
         Errors: UsageError.
         """
         mesh = dict(parameters, faces=faces, colors=colors, normals=normals, uv=uv)
-        known = ("vertices", "faces") + SCENE_PARAMETERS + _OF_MESHES
+        known = ("vertices", "faces") + SCENE_PARAMETERS + _MESH_ARGUMENTS
         for name in mesh:
             if name not in known:
                 raise UsageError(f"a Scene has no argument '{name}'{suggestion(name, known)}")
@@ -162,12 +162,12 @@ class Scene:
         told: List[bytes] = []
         try:
             lib.umbSetDeviceLogCallback(self._device.pointer, native.append_to_list, told)
-            lib.umbSetSceneProgressCallback(handle.pointer, native.tell_generator, watch.generator)
+            lib.umbSetSceneProgressCallback(handle.pointer, native.send_to_generator, watch.generator)
             handle.check(lib.umbLoadModel(handle.pointer, model))
         finally:
             lib.umbSetSceneProgressCallback(handle.pointer, native.no_progress, None)
             lib.umbSetDeviceLogCallback(self._device.pointer, native.no_log, None)
-            tell_warnings(told)
+            issue_warnings(told)
 
     def add_mesh(
         self,

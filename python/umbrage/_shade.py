@@ -8,7 +8,7 @@ from typing import Any, List, Mapping, Optional, Sequence, Union
 from . import _native as native
 from ._arrays import image_array, image_of, share_memory
 from ._errors import UsageError
-from ._job import Job, wanted_outputs
+from ._job import Job, requested_outputs
 from ._lists import check_keywords
 from ._picture import Picture
 from ._progress import Progress, check_progress
@@ -110,12 +110,12 @@ class Shader(Job):
                 if name in inputs:
                     raise UsageError(f"there are two images '{name}': `images` has it, and the argument `{name}`")
                 inputs[name] = values
-        with self._mine():
+        with self._exclusive():
             first = image_array(depth, "depth")
             height, width = first.shape[:2]
             arrays = {name: image_array(values, name, (height, width)) for name, values in inputs.items()}
             has_color = not self._effects or "output" in self._effects
-            wanted = wanted_outputs((width, height), self._dtype, self._passes, out, has_color)
+            wanted = requested_outputs((width, height), self._dtype, self._passes, out, has_color)
             for output, memory in wanted.items():
                 for name, array in arrays.items():
                     if memory is not None and memory.size and share_memory(memory, array):

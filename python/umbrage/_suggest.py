@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from typing import Any, Iterable
 
-_SLIPS = 2  # max edit distance, letters; 1 for names of up to 4 letters
-_LONGEST = 60  # max number of characters of a value in a message
+_MAX_EDIT_DISTANCE = 2  # max edit distance, letters; 1 for names of up to 4 letters
+_MAX_SHOWN = 60  # max number of characters of a value in a message
 
 
 def shown(value: Any) -> str:
@@ -15,7 +15,7 @@ def shown(value: Any) -> str:
         text = " ".join(repr(value).split())
     except Exception:  # `value` may raise any exception
         text = f"a {type(value).__name__}"
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+    return text if len(text) <= _MAX_SHOWN else text[: _MAX_SHOWN - 3] + "..."
 
 
 def _distance(a: str, b: str) -> int:
@@ -35,7 +35,7 @@ def suggestion(word: str, names: Iterable[str]) -> str:
     """Returns " (did you mean 'x'?)" for the nearest name if it is close enough, else " (available: a, b)". The rule is
     that of core/suggest.h; this is for names that the library does not know."""
     listed = list(dict.fromkeys(names))
-    best, nearest = _SLIPS + 1, ""
+    best, nearest = _MAX_EDIT_DISTANCE + 1, ""
     for name in listed:
         distance = _distance(word, name)
         if distance < best and distance <= max(1, (len(name) - 1) // 2):

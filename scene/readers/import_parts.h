@@ -1,4 +1,4 @@
-// Steps that import_apart and import_here have in common.
+// Steps that import_in_child_process and import_in_process have in common.
 #pragma once
 #include <optional>
 

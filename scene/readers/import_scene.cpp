@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "scene/finish.h"
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 #include "scene/readers/import_parts.h"
 #include "scene/readers/off.h"
 #include "scene/readers/ply.h"
@@ -40,7 +40,7 @@ std::optional<Result<Scene>> import_own(const fs::path& file, const std::string&
 }
 
 /// Returns the number of triangles with an index out of range, which a damaged file has.
-std::size_t triangles_astray(const Mesh& mesh) {
+std::size_t count_triangles_out_of_range(const Mesh& mesh) {
   std::size_t count = 0;
   for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3)
     count += std::max({mesh.indices[i], mesh.indices[i + 1], mesh.indices[i + 2]}) >= mesh.positions.size();
@@ -97,7 +97,7 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
   if (scene.meshes.empty()) return file_error("'{}' has no triangles and no points", file.string());
   const std::size_t triangles = scene.triangle_count(), points = scene.point_count();
   std::size_t astray = 0;
-  for (const Mesh& mesh : scene.meshes) astray += triangles_astray(mesh);
+  for (const Mesh& mesh : scene.meshes) astray += count_triangles_out_of_range(mesh);
   if (astray > 0) {
     scene.warnings.push_back(
         fmt::format("{} of {} triangles have vertex indices out of range and are left out", astray, triangles));
@@ -111,8 +111,8 @@ Result<Scene> complete_import(Result<Scene> imported, const fs::path& file, cons
     return file_error("'{}' has no triangles that can be drawn; all {} are degenerate or not finite", file.string(),
                       triangles);
   }
-  constexpr std::size_t kWorthSaying = 4;  // one in four; fewer are common in CAD and not visible
-  if (dropped > astray && (dropped - astray) * kWorthSaying > triangles + points) {
+  constexpr std::size_t kWarnOneIn = 4;  // one in four; fewer are common in CAD and not visible
+  if (dropped > astray && (dropped - astray) * kWarnOneIn > triangles + points) {
     scene.warnings.push_back(points == 0
                                  ? fmt::format("{} of {} triangles are degenerate or not finite and are left out",
                                                dropped - astray, triangles)
@@ -142,7 +142,7 @@ Result<Scene> import_scene(const fs::path& file, const ImportSettings& settings,
     if (poll.ended()) return interrupted();
     auto own = import_own(file, format, &poll);
     const bool apart = !own;
-    auto scene = apart ? import_apart(file, settings, &poll) : std::move(*own);
+    auto scene = apart ? import_in_child_process(file, settings, &poll) : std::move(*own);
     if (!scene) return scene;
     poll.part(kRead, 1.0);
     if (!apart || scene->point_count() > 0) scene = complete_import(std::move(scene), file, settings, &poll);

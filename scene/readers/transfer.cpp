@@ -51,10 +51,11 @@ void pass(Archive& archive, AmbientShape& shape) {
 template <class Archive>
 void pass(Archive& archive, Scene& scene) {
   auto& [name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
-         ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings] =
-      scene;
+         ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center, ground_fade_distance,
+         warnings] = scene;
   archive(name, meshes, materials, textures, lights, views, cameras, scene_names, scene_index, up, ambient,
-          ambient_shape, usual_light, bounds_min, bounds_max, ground_object, ground_middle, ground_fades, warnings);
+          ambient_shape, lit_white_luminance, bounds_min, bounds_max, ground_object, ground_center,
+          ground_fade_distance, warnings);
 }
 template <class Archive>
 void pass(Archive& archive, Panorama& panorama) {

@@ -13,7 +13,7 @@ struct Reader {
   std::string_view name;
   void (*read)(std::string_view bytes);
   std::vector<std::string> (*seeds)();  ///< small and sound
-  bool by_others;                       ///< a library reads, which may crash; the program does not (import_apart)
+  bool by_others;  ///< a library reads, which may crash; the program does not (import_in_child_process)
 };
 
 std::span<const Reader> readers();

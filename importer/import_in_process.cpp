@@ -1,7 +1,7 @@
 // Import of models: PLY, OFF and points in text form by built-in readers, all other formats through Assimp. Assimp only
 // parses and triangulates; scene/finish.cpp joins vertices and creates normals, which is faster and gives all formats
 // the same rules.
-#include "importer/import_here.h"
+#include "importer/import_in_process.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
@@ -174,7 +174,7 @@ struct Files : Assimp::DefaultIOSystem {
     std::error_code error;
     Assimp::IOStream* stream = nullptr;
     if (fs::is_regular_file(name, error)) {  // a name in a model may be a pipe, which never ends
-      if (name != model) allow_for(name);
+      if (name != model) raise_limits_for(name);
       stream = Assimp::DefaultIOSystem::Open(name, mode);
     }
     if (import_format(name) == "mtl") {
@@ -224,7 +224,7 @@ struct MeshRules {
   bool keep_normals = true;    ///< false for formats with normals that only repeat those of the faces
   bool linear_colors = false;  ///< otherwise vertex colours are sRGB
   GltfFacts gltf = {};
-  std::vector<bool> left_out = {};  ///< per material: true if it is not drawn
+  std::vector<bool> not_drawn = {};  ///< per material: true if it is not drawn
 };
 
 /// Sets the texture coordinates: the set and the transform that the material requires.
@@ -305,11 +305,11 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
   const bool wants_points = std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
                                         [](const aiMesh* mesh) { return is_points(*mesh); });
   // If every mesh has a clear material, all are drawn.
-  const auto is_left_out = [&](const aiMesh& mesh) {
-    return mesh.mMaterialIndex < rules.left_out.size() && rules.left_out[mesh.mMaterialIndex];
+  const auto is_not_drawn = [&](const aiMesh& mesh) {
+    return mesh.mMaterialIndex < rules.not_drawn.size() && rules.not_drawn[mesh.mMaterialIndex];
   };
-  const bool leaves_out = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
-                                       [&](const aiMesh* mesh) { return is_left_out(*mesh); });
+  const bool skips_clear_materials = !std::all_of(source.mMeshes, source.mMeshes + source.mNumMeshes,
+                                                  [&](const aiMesh* mesh) { return is_not_drawn(*mesh); });
   std::set<std::string> clear;
   int object = 0;
   while (!stack.empty()) {
@@ -321,7 +321,7 @@ void import_nodes(const aiScene& source, const glm::dmat4& root, const MeshRules
     for (unsigned i = 0; i < place.node->mNumMeshes; ++i) {
       const unsigned index = place.node->mMeshes[i];
       if (index >= source.mNumMeshes || (is_points(*source.mMeshes[index]) && !wants_points)) continue;
-      if (leaves_out && is_left_out(*source.mMeshes[index])) {
+      if (skips_clear_materials && is_not_drawn(*source.mMeshes[index])) {
         clear.insert(scene.materials[source.mMeshes[index]->mMaterialIndex].name);
         continue;
       }
@@ -391,7 +391,7 @@ Result<Scene> import_by_assimp(const fs::path& file, const std::string& format, 
   if (!source || !source->mRootNode) return unreadable(file, format, importer.GetErrorString());
   Scene scene;
   scene.up = up_of(*source, format);
-  import_materials(*source, file, format, rules.gltf, scene, rules.left_out);
+  import_materials(*source, file, format, rules.gltf, scene, rules.not_drawn);
   // Normals of STL are those of the faces; 3DS has none, and Assimp's ignore creases.
   rules.keep_normals = format != "stl" && format != "3ds";
   // Assimp rotates 3DS files as if +z were up. Existing files have +y up, so the rotation is undone.
@@ -434,7 +434,7 @@ Result<Scene> import_ply(const fs::path& file) {
 
 }  // namespace
 
-Result<Scene> import_here(const fs::path& file, const ImportSettings& settings, bool process_ends) {
+Result<Scene> import_in_process(const fs::path& file, const ImportSettings& settings, bool process_ends) {
   const std::string format = import_format(file);
   if (auto error = check_model_file(file, format)) return std::move(*error);
   try {

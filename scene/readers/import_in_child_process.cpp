@@ -1,7 +1,7 @@
 // The counterpart of importer/serve.cpp. Spawns a program instead of forking: after fork alone, the child of a program
 // with threads may not even allocate memory, and copying the page tables of a large program costs more than starting a
 // small one (docs/reliability.md).
-#include "scene/readers/import_apart.h"
+#include "scene/readers/import_in_child_process.h"
 
 #include <dlfcn.h>
 #include <fcntl.h>
@@ -48,7 +48,7 @@ struct Descriptor {
 };
 
 /// Moves a descriptor to a number that the child does not use, where dup2 would close one for another.
-Descriptor moved_up(int number) {
+Descriptor moved_to_free_number(int number) {
   constexpr int kFirstFree = 10;
   Descriptor low(number);
   return number < 0 ? Descriptor() : Descriptor(::fcntl(number, F_DUPFD_CLOEXEC, kFirstFree));
@@ -76,7 +76,7 @@ Ended wait_for(pid_t child, std::chrono::steady_clock::time_point started) {
 }
 
 /// Returns the error for a process that ended without a result.
-Error ended_early(const fs::path& file, const Ended& ended) {
+Error error_of_ended_child(const fs::path& file, const Ended& ended) {
   const int signal = ended.known && WIFSIGNALED(ended.status) ? WTERMSIG(ended.status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM)
     return file_error("'{}' is damaged or too complex; its reader was stopped after {:.0f} s", file.string(),
@@ -120,7 +120,7 @@ namespace {
 ssize_t wait_for_byte(int pipe, Poll* poll) {
   while (poll) {
     pollfd ready{.fd = pipe, .events = POLLIN, .revents = 0};
-    if (::poll(&ready, 1, int(kAskEvery.count())) != 0 && errno != EINTR) break;
+    if (::poll(&ready, 1, int(kMonitorInterval.count())) != 0 && errno != EINTR) break;
     if (ready.revents != 0) break;
     if (poll->ask(0.0)) return 0;
   }
@@ -133,17 +133,17 @@ ssize_t wait_for_byte(int pipe, Poll* poll) {
 
 /// Runs umbrage-import with these arguments, which name the file, and receives its result.
 template <class T>
-Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words,
-                     std::optional<Result<T>> (*receive)(int), Poll* poll) {
+Result<T> read_in_child_process(const fs::path& file, const std::vector<std::string>& words,
+                                std::optional<Result<T>> (*receive)(int), Poll* poll) {
   const fs::path program = import_program();
   if (program.empty())
     return file_error(
         "'{}' cannot be read, since the program {} is missing; install it, or set UMBRAGE_IMPORT to its path",
         file.string(), kProgram);
-  Descriptor result = moved_up(::memfd_create("umbrage-scene", MFD_CLOEXEC));
+  Descriptor result = moved_to_free_number(::memfd_create("umbrage-scene", MFD_CLOEXEC));
   int ends[2] = {-1, -1};
   Descriptor told, done;
-  if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_up(ends[0]), done = moved_up(ends[1]);
+  if (::pipe2(ends, O_CLOEXEC) == 0) told = moved_to_free_number(ends[0]), done = moved_to_free_number(ends[1]);
   if (result.number < 0 || told.number < 0 || done.number < 0)
     return file_error("'{}' cannot be read: {}", file.string(), std::strerror(errno));
   const auto started = std::chrono::steady_clock::now();
@@ -173,22 +173,22 @@ Result<T> read_apart(const fs::path& file, const std::vector<std::string>& words
   if (got == 1)
     return file_error("'{}' cannot be read: '{}' has another version than this program", file.string(),
                       program.string());
-  return ended_early(file, ended);
+  return error_of_ended_child(file, ended);
 }
 
 }  // namespace
 
-Result<Scene> import_apart(const fs::path& file, const ImportSettings& settings, Poll* poll) {
+Result<Scene> import_in_child_process(const fs::path& file, const ImportSettings& settings, Poll* poll) {
   const auto number = [](float v) { return fmt::format("{}", v); };
-  return read_apart<Scene>(
+  return read_in_child_process<Scene>(
       file,
       {file.string(), number(settings.crease_angle_deg), number(settings.up.x), number(settings.up.y),
        number(settings.up.z), fmt::format("{}", settings.scene_index.value_or(kNoSceneIndex))},
       receive_import, poll);
 }
 
-Result<Panorama> read_panorama_apart(const fs::path& file, Poll* poll) {
-  return read_apart<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama, poll);
+Result<Panorama> read_panorama_in_child_process(const fs::path& file, Poll* poll) {
+  return read_in_child_process<Panorama>(file, {kReadPanorama, file.string()}, receive_panorama, poll);
 }
 
 }  // namespace umbrage

@@ -13,7 +13,8 @@ inline constexpr int kImportResult = 3, kImportDone = 4;
 /// Runs umbrage-import on a file. Safe to call from several threads and in any host: processes are started only by
 /// posix_spawn, and signal handlers are not changed. Errors: kFile: the reader's own, one sentence if it crashed or was
 /// stopped, one if the program umbrage-import is missing; kInterrupted, after umbrage-import has ended.
-Result<Scene> import_apart(const std::filesystem::path& file, const ImportSettings& settings, Poll* poll = nullptr);
+Result<Scene> import_in_child_process(const std::filesystem::path& file, const ImportSettings& settings,
+                                      Poll* poll = nullptr);
 
 /// Command-line value for ImportSettings::scene_index that is not set.
 inline constexpr int kNoSceneIndex = -1;
@@ -22,8 +23,8 @@ inline constexpr int kNoSceneIndex = -1;
 inline constexpr const char* kReadPanorama = "--panorama";
 
 /// Runs read_panorama (scene/readers/texture_file.h) in a separate process, since the decoders are third-party code.
-/// Errors: as import_apart.
-Result<Panorama> read_panorama_apart(const std::filesystem::path& file, Poll* poll = nullptr);
+/// Errors: as import_in_child_process.
+Result<Panorama> read_panorama_in_child_process(const std::filesystem::path& file, Poll* poll = nullptr);
 
 /// Returns the path of umbrage-import: the environment variable UMBRAGE_IMPORT, else beside the program or library that
 /// contains this function or in its ../libexec/umbrage, else the installation path. Empty if none exists.
