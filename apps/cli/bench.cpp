@@ -42,10 +42,10 @@ Result<Times> time_of(int runs, Device& device, const Run& run) {
     if (Result<void> done = run(); !done) return done.error();
     if (Result<void> done = device.finish(); !done) return done.error();
     times.done("run");
-    const auto passes = device.take_dispatch_times();
+    const auto dispatches = device.take_dispatch_times();
     if (i == 0) continue;
     ms.push_back(times.total());
-    if (!passes.empty()) gpu_ms.push_back(0.0);
+    if (!dispatches.empty()) gpu_ms.push_back(0.0);
     for (const DispatchTime& dispatch : dispatches) gpu_ms.back() += dispatch.ms;
   }
   std::sort(ms.begin(), ms.end());

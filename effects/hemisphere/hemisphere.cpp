@@ -223,7 +223,7 @@ void fill_constants(const HemisphereParams& params, const PictureInfo& info, Hem
   c.above = whole ? 0 : 1;
   c.rises = !whole && params.bias_of == 0 ? 1 : 0;
   c.min_height = c.rises ? params.bias * c.radius : 0.0f;
-  c.min_nearer = c.rises ? 0.0f : params.bias * c.radius;
+  c.min_in_front = c.rises ? 0.0f : params.bias * c.radius;
   c.weight = params.weight;
   c.clamp_border = params.border;
   c.occlusion = params.occlusion;

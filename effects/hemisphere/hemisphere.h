@@ -58,7 +58,7 @@ struct HemisphereConstants {
   float window_one, window_inverse;  // window depth = window_one - window_inverse / depth
   int rises;                         // 0 or 1: an occluder must rise above the surface's plane
   // Scene units: minimum height above the surface's plane; minimum distance in front of the sample
-  float min_height, min_nearer;
+  float min_height, min_in_front;
   float weight;
   int clamp_border;  // 0 or 1
   int occlusion;     // 0 or 1

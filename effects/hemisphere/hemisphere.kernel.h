@@ -263,11 +263,11 @@ struct Occluder {
 struct Looking {
   Vec3 position, normal;
   Real depth, limit;  // view depth and range limit for the first camera
-  Real rounding, min_height, min_nearer;
+  Real rounding, min_height, min_in_front;
 };
 
 FN Occluder occluder_at(Looking from, int i, Real x, Real y, Real tap, Real point_depth, Bool hideable) {
-  Bool before = tap > 0.0f && point_depth - tap > from.min_nearer;
+  Bool before = tap > 0.0f && point_depth - tap > from.min_in_front;
   Vec3 seen = position_in_view(i, x, y, tap);
   Vec3 occluder = seen;
   Real own_depth = from.depth;
@@ -320,9 +320,9 @@ FN void gather(Int px, Int py) {
 
   Real rounding = depth * kDepthRounding;
   Real min_height = rounding + Real(C.min_height);
-  Real min_nearer = rounding + Real(C.min_nearer);
+  Real min_in_front = rounding + Real(C.min_in_front);
   Real min_depth = depth * kMinDepth;
-  Looking from = Looking(position, normal, depth, range_limit(depth), rounding, min_height, min_nearer);
+  Looking from = Looking(position, normal, depth, range_limit(depth), rounding, min_height, min_in_front);
   Int own_place = place_of(to_real(px), to_real(py));
   int found_count = 0;
   Real hidden = Real(0.0f);
@@ -383,7 +383,7 @@ FN void gather(Int px, Int py) {
           known = known || inside;
         }
         Real tap = select(inside, layers == 1 ? read_depth(place) : read_depth_of(C.layer[i], place), Real(0.0f));
-        Bool before = tap > 0.0f && point_depth - tap > min_nearer;
+        Bool before = tap > 0.0f && point_depth - tap > min_in_front;
         if (i == 0) open = inside && !before;
         if (kLanes == 1) {
           // With a single lane the tap is evaluated at once.
